@@ -1,0 +1,50 @@
+/// \file
+/// Where the time of a run goes, phase by phase: for history, summary, and PETSc's -log_view.
+#pragma once
+
+#include <petscsys.h>
+
+#include <array>
+#include <string_view>
+
+namespace fabseq {
+
+enum class Phase { heat, layers, primal, adjoint, responses, optimizer, output };
+constexpr int phase_count = 7;
+constexpr std::array<std::string_view, phase_count> phase_names = {"heat",      "layers",    "primal", "adjoint",
+                                                                   "responses", "optimizer", "output"};
+
+/// Wall seconds spent in each phase, on this rank; each phase is a PETSc log stage.
+class PhaseTimer {
+ public:
+  /// Registers the log stages; PETSc must be initialized.
+  PhaseTimer();
+
+  /// Time from construction to destruction counts for the phase. Phases do not nest.
+  class Scope {
+   public:
+    Scope(PhaseTimer& timer, Phase phase);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    PhaseTimer& timer_;
+    Phase phase_;
+    double start_;
+  };
+  [[nodiscard]] Scope enter(Phase phase) { return Scope(*this, phase); }
+
+  /// Seconds a phase since construction or the last reset().
+  const std::array<double, phase_count>& seconds() const { return seconds_; }
+  void reset() { seconds_.fill(0.0); }
+
+ private:
+  std::array<double, phase_count> seconds_{};
+  std::array<PetscLogStage, phase_count> stages_{};
+};
+
+/// Largest resident memory so far of all ranks of `comm` together, bytes. Collective.
+double peak_memory_bytes(MPI_Comm comm);
+
+}  // namespace fabseq

@@ -1,0 +1,117 @@
+/// \file
+/// The uniform box grid and its decomposition over the ranks (docs/formulation.md 1).
+#pragma once
+
+#include "fabseq/base/petsc.h"
+#include "fabseq/grid/index_box.h"
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Extent of the box and its elements; in 2D every element has the given thickness.
+template <int Dim>
+struct Domain {
+  Point<Dim> size{};         ///< edge lengths, length unit
+  Index<Dim> elements{};     ///< elements along each axis
+  double thickness = 1.0;    ///< 2D plane stress only, length unit; 1 in 3D
+};
+
+/// Moves nodal values between the nodes a rank owns and the ghosted box its element loops work on. Arrays are
+/// [node][component], nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes(). All calls are collective.
+template <int Dim>
+class NodeExchange {
+ public:
+  /// `dm`: a DMDA with `components` degrees of freedom a node; not owned, must outlive the exchange.
+  NodeExchange(DM dm, int components);
+
+  /// Copies owned values and those of the neighbours' nodes in the ghosted box.
+  void to_ghosted(std::span<const double> owned, std::span<double> ghosted) const;
+  /// Adds what element loops collected on `ghosted` nodes to their owners; `owned` is overwritten.
+  void add_to_owned(std::span<const double> ghosted, std::span<double> owned) const;
+
+ private:
+  DM dm_;
+  VecHandle owned_, ghosted_;
+};
+
+/// A DMDA-decomposed box grid of Q4 or H8 elements. The element with index i belongs to the rank that owns its lowest
+/// node; the last rank along an axis owns one node more than elements. Ownership ranges are tensor products, chosen so
+/// that the largest sum of element weights of a rank is smallest.
+template <int Dim>
+class Grid {
+ public:
+  /// Weights of the elements of a box, lexicographic (for load balance only).
+  using WeightFunction = std::function<std::vector<double>(const IndexBox<Dim>&)>;
+
+  /// Collective on `comm`. Throws InputError if the grid has fewer elements than can be dealt out to the ranks, or more
+  /// unknowns than PETSc's indices hold. The grid holds no reference to `weights` afterwards.
+  Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights);
+
+  MPI_Comm comm() const { return comm_; }
+  const Domain<Dim>& domain() const { return domain_; }
+  /// Element edge lengths.
+  const Point<Dim>& spacing() const { return spacing_; }
+  double smallest_spacing() const;
+  double largest_spacing() const;
+  /// Volume of an element (2D: area times thickness).
+  double element_volume() const;
+
+  /// The whole grid.
+  IndexBox<Dim> all_elements() const { return {Index<Dim>{}, domain_.elements}; }
+  IndexBox<Dim> all_nodes() const;
+  /// This rank's share. Local element fields are lexicographic in owned_elements().
+  const IndexBox<Dim>& owned_elements() const { return owned_elements_; }
+  const IndexBox<Dim>& owned_nodes() const { return owned_nodes_; }
+  /// Owned nodes and one layer around them, within the grid; holds all nodes of the owned elements.
+  const IndexBox<Dim>& ghosted_nodes() const { return ghosted_nodes_; }
+  /// Ranks along each axis; rank = px + Px (py + Py pz).
+  const Index<Dim>& processes() const { return processes_; }
+
+  Point<Dim> element_center(const Index<Dim>& element) const;
+  Point<Dim> node_position(const Index<Dim>& node) const;
+
+  /// Offsets, in the ghosted node box, of an element's corners relative to its lowest node.
+  const std::array<int, corner_count<Dim>>& corner_offsets() const { return corner_offsets_; }
+  /// Offset in the ghosted node box of an owned element's lowest node.
+  int first_corner(const Index<Dim>& element) const { return static_cast<int>(ghosted_nodes_.offset(element)); }
+  /// Offset in the ghosted node box of an owned node given by its offset in the owned box.
+  int ghosted_offset(int owned_offset) const { return static_cast<int>(ghosted_nodes_.offset(owned_nodes_.index(owned_offset))); }
+
+  /// Position of an element in the order "ranks one after the other, each lexicographic" (PETSc's order).
+  std::int64_t element_number(const Index<Dim>& element) const;
+  std::int64_t node_number(const Index<Dim>& node) const;
+
+  /// DMDA over the nodes with this many components (box stencil of width 1); owned by the grid, made at first use
+  /// (collective).
+  DM node_dm(int components) const;
+  /// Exchange for nodal arrays with this many components; owned by the grid, made at first use (collective).
+  const NodeExchange<Dim>& exchange(int components) const;
+
+ private:
+  void choose_ranges(const WeightFunction& weights);
+  void set_up_boxes();
+
+  MPI_Comm comm_;
+  Domain<Dim> domain_;
+  Point<Dim> spacing_{};
+  Index<Dim> processes_{};
+  std::array<std::vector<int>, Dim> range_starts_;  ///< first element of each process along each axis, and the end
+  IndexBox<Dim> owned_elements_, owned_nodes_, ghosted_nodes_;
+  std::array<int, corner_count<Dim>> corner_offsets_{};
+  std::vector<std::int64_t> element_starts_, node_starts_;  ///< first number of each rank
+  mutable std::map<int, DmHandle> node_dms_;
+  mutable std::map<int, std::unique_ptr<NodeExchange<Dim>>> exchanges_;
+};
+
+extern template class NodeExchange<2>;
+extern template class NodeExchange<3>;
+extern template class Grid<2>;
+extern template class Grid<3>;
+
+}  // namespace fabseq

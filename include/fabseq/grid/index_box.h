@@ -1,0 +1,60 @@
+/// \file
+/// Points, indices and boxes of indices in `Dim` dimensions, x fastest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace fabseq {
+
+template <int Dim>
+using Point = std::array<double, Dim>;
+
+/// Element or node index along each axis.
+template <int Dim>
+using Index = std::array<int, Dim>;
+
+/// Number of nodes of an element; node n sits at the upper end of axis a where bit a of n is set.
+template <int Dim>
+constexpr int corner_count = 1 << Dim;
+
+/// All indices with start[a] <= index[a] < start[a] + size[a].
+template <int Dim>
+struct IndexBox {
+  Index<Dim> start{};
+  Index<Dim> size{};
+
+  std::int64_t count() const {
+    std::int64_t product = 1;
+    for (const int extent : size) product *= extent;
+    return product;
+  }
+  bool contains(const Index<Dim>& index) const {
+    for (int axis = 0; axis < Dim; ++axis)
+      if (index[axis] < start[axis] || index[axis] >= start[axis] + size[axis]) return false;
+    return true;
+  }
+  /// Position of `index` in the lexicographic order of the box, x fastest.
+  std::int64_t offset(const Index<Dim>& index) const {
+    std::int64_t result = 0;
+    for (int axis = Dim - 1; axis >= 0; --axis) result = result * size[axis] + (index[axis] - start[axis]);
+    return result;
+  }
+  /// Inverse of offset().
+  Index<Dim> index(std::int64_t offset) const {
+    Index<Dim> result{};
+    for (int axis = 0; axis < Dim; ++axis) {
+      result[axis] = start[axis] + static_cast<int>(offset % size[axis]);
+      offset /= size[axis];
+    }
+    return result;
+  }
+  /// Calls f(index, offset) for all indices in lexicographic order.
+  template <class Function>
+  void for_each(Function&& f) const {
+    const std::int64_t total = count();
+    for (std::int64_t o = 0; o < total; ++o) f(index(o), o);
+  }
+};
+
+}  // namespace fabseq

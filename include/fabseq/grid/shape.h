@@ -1,0 +1,28 @@
+/// \file
+/// Constructive solid geometry: which points belong to a part, a node set, a start region.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// A primitive or a boolean combination of shapes. 2D and 3D alike: coordinates have as many entries as the domain has
+/// dimensions. Primitives contain points up to a tolerance outside their surface (docs/users-guide.md, conventions).
+struct Shape {
+  enum class Kind { box, half_space, cylinder, sphere, polygon, union_of, intersection, difference };
+
+  Kind kind = Kind::union_of;
+  std::vector<double> first;                    ///< box min, half_space point, cylinder from, sphere center
+  std::vector<double> second;                   ///< box max, half_space normal, cylinder to
+  double radius = 0.0;                          ///< cylinder, sphere
+  int axis = 2;                                 ///< polygon in 3D: axis along which it is extruded through the box
+  std::vector<std::array<double, 2>> points;    ///< polygon: in the two other axes in ascending order
+  std::vector<Shape> operands;                  ///< union_of, intersection, difference (first minus all others)
+
+  /// Whether `point` (one coordinate an axis, length unit) lies inside or at most `tolerance` (length) outside.
+  bool contains(std::span<const double> point, double tolerance) const;
+};
+
+}  // namespace fabseq

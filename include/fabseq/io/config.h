@@ -1,0 +1,158 @@
+/// \file
+/// What a user asks for, typed: the result of reading and validating a config file (docs/users-guide.md, reference table).
+#pragma once
+
+#include "fabseq/grid/node_set.h"
+#include "fabseq/grid/part.h"
+#include "fabseq/grid/shape.h"
+#include "fabseq/io/json.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+enum class Task { optimize, simulate, evaluate, check_gradients, check };
+
+struct MaterialSettings {
+  double young = 1.0;                   ///< stress unit
+  double poisson = 0.3;
+  std::vector<double> inherent_strain;  ///< Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied
+};
+
+enum class VoidModel { absent, quiet };
+
+/// docs/formulation.md 4.1.
+struct ProcessSettings {
+  double stiffness_penalty = 3.0;
+  double strain_penalty = 3.0;
+  double min_stiffness = 1e-9;
+  VoidModel void_model = VoidModel::absent;
+};
+
+enum class SequenceType { heat, planar, file };
+enum class VariableScale { log, linear };
+enum class MassRule { automatic, consistent, lumped };
+
+/// docs/formulation.md 2.1, 2.2 (heat), 3.3 (planar), 3.1 (file).
+struct SequenceSettings {
+  SequenceType type = SequenceType::heat;
+  VariableScale scale = VariableScale::log;
+  MassRule mass = MassRule::automatic;
+  std::optional<double> initial;                ///< uniform diffusivity; none: from the distance to the plate
+  double drain = 1.0;
+  std::optional<double> characteristic_length;  ///< length unit; none: longest edge of the part's bounding box
+  double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
+  double filter_radius = 0.0;                   ///< length unit; 0: no filter
+  std::vector<double> direction;                ///< planar: build direction; empty: the plate's normal
+  std::string file;                             ///< file: absolute path of an HDF5 file
+  std::string dataset = "time";                 ///< file: its dataset, axes [z][y][x]
+};
+
+struct LayerSettings {
+  std::optional<int> count;  ///< none: ceil(geodesic height / target thickness)
+};
+
+/// Sharpness beta of the layers and its continuation, docs/formulation.md 3.1.
+struct ProjectionSettings {
+  std::optional<double> beta;  ///< start; none: 4 N
+  double factor = 1.5;
+  double increment = 0.0;
+  int interval = 15;           ///< iterations between two steps
+  std::optional<double> max;   ///< none: 13.5 N
+  bool binary = false;
+};
+
+enum class TermScaling { first, current };
+
+struct ObjectiveTerm {
+  std::string type;     ///< distortion, layer_uniformity
+  double weight = 1.0;
+  double normalize = 100.0;
+  TermScaling scaling = TermScaling::first;
+  std::string measure;  ///< distortion: displacement, flatness, layerwise
+  std::string nodes;    ///< distortion: name of a node set
+  int axis = -1;        ///< flatness
+  bool mean = false;    ///< displacement: divide by the number of nodes
+  std::string form;     ///< layer_uniformity: sum_of_squares, variance
+};
+
+struct ConstraintTerm {
+  std::string type;        ///< layer_thickness, deposition_speed
+  double target = 0.0;     ///< layer_thickness, length unit
+  double tolerance = 0.1;  ///< layer_thickness, relative
+  double slack = 1e-3;     ///< deposition_speed
+};
+
+struct BaselineSettings {
+  std::optional<int> layers;      ///< none: round(height / target), else the layer count
+  std::vector<double> direction;  ///< empty: the plate's normal
+};
+
+struct OptimizerSettings {
+  int max_iterations = 400;
+  double change_tolerance = 0.0;
+  double move_limit = 0.05, final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
+  double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;
+  double constraint_margin = 0.95;
+};
+
+enum class ReferenceMethod { automatic, gamg, multigrid, direct };
+
+struct SolverSettings {
+  double tolerance = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
+  ReferenceMethod method = ReferenceMethod::automatic;
+};
+
+struct OutputSettings {
+  int every = 15;
+  int checkpoint_every = 10;
+  bool stages = false;
+};
+
+/// A validated config. Vectors have `dimension` entries.
+struct Config {
+  std::string name;
+  int dimension = 3;
+  std::vector<double> size;
+  std::vector<int> elements;
+  double thickness = 1.0;
+  PartDescription part;
+  BuildPlate plate;
+  std::map<std::string, NodeSetDescription> node_sets;
+  MaterialSettings material;
+  ProcessSettings process;
+  SequenceSettings sequence;
+  LayerSettings layers;
+  ProjectionSettings projection;
+  std::vector<ObjectiveTerm> objective;
+  std::vector<ConstraintTerm> constraints;
+  BaselineSettings baseline;
+  OptimizerSettings optimizer;
+  SolverSettings solver;
+  OutputSettings output;
+
+  Json effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same result
+
+  /// Target thickness of the first layer_thickness constraint, if there is one.
+  std::optional<double> target_thickness() const;
+  template <int Dim>
+  Domain<Dim> domain() const {
+    Domain<Dim> result;
+    for (int axis = 0; axis < Dim; ++axis) {
+      result.size[axis] = size[axis];
+      result.elements[axis] = elements[axis];
+    }
+    result.thickness = thickness;
+    return result;
+  }
+};
+
+/// Validates `document` (config text parsed, -set and flat options applied) against the table of keys and fills in
+/// defaults. `directory`: absolute directory that relative paths in the config refer to. Not collective; the same on all
+/// ranks. Throws InputError with the JSON pointer of the offending key, what was found and what is allowed.
+Config make_config(const Json& document, const std::string& directory);
+
+}  // namespace fabseq

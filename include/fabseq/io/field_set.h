@@ -1,0 +1,35 @@
+/// \file
+/// Named fields on a grid, ready for output: registered once, written by any writer.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Names and values of element and node fields. Values are not copied: what was added must outlive the set.
+template <int Dim>
+struct FieldSet {
+  struct Field {
+    std::string name;
+    bool on_nodes = false;
+    int components = 1;
+    std::span<const double> values;  ///< owned entities of this rank, [entity][component], lexicographic in the owned box
+    bool single_precision = false;   ///< stored as 32-bit floats
+  };
+
+  const Grid<Dim>* grid = nullptr;
+  std::vector<Field> fields;
+
+  void add_elements(const std::string& name, std::span<const double> values, int components = 1) {
+    fields.push_back({name, false, components, values, false});
+  }
+  void add_nodes(const std::string& name, std::span<const double> values, int components = 1) {
+    fields.push_back({name, true, components, values, false});
+  }
+};
+
+}  // namespace fabseq

@@ -1,0 +1,57 @@
+/// \file
+/// HDF5 files written by one rank, gathered slab by slab (docs/architecture.md says why not in parallel).
+#pragma once
+
+#include "fabseq/io/field_set.h"
+#include "fabseq/io/json.h"
+
+#include <mpi.h>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are collective on
+/// `comm`; rank 0 writes through the POSIX driver; the outcome of each call is known on all ranks: OutputError on all of them,
+/// naming the file. Without close() nothing is left behind.
+class Hdf5Writer {
+ public:
+  Hdf5Writer(MPI_Comm comm, const std::string& path);
+  ~Hdf5Writer();
+  Hdf5Writer(const Hdf5Writer&) = delete;
+  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+  /// A field with axes [z][y][x] (2D [y][x]), and [component] if it has several. Groups in the name ("a/b") are made.
+  template <int Dim>
+  void write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field);
+  /// All fields of a set.
+  template <int Dim>
+  void write_fields(const FieldSet<Dim>& fields);
+  /// [stage][z][y][x][component] in single precision, one call a stage, stages in order; `count` stages in all.
+  template <int Dim>
+  void write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage, int count);
+  /// A plain array known on rank 0.
+  void write_array(const std::string& name, std::span<const double> values);
+  /// An attribute of the file itself: number, integer, string or boolean.
+  void write_attribute(const std::string& name, const Json& value);
+  /// Flushes, closes, and gives the file its name.
+  void close();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+/// XDMF text for the fields of an HDF5 file written by Hdf5Writer; `hdf5_name` relative to the XDMF file.
+template <int Dim>
+std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
+
+/// Reads the owned part of an element field [z][y][x] from a file, by all ranks in parallel. Collective on the grid's
+/// communicator. Throws InputError naming file and dataset if one is missing or has another shape.
+template <int Dim>
+std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file, const std::string& dataset);
+
+}  // namespace fabseq

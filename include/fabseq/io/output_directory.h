@@ -1,0 +1,34 @@
+/// \file
+/// The directory a run writes to.
+#pragma once
+
+#include "fabseq/io/json.h"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace fabseq {
+
+/// Creates (collectively, rank 0 does the work) the directory of a run and writes small text files into it.
+class OutputDirectory {
+ public:
+  /// Throws InputError if `path` holds a run already (a config.json) and not `overwrite`; with `overwrite` removes what an
+  /// earlier run left there (only files and folders a run writes). Throws OutputError if it cannot be made or written to.
+  OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
+
+  MPI_Comm comm() const { return comm_; }
+  const std::string& path() const { return path_; }
+  std::string file(const std::string& name) const { return path_ + "/" + name; }
+  /// Writes a file whole, through a temporary name and a rename, by rank 0; the outcome is known on all ranks: throws
+  /// OutputError on all of them if it failed. Collective.
+  void write(const std::string& name, const std::string& text) const;
+  /// Appends a line to a file and flushes it to the operating system, as write().
+  void append_line(const std::string& name, const std::string& line) const;
+
+ private:
+  MPI_Comm comm_;
+  std::string path_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,67 @@
+/// \file
+/// The method of moving asymptotes, distributed.
+#pragma once
+
+#include <mpi.h>
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Asymptotes of Svanberg 1987; distances are fractions of a variable's range.
+struct MmaSettings {
+  double asymptote_initial = 0.5;
+  double asymptote_increase = 1.2;
+  double asymptote_decrease = 0.7;
+  double asymptote_floor = 0.1;     ///< least distance of an asymptote from the variable
+  double asymptote_ceiling = 10.0;  ///< largest
+};
+
+/// The general form min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), f_i - a_i z - y_i <= 0, y_i, z >= 0.
+/// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c = 0, d = 2.
+struct MmaRows {
+  double a0 = 1.0;
+  std::vector<double> a, c, d;  ///< one entry a row
+  /// m ordinary constraints: a = 0, c = 1000, d = 1.
+  static MmaRows constraints(int m);
+};
+
+/// What an update found out.
+struct MmaReport {
+  int newton_steps = 0;
+  double kkt_residual = 0.0;          ///< largest residual of the subproblem's optimality conditions
+  std::vector<double> multipliers;    ///< lambda of each row
+  double largest_violation = 0.0;     ///< largest y_i: how much the convex subproblem had to relax a row
+};
+
+/// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA", 2007;
+/// distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every rank).
+/// The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
+class Mma {
+ public:
+  /// `local`: number of variables on this rank (may be 0).
+  Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings);
+
+  /// Moves `x` to the solution of the convex subproblem.
+  /// \param x                 variables, this rank's (in and out)
+  /// \param objective_gradient df0/dx, this rank's
+  /// \param values            f_i, one a row, the same on all ranks
+  /// \param gradients         df_i/dx, one vector of this rank's entries a row
+  /// \param lower,upper       bounds of each variable; their distance is the variable's range; a variable with lower = upper stays
+  /// \param move_limit        largest step, fraction of the range
+  /// Throws NumericalError if values or gradients are not finite or the subproblem does not converge.
+  MmaReport update(std::span<double> x, std::span<const double> objective_gradient, std::span<const double> values,
+                   std::span<const std::vector<double>> gradients, std::span<const double> lower,
+                   std::span<const double> upper, double move_limit, const MmaRows& rows);
+
+ private:
+  void move_asymptotes(std::span<const double> x, std::span<const double> lower, std::span<const double> upper);
+
+  MPI_Comm comm_;
+  MmaSettings settings_;
+  int iteration_ = 0;
+  std::vector<double> low_, upp_, previous_, before_previous_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,36 @@
+#include "fabseq/base/phase_timer.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/petsc.h"
+
+#include <mpi.h>
+#include <sys/resource.h>
+
+#include <string>
+
+namespace fabseq {
+
+PhaseTimer::PhaseTimer() {
+  for (int phase = 0; phase < phase_count; ++phase) {
+    const std::string name = "fabseq " + std::string(phase_names[phase]);
+    check(PetscLogStageGetId(name.c_str(), &stages_[phase]));
+    if (stages_[phase] < 0) check(PetscLogStageRegister(name.c_str(), &stages_[phase]));
+  }
+}
+
+PhaseTimer::Scope::Scope(PhaseTimer& timer, Phase phase) : timer_(timer), phase_(phase), start_(MPI_Wtime()) {
+  check(PetscLogStagePush(timer_.stages_[static_cast<int>(phase_)]));
+}
+
+PhaseTimer::Scope::~Scope() {
+  (void)PetscLogStagePop();
+  timer_.seconds_[static_cast<int>(phase_)] += MPI_Wtime() - start_;
+}
+
+double peak_memory_bytes(MPI_Comm comm) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return sum(comm, 1024.0 * static_cast<double>(usage.ru_maxrss));
+}
+
+}  // namespace fabseq

@@ -1,0 +1,78 @@
+#include "fabseq/base/session.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/petsc.h"
+
+#include <mpi.h>
+
+#include <cstdio>
+
+namespace fabseq {
+
+namespace {
+
+/// Keeps PETSc from printing a trace; check() puts the message into the exception instead.
+PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType,
+                                   const char*, void*) {
+  return code;
+}
+
+/// PETSc options nobody asked for are most likely misspelt.
+void warn_about_unread_options() {
+  PetscInt count = 0;
+  char** names = nullptr;
+  char** values = nullptr;
+  check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  for (PetscInt i = 0; i < count; ++i) warn(std::string("option -") + names[i] + " was not read by anybody");
+  check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  check(PetscOptionsSetValue(nullptr, "-options_left", "no"));
+}
+
+int guarded(const std::function<void()>& program) {
+  try {
+    program();
+    warn_about_unread_options();
+    return static_cast<int>(ExitStatus::done);
+  } catch (const Error& error) {
+    if (rank_of(PETSC_COMM_WORLD) == 0) std::fprintf(stderr, "fabseq: %s\n", error.what());
+    (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
+    return static_cast<int>(error.status());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "fabseq: rank %d: %s\n", rank_of(PETSC_COMM_WORLD), error.what());
+    std::fflush(stderr);
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitStatus::numerical_failure));
+    return static_cast<int>(ExitStatus::numerical_failure);
+  }
+}
+
+}  // namespace
+
+int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
+  std::vector<std::string> copies = petsc_arguments;
+  std::vector<char*> pointers;
+  pointers.reserve(copies.size() + 1);
+  for (std::string& argument : copies) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  int count = static_cast<int>(copies.size());
+  char** arguments = pointers.data();
+  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0) return static_cast<int>(ExitStatus::numerical_failure);
+  (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
+  const int status = guarded(program);
+  (void)PetscPopErrorHandler();
+  (void)PetscFinalize();
+  return status;
+}
+
+void warn(const std::string& message) {
+  if (rank_of(PETSC_COMM_WORLD) == 0) std::fprintf(stderr, "warning: %s\n", message.c_str());
+}
+
+void print(const std::string& line) {
+  if (rank_of(PETSC_COMM_WORLD) == 0) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace fabseq
