@@ -9,8 +9,8 @@
 
 namespace fabseq {
 
-/// Gathers an element field on this rank's elements and all elements up to `width` away along each axis (within the
-/// grid), also across several ranks. Set-up and calls are collective.
+/// Gathers an element field on this rank's elements and all elements up to `width` away along each axis
+/// (within the grid), also across several ranks. Set-up and calls are collective.
 template <int Dim>
 class ElementHalo {
  public:

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "fabseq/base/petsc.h"
+#include "fabseq/grid/decomposition.h"
 #include "fabseq/grid/index_box.h"
 
 #include <array>
-#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -17,17 +17,28 @@ namespace fabseq {
 /// Extent of the box and its elements; in 2D every element has the given thickness.
 template <int Dim>
 struct Domain {
-  Point<Dim> size{};         ///< edge lengths, length unit
-  Index<Dim> elements{};     ///< elements along each axis
-  double thickness = 1.0;    ///< 2D plane stress only, length unit; 1 in 3D
+  Point<Dim> size{};       ///< edge lengths, length unit
+  Index<Dim> elements{};   ///< elements along each axis
+  double thickness = 1.0;  ///< 2D plane stress only, length unit; 1 in 3D
 };
 
+/// Centre of an element, for those who have no grid yet.
+template <int Dim>
+Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) {
+  Point<Dim> center;
+  for (int axis = 0; axis < Dim; ++axis)
+    center[axis] = (element[axis] + 0.5) * (domain.size[axis] / domain.elements[axis]);
+  return center;
+}
+
 /// Moves nodal values between the nodes a rank owns and the ghosted box its element loops work on. Arrays are
-/// [node][component], nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes(). All calls are collective.
+/// [node][component], nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes(). All calls are
+/// collective.
 template <int Dim>
 class NodeExchange {
  public:
   /// `dm`: a DMDA with `components` degrees of freedom a node; not owned, must outlive the exchange.
+  /// Collective.
   NodeExchange(DM dm, int components);
 
   /// Copies owned values and those of the neighbours' nodes in the ghosted box.
@@ -40,17 +51,20 @@ class NodeExchange {
   VecHandle owned_, ghosted_;
 };
 
-/// A DMDA-decomposed box grid of Q4 or H8 elements. The element with index i belongs to the rank that owns its lowest
-/// node; the last rank along an axis owns one node more than elements. Ownership ranges are tensor products, chosen so
-/// that the largest sum of element weights of a rank is smallest.
+/// A DMDA-decomposed box grid of Q4 or H8 elements. The element with index i belongs to the rank that owns
+/// its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are tensor
+/// products, chosen so that the largest sum of element weights of a rank is smallest.
 template <int Dim>
 class Grid {
  public:
-  /// Weights of the elements of a box, lexicographic (for load balance only).
-  using WeightFunction = std::function<std::vector<double>(const IndexBox<Dim>&)>;
+  /// Weights of the elements of a box, lexicographic (for load balance only); called on a part of the grid on
+  /// each rank, by all ranks or none. Empty: all elements alike.
+  using WeightFunction = ElementWeights<Dim>;
 
-  /// Collective on `comm`. Throws InputError if the grid has fewer elements than can be dealt out to the ranks, or more
-  /// unknowns than PETSc's indices hold. The grid holds no reference to `weights` afterwards.
+  /// Collective on `comm`. Throws InputError if the grid has fewer elements than can be dealt out to the
+  /// ranks, or more unknowns than PETSc's indices hold. The grid holds no reference to `weights` afterwards.
+  /// A grid can be moved: DMs and exchanges stay where they are; parts, halos and the like that refer to the
+  /// moved grid do not follow.
   Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights);
 
   MPI_Comm comm() const { return comm_; }
@@ -71,7 +85,7 @@ class Grid {
   /// Owned nodes and one layer around them, within the grid; holds all nodes of the owned elements.
   const IndexBox<Dim>& ghosted_nodes() const { return ghosted_nodes_; }
   /// Ranks along each axis; rank = px + Px (py + Py pz).
-  const Index<Dim>& processes() const { return processes_; }
+  const Index<Dim>& processes() const { return decomposition_.processes; }
 
   Point<Dim> element_center(const Index<Dim>& element) const;
   Point<Dim> node_position(const Index<Dim>& node) const;
@@ -79,29 +93,31 @@ class Grid {
   /// Offsets, in the ghosted node box, of an element's corners relative to its lowest node.
   const std::array<int, corner_count<Dim>>& corner_offsets() const { return corner_offsets_; }
   /// Offset in the ghosted node box of an owned element's lowest node.
-  int first_corner(const Index<Dim>& element) const { return static_cast<int>(ghosted_nodes_.offset(element)); }
+  int first_corner(const Index<Dim>& element) const {
+    return static_cast<int>(ghosted_nodes_.offset(element));
+  }
   /// Offset in the ghosted node box of an owned node given by its offset in the owned box.
-  int ghosted_offset(int owned_offset) const { return static_cast<int>(ghosted_nodes_.offset(owned_nodes_.index(owned_offset))); }
+  int ghosted_offset(int owned_offset) const {
+    return static_cast<int>(ghosted_nodes_.offset(owned_nodes_.index(owned_offset)));
+  }
 
   /// Position of an element in the order "ranks one after the other, each lexicographic" (PETSc's order).
   std::int64_t element_number(const Index<Dim>& element) const;
   std::int64_t node_number(const Index<Dim>& node) const;
 
-  /// DMDA over the nodes with this many components (box stencil of width 1); owned by the grid, made at first use
-  /// (collective).
+  /// DMDA over the nodes with this many components (box stencil of width 1); owned by the grid, made at first
+  /// use (collective). Throws InputError if the values of all nodes are more than PETSc's indices hold.
   DM node_dm(int components) const;
   /// Exchange for nodal arrays with this many components; owned by the grid, made at first use (collective).
   const NodeExchange<Dim>& exchange(int components) const;
 
  private:
-  void choose_ranges(const WeightFunction& weights);
   void set_up_boxes();
 
   MPI_Comm comm_;
   Domain<Dim> domain_;
   Point<Dim> spacing_{};
-  Index<Dim> processes_{};
-  std::array<std::vector<int>, Dim> range_starts_;  ///< first element of each process along each axis, and the end
+  Decomposition<Dim> decomposition_;
   IndexBox<Dim> owned_elements_, owned_nodes_, ghosted_nodes_;
   std::array<int, corner_count<Dim>> corner_offsets_{};
   std::vector<std::int64_t> element_starts_, node_starts_;  ///< first number of each rank

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 namespace fabseq {
 
@@ -13,6 +14,17 @@ using Point = std::array<double, Dim>;
 /// Element or node index along each axis.
 template <int Dim>
 using Index = std::array<int, Dim>;
+
+/// "[1,2,3]", for messages.
+template <int Dim>
+std::string to_text(const Index<Dim>& index) {
+  std::string text;
+  for (const int value : index) {
+    text += text.empty() ? "[" : ",";
+    text += std::to_string(value);
+  }
+  return text + "]";
+}
 
 /// Number of nodes of an element; node n sits at the upper end of axis a where bit a of n is set.
 template <int Dim>

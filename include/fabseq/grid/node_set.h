@@ -19,13 +19,14 @@ struct NodeSetDescription {
 /// The nodes of a set, distributed like the grid's nodes.
 struct NodeSet {
   std::string name;
-  std::vector<int> owned;   ///< offsets in Grid::owned_nodes(), ascending
-  std::int64_t count = 0;   ///< nodes of all ranks
+  std::vector<int> owned;  ///< offsets in Grid::owned_nodes(), ascending
+  std::int64_t count = 0;  ///< nodes of all ranks
 };
 
-/// Collective. Nodes up to 1e-6 of the smallest spacing outside the shape count. With samples k: nodes ordered along the
-/// longest edge of the set's bounding box, ties by lexicographic node number, index floor(i (n-1)/(k-1) + 1/2).
-/// Throws InputError naming /node_sets/NAME for a set without nodes or with fewer nodes than samples.
+/// Collective. Nodes up to 1e-6 of the smallest spacing outside the shape count. With samples k: nodes
+/// ordered along the longest edge of the set's bounding box, ties by lexicographic node number, index floor(i
+/// (n-1)/(k-1) + 1/2). Throws InputError naming /node_sets/NAME for a set without nodes or with fewer nodes
+/// than samples.
 template <int Dim>
 NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
 

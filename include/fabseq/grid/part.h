@@ -3,21 +3,25 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/grid/pieces.h"
 #include "fabseq/grid/shape.h"
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace fabseq {
 
-/// Density read from an HDF5 dataset with axes [z][y][x] (2D [y][x]), shape equal to the domain's elements reversed.
+/// Density read from an HDF5 dataset with axes [z][y][x] (2D [y][x]), shape equal to the domain's elements
+/// reversed.
 struct VoxelFile {
-  std::string file;                 ///< absolute path
+  std::string file;  ///< absolute path
   std::string dataset = "density";
-  std::optional<double> threshold;  ///< density >= threshold counts as 1; without it the grey density is used as it is
+  std::optional<double>
+      threshold;  ///< density >= threshold counts as 1; without it the grey density is used as it is
 };
 
 /// What the config says of the part.
@@ -26,33 +30,25 @@ struct PartDescription {
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing them
 };
 
-/// The face of the box that is the build plate.
-struct BuildPlate {
-  int axis = 2;
-  bool upper = false;  ///< at the upper end of the axis
-};
-
-/// Densities (0 to 1) of the elements of `box`, lexicographic. Collective on `comm` for voxel files (parallel read).
-/// Throws InputError for a missing file or dataset, a wrong shape, or densities outside [0, 1].
+/// Densities (0 to 1) of the elements of `box`, lexicographic. Collective on `comm` for voxel files (parallel
+/// read). Voxel datasets may be of any numeric type. `box` may be empty on some ranks. Throws InputError (on
+/// all ranks) for a missing file or dataset, a wrong shape, or densities outside [0, 1].
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box);
 
-/// A face-connected piece of the part.
+/// A grid whose decomposition balances the part's elements; elements outside the part count a tenth (they are
+/// in the heat problem only). Collective on `comm`; throws what Grid and read_density throw.
 template <int Dim>
-struct Piece {
-  std::int64_t elements = 0;
-  Point<Dim> min{}, max{};     ///< bounding box, length unit
-  bool touches_plate = false;
-};
+Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description);
 
 /// The elements to be built, distributed like the grid's elements.
 template <int Dim>
 class Part {
  public:
-  /// Collective on the grid's communicator. The grid must outlive the part. Throws InputError for an empty part, no plate
-  /// contact, or pieces without a path of faces to the plate (naming number, size and place), unless
-  /// `description.keep_connected`, which drops them with a warning.
+  /// Collective on the grid's communicator. The grid must outlive the part. Throws InputError for an empty
+  /// part, no plate contact, or pieces without a path of faces to the plate (naming number, size and place),
+  /// unless `description.keep_connected`, which drops them with a warning.
   Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate);
 
   const Grid<Dim>& grid() const { return grid_; }
@@ -60,7 +56,8 @@ class Part {
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
-  /// Owned part elements (density > 0): offsets in Grid::owned_elements(), ascending. "Part fields" have an entry for each.
+  /// Owned part elements (density > 0): offsets in Grid::owned_elements(), ascending. "Part fields" have an
+  /// entry for each.
   const std::vector<int>& elements() const { return elements_; }
   /// Density of each part element (a part field).
   const std::vector<double>& part_density() const { return part_density_; }
@@ -91,9 +88,12 @@ class Part {
   std::vector<double> restrict_to_part(std::span<const double> element_field) const;
 
  private:
-  void find_pieces();
+  void refuse_empty_part(const PartDescription& description) const;
+  void refuse_no_contact() const;
   void drop_or_refuse_hanging_pieces(bool drop);
   void collect_elements();
+  void measure_extent();
+  void mark_touched_nodes();
 
   const Grid<Dim>& grid_;
   BuildPlate plate_;
@@ -107,6 +107,12 @@ class Part {
   std::vector<char> touched_nodes_;
 };
 
+extern template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
+                                                    const IndexBox<2>&);
+extern template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
+                                                    const IndexBox<3>&);
+extern template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
+extern template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
 extern template class Part<2>;
 extern template class Part<3>;
 

@@ -4,8 +4,11 @@
 
 #include "fabseq/io/config.h"
 
+#include <mpi.h>
+
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -24,11 +27,18 @@ struct CommandLine {
   std::string text;                          ///< the whole command line, for the record
 };
 
-/// Takes fabseq's options out of argv. Throws InputError for an unknown -task, a missing value or no -config.
-/// Needs neither MPI nor PETSc.
+/// Takes fabseq's options out of argv. Throws InputError for an unknown -task, a missing value, a word that
+/// belongs to no option, or no -config (unless -help or -version is given). Needs neither MPI nor PETSc.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
-/// Reads the config file (rank 0 reads, all ranks get the text), applies the overrides and validates. Collective on `comm`.
+/// Puts a value into a config. `path`: keys joined by dots; entries of lists by index, or by their "type"
+/// (the first that has it). Missing objects are made. `text`: JSON, or else a string. Throws InputError where
+/// the path cannot be followed; unknown keys are found by make_config().
+void apply_override(Json& document, const std::string& path, const std::string& text);
+
+/// Reads the config file (rank 0 reads, all ranks get the text), applies the overrides, validates, and checks
+/// that the files it names can be read and that it suits the task. Collective on `comm`; throws InputError on
+/// all ranks alike.
 Config read_config(MPI_Comm comm, const CommandLine& command_line);
 
 /// Text of -help: usage, options, and the table of keys with unit, default, range and meaning.

@@ -7,6 +7,7 @@
 
 #include <mpi.h>
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,9 +15,14 @@
 
 namespace fabseq {
 
-/// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are collective on
-/// `comm`; rank 0 writes through the POSIX driver; the outcome of each call is known on all ranks: OutputError on all of them,
-/// naming the file. Without close() nothing is left behind.
+template <int Dim>
+class SlabGather;
+
+/// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are
+/// collective on `comm`; rank 0 writes through the POSIX driver; the outcome of each call is known on all
+/// ranks: OutputError on all of them, naming the file, after which only the destructor may be called. Without
+/// close() nothing is left behind. The ranks of the grids that fields live on must be those of `comm`. Apart
+/// from stages, datasets have an attribute `checksum` (fabseq/io/checksum.h) of their bytes.
 class Hdf5Writer {
  public:
   Hdf5Writer(MPI_Comm comm, const std::string& path);
@@ -24,24 +30,34 @@ class Hdf5Writer {
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
 
-  /// A field with axes [z][y][x] (2D [y][x]), and [component] if it has several. Groups in the name ("a/b") are made.
+  /// A field with axes [z][y][x] (2D [y][x]), and [component] if it has several. Groups in the name ("a/b")
+  /// are made.
   template <int Dim>
   void write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field);
   /// All fields of a set.
   template <int Dim>
   void write_fields(const FieldSet<Dim>& fields);
-  /// [stage][z][y][x][component] in single precision, one call a stage, stages in order; `count` stages in all.
+  /// [stage][z][y][x][component] in single precision, one call a stage, stages in order; `count` stages in
+  /// all.
   template <int Dim>
   void write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage, int count);
   /// A plain array known on rank 0.
   void write_array(const std::string& name, std::span<const double> values);
   /// An attribute of the file itself: number, integer, string or boolean.
   void write_attribute(const std::string& name, const Json& value);
-  /// Flushes, closes, and gives the file its name.
+  /// An attribute of the file itself: 64 unsigned bits.
+  void write_checksum(const std::string& name, std::uint64_t value);
+  /// Flushes, closes, and gives the file its name; on the disk when it returns.
   void close();
 
  private:
-  struct File;
+  class File;
+
+  /// Writes a gathered field from value number `first` of a dataset on; returns the checksum (rank 0).
+  template <int Dim>
+  std::uint64_t write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
+                            bool single_precision);
+
   std::unique_ptr<File> file_;
 };
 
@@ -49,9 +65,12 @@ class Hdf5Writer {
 template <int Dim>
 std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
 
-/// Reads the owned part of an element field [z][y][x] from a file, by all ranks in parallel. Collective on the grid's
-/// communicator. Throws InputError naming file and dataset if one is missing or has another shape.
+/// Reads the owned part of an element field [z][y][x], or one list with x fastest, from a file, by all ranks
+/// in parallel. Collective on the grid's communicator. Throws InputError on all ranks, naming file and
+/// dataset (and the config keys or options they come from), if one is missing or has another shape.
 template <int Dim>
-std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file, const std::string& dataset);
+std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
+                                       const std::string& dataset, const std::string& file_key = "field file",
+                                       const std::string& dataset_key = "field");
 
 }  // namespace fabseq

@@ -31,7 +31,8 @@ class Json {
   static Json object(std::initializer_list<Member> members = {});
   static Json array() { return Json(Array{}); }
 
-  /// Parses JSON with // and /* */ comments. Throws InputError ("PLACE: line L, column C: ...") on malformed text.
+  /// Parses JSON with // and /* */ comments. Throws InputError ("PLACE: line L, column C: ...") on malformed text, and
+  /// for a key given twice in the same object.
   static Json parse(const std::string& text, const std::string& place);
   /// Text of this value; numbers survive a round trip bit for bit; NaN and infinity become null. indent < 0: one line.
   std::string dump(int indent = -1) const;
@@ -60,7 +61,7 @@ class Json {
   Json* find(const std::string& key);
   /// Member of an object that must be there; std::out_of_range otherwise.
   const Json& at(const std::string& key) const;
-  /// Sets or appends a member of an object (null becomes an empty object).
+  /// Sets or appends a member of an object (null becomes an empty object) and returns that member.
   Json& set(const std::string& key, Json value);
   /// Appends to an array (null becomes an empty array).
   void append(Json value);

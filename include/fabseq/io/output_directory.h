@@ -13,17 +13,21 @@ namespace fabseq {
 /// Creates (collectively, rank 0 does the work) the directory of a run and writes small text files into it.
 class OutputDirectory {
  public:
-  /// Throws InputError if `path` holds a run already (a config.json) and not `overwrite`; with `overwrite` removes what an
-  /// earlier run left there (only files and folders a run writes). Throws OutputError if it cannot be made or written to.
+  /// Throws InputError if `path` holds a run already (a config.json) and not `overwrite`; with `overwrite`
+  /// removes what an earlier run left there (only files and folders a run writes, and a file `stop` or
+  /// `output_now`). Throws OutputError if it cannot be made or written to. Collective.
   OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }
   std::string file(const std::string& name) const { return path_ + "/" + name; }
-  /// Writes a file whole, through a temporary name and a rename, by rank 0; the outcome is known on all ranks: throws
-  /// OutputError on all of them if it failed. Collective.
+  /// Makes a folder in it, if it is not there yet. Throws OutputError on all ranks if that fails. Collective.
+  void make_folder(const std::string& name) const;
+  /// Writes a file whole, through a temporary name and a rename, by rank 0; the outcome is known on all
+  /// ranks: throws OutputError on all of them if it failed. Collective.
   void write(const std::string& name, const std::string& text) const;
-  /// Appends a line to a file and flushes it to the operating system, as write().
+  /// Appends a line to a file and hands it to the operating system, as write(); a line that does not fit is
+  /// not there in part either.
   void append_line(const std::string& name, const std::string& line) const;
 
  private:

@@ -35,6 +35,13 @@ struct MmaReport {
   double largest_violation = 0.0;     ///< largest y_i: how much the convex subproblem had to relax a row
 };
 
+/// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's entries.
+/// Entries follow the variables, so a checkpoint may hand them to other ranks.
+struct MmaState {
+  int iteration = 0;  ///< updates so far
+  std::vector<double> low, upp, previous, before_previous;
+};
+
 /// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA", 2007;
 /// distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every rank).
 /// The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
@@ -42,6 +49,11 @@ class Mma {
  public:
   /// `local`: number of variables on this rank (may be 0).
   Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings);
+
+  /// For checkpoints; going on from a restored state gives the iterates of a run that was not interrupted.
+  const MmaState& state() const { return state_; }
+  /// `state`: this rank's entries; vectors of the length given to the constructor.
+  void restore(MmaState state);
 
   /// Moves `x` to the solution of the convex subproblem.
   /// \param x                 variables, this rank's (in and out)
@@ -60,8 +72,7 @@ class Mma {
 
   MPI_Comm comm_;
   MmaSettings settings_;
-  int iteration_ = 0;
-  std::vector<double> low_, upp_, previous_, before_previous_;
+  MmaState state_;
 };
 
 }  // namespace fabseq

@@ -1,0 +1,51 @@
+/// \file
+/// The face-connected pieces of a part, and whether they stand on the build plate.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// The face of the box that is the build plate.
+struct BuildPlate {
+  int axis = 2;
+  bool upper = false;  ///< at the upper end of the axis
+
+  /// As in the config: "z-".
+  std::string name() const { return std::string(1, "xyz"[axis]) + (upper ? "+" : "-"); }
+  /// Whether an element of a grid with so many elements has a face on the plate.
+  template <int Dim>
+  bool touches(const Index<Dim>& element, const Index<Dim>& elements) const {
+    return element[axis] == (upper ? elements[axis] - 1 : 0);
+  }
+};
+
+/// A face-connected piece of the part.
+template <int Dim>
+struct Piece {
+  std::int64_t elements = 0;
+  Point<Dim> min{}, max{};     ///< bounding box, length unit
+  bool touches_plate = false;  ///< an element has a face on the build plate
+};
+
+/// The pieces of all ranks, and this rank's share of them.
+template <int Dim>
+struct PieceMap {
+  std::vector<Piece<Dim>> pieces;     ///< largest first, ties by lowest element number; the same on all ranks
+  std::vector<int> piece_of_element;  ///< index into pieces of each owned element, -1 where the density is 0
+};
+
+/// Labels the elements with `density` (of each owned element of the grid) above 0. Elements that share only
+/// an edge or a corner are not connected. Collective on the grid's communicator.
+template <int Dim>
+PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate);
+
+extern template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&);
+extern template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&);
+
+}  // namespace fabseq

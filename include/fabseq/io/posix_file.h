@@ -1,0 +1,56 @@
+/// \file
+/// Writing small files so that a crash or a full disk never leaves half of one under its final name. Nothing
+/// here is collective; all failures are OutputErrors that name the file and the system's reason.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace fabseq {
+
+/// A file open for writing, closed with the object.
+class PosixFile {
+ public:
+  /// `flags` as for open(2).
+  PosixFile(const std::string& path, int flags);
+  PosixFile(const PosixFile&) = delete;
+  PosixFile& operator=(const PosixFile&) = delete;
+  ~PosixFile();
+
+  operator int() const {
+    return descriptor_;
+  }  // NOLINT(google-explicit-constructor): system calls take the number
+  void write(std::string_view bytes) const;
+  void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
+  void resize(std::int64_t bytes) const;
+  /// Data are on the disk when it returns; the page cache forgets them, so that the next read comes from
+  /// there.
+  void sync() const;
+  /// Network file systems report a full disk only here.
+  void close();
+
+ private:
+  std::string path_;
+  int descriptor_;
+};
+
+/// What a file is called until it is whole.
+std::string partial_name(const std::string& path);
+
+/// Makes an empty file, or empties the one that is there.
+void create_empty_file(const std::string& path);
+/// Writes `text` under the partial name, syncs, and renames to `path`.
+void replace_file(const std::string& path, std::string_view text);
+/// Appends `text` in one piece; a file that could not take all of it is cut back to what it was.
+void append_to_file(const std::string& path, std::string_view text);
+/// Text of a file; "" if there is none.
+std::string read_file_if_there(const std::string& path);
+
+/// Renames PARTIAL to `path` and syncs the directory, so that the name survives a crash.
+void publish_file(const std::string& path);
+/// Removes a file that is there; does not fail.
+void remove_quietly(const std::string& path) noexcept;
+
+}  // namespace fabseq

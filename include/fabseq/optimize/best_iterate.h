@@ -1,0 +1,30 @@
+/// \file
+/// The design a run ends with: the best feasible iterate at the last sharpness (docs/formulation.md 9).
+#pragma once
+
+#include "fabseq/optimize/problem.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a larger one; among
+/// infeasible ones the smaller violation counts. Local to the rank; ranks agree because values do.
+class BestIterate {
+ public:
+  /// Designs at another sharpness cannot be compared: a new `beta` starts over.
+  void offer(int iteration, double beta, const ProblemValues& values, const std::vector<double>& design);
+
+  int iteration() const { return iteration_; }
+  double beta() const { return beta_; }
+  double worst_constraint() const { return worst_constraint_; }
+  bool feasible() const { return worst_constraint_ <= 0.0; }
+  const std::vector<double>& design() const { return design_; }
+
+ private:
+  int iteration_ = 0;
+  double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
+  std::vector<double> design_;
+};
+
+}  // namespace fabseq

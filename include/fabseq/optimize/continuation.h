@@ -1,0 +1,29 @@
+/// \file
+/// What changes with the iteration number alone: the layers' sharpness and the move limit (docs/formulation.md 3.1, 9).
+#pragma once
+
+#include "fabseq/io/config.h"
+
+namespace fabseq {
+
+/// Schedules of a run. Iterations count from 1.
+class Continuation {
+ public:
+  /// \param first_beta, last_beta sharpness at the start and the most it grows to
+  Continuation(const ProjectionSettings& projection, double first_beta, double last_beta,
+               const OptimizerSettings& optimizer);
+
+  /// Sharpness: every `interval` iterations beta * factor + increment, at most the last.
+  double beta(int iteration) const;
+  /// Whether the sharpness will not change any more, in this run of `max_iterations`.
+  bool at_last_beta(int iteration) const;
+  /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling geometrically.
+  double move_limit(int iteration) const;
+
+ private:
+  ProjectionSettings projection_;
+  double first_beta_, last_beta_;
+  OptimizerSettings optimizer_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,40 @@
+/// \file
+/// Adjoint gradients against central differences (docs/formulation.md 8).
+#pragma once
+
+#include "fabseq/optimize/problem.h"
+
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Errors of one component of a response along one direction.
+struct GradientError {
+  std::string name, type;
+  double value = 0.0;
+  double adjoint = 0.0;               ///< directional derivative by the adjoint
+  std::vector<double> differences;    ///< central differences, a step each
+  std::vector<double> relative;       ///< |difference - adjoint| / |adjoint|, a step each
+
+  double best() const;                ///< smallest relative error
+};
+
+/// Errors of all components for a list of steps.
+struct GradientCheck {
+  std::vector<double> steps;  ///< of the optimizer's variable, fraction of its range
+  std::vector<GradientError> errors;
+
+  double worst() const;  ///< largest of the best errors
+  std::string csv() const;
+  Json json() const;
+  /// Error against step for every component, both axes logarithmic, as an SVG picture.
+  std::string svg(const std::string& title) const;
+};
+
+/// Compares along a pseudo-random direction, the same on any number of ranks. Collective.
+template <int Dim>
+GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                              const std::vector<double>& design);
+
+}  // namespace fabseq

@@ -1,0 +1,85 @@
+/// \file
+/// Design to responses and back: sequence, layers, process and responses in one chain (docs/architecture.md).
+#pragma once
+
+#include "fabseq/base/phase_timer.h"
+#include "fabseq/optimize/setup.h"
+#include "fabseq/process/process_simulation.h"
+#include "fabseq/responses/response.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// A component of a response with a factor; a gradient row is a sum of these.
+struct WeightedComponent {
+  int response = 0;
+  int component = 0;
+  double weight = 1.0;
+};
+using GradientRow = std::vector<WeightedComponent>;
+
+/// Solver iterations of the last run and of the last gradients.
+struct SolverIterations {
+  std::vector<int> primal, adjoint, heat;
+};
+
+/// The chain of stages for one part. All calls are collective on the grid's communicator.
+template <int Dim>
+class Pipeline {
+ public:
+  /// \param sequence    where the pseudo-time comes from
+  /// \param tolerance   of the elastic solves; heat is solved a thousand times closer
+  /// The setup and the timer must outlive the pipeline.
+  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance, PhaseTimer& timer);
+
+  Sequence<Dim>& sequence() { return *sequence_; }
+  const ProcessSimulation<Dim>& process() const { return process_; }
+
+  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. The state refers to results that stay
+  /// valid until the next run.
+  PipelineState<Dim> run(std::span<const double> design, int layers, double beta, bool binary);
+  /// Values of all components of each of `responses`.
+  std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                          const PipelineState<Dim>& state);
+  /// Gradients of several rows with respect to the design of the last run, this rank's entries.
+  std::vector<std::vector<double>> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                             const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
+  const SolverIterations& iterations() const { return iterations_; }
+
+ private:
+  std::vector<PipelineAdjoint<Dim>> explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                                         const PipelineState<Dim>& state,
+                                                         const std::vector<GradientRow>& rows);
+  void pull_back_process(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints);
+  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints);
+
+  const Setup<Dim>& setup_;
+  PhaseTimer& timer_;
+  std::unique_ptr<Sequence<Dim>> sequence_;
+  ElasticModel<Dim> model_;
+  ProcessSimulation<Dim> process_;
+  std::optional<CurvedLayers> layers_;
+  LayerDensities densities_;
+  SolverIterations iterations_;
+};
+
+/// The sequence a config asks for.
+template <int Dim>
+std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tolerance);
+/// The planar sequence of the baseline.
+template <int Dim>
+std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);
+
+/// Settings of the reference solvers: elasticity to `tolerance`, heat a thousand times closer (its error enters all others).
+AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance);
+AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance);
+
+extern template class Pipeline<2>;
+extern template class Pipeline<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,47 @@
+/// \file
+/// From a config to the things that do not change during a run: grid, part, node sets, counts.
+#pragma once
+
+#include "fabseq/grid/node_set.h"
+#include "fabseq/grid/part.h"
+#include "fabseq/io/config.h"
+#include "fabseq/responses/response.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Grid, part and node sets of a config, with what "auto" stands for. Collective construction; cannot be copied or moved, since
+/// its members refer to each other. Throws InputError for anything wrong with part, plate or node sets.
+template <int Dim>
+class Setup {
+ public:
+  Setup(MPI_Comm comm, const Config& config_);
+  Setup(const Setup&) = delete;
+  Setup& operator=(const Setup&) = delete;
+
+  const Config& config;
+  Grid<Dim> grid;
+  Part<Dim> part;
+  std::map<std::string, NodeSet> node_sets;
+  int layer_count;               ///< N, "auto" resolved
+  int baseline_layers;           ///< of the planar baseline
+  double characteristic_length;  ///< l_c, length unit
+
+  ResponseContext<Dim> context() const { return {part, node_sets, characteristic_length}; }
+  /// Sharpness at the start and at the end of the continuation, "auto" resolved.
+  double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
+  double last_beta() const { return config.projection.max.value_or(13.5 * layer_count); }
+
+ private:
+  int resolve_layer_count() const;
+  int resolve_baseline_layers() const;
+};
+
+extern template class Setup<2>;
+extern template class Setup<3>;
+
+}  // namespace fabseq

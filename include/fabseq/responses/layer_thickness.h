@@ -1,0 +1,15 @@
+/// \file
+/// Constraint: the mean thickness of every layer stays near its target (docs/formulation.md 6).
+#pragma once
+
+#include "fabseq/responses/response.h"
+
+#include <memory>
+
+namespace fabseq {
+
+/// Components d_j / target, each between 1 - tolerance and 1 + tolerance.
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target, double tolerance);
+
+}  // namespace fabseq

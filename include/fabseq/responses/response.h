@@ -1,0 +1,75 @@
+/// \file
+/// What is measured on a fabrication sequence: one interface for objective terms and constraints.
+#pragma once
+
+#include "fabseq/grid/node_set.h"
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/process_simulation.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// What all responses of a run may know of the part.
+template <int Dim>
+struct ResponseContext {
+  const Part<Dim>& part;
+  const std::map<std::string, NodeSet>& node_sets;
+  double characteristic_length;  ///< l_c of docs/formulation.md 6
+};
+
+/// The stages of the pipeline for one design. References to the pipeline's own results.
+template <int Dim>
+struct PipelineState {
+  const PseudoTime<Dim>& time;
+  const LayerDensities& layers;
+  const ProcessResult& process;
+};
+
+/// Where responses leave their derivatives: one row of adjoints, with respect to each stage.
+template <int Dim>
+struct PipelineAdjoint {
+  explicit PipelineAdjoint(int layers) : densities(layers) {}
+
+  ProcessAdjoint process;        ///< dJ/du and dJ/d(increments), empty while zero
+  DensityDerivatives densities;  ///< explicit dependence on stage and layer densities
+  TimeDerivatives time;          ///< explicit dependence on t and grad t, empty while zero
+};
+
+/// One inequality for the optimizer, sign * (value of a component) <= sign * bound.
+struct ConstraintRow {
+  int component = 0;
+  double sign = 1.0;
+  double bound = 0.0;
+};
+
+/// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are collective on the
+/// grid's communicator unless they say otherwise.
+template <int Dim>
+class Response {
+ public:
+  virtual ~Response() = default;
+
+  /// The config's name of the type. Not collective.
+  virtual std::string type() const = 0;
+  /// Raw values, one a component.
+  virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
+  /// Adds weight * d(component) to the adjoint of each stage the component looks at.
+  virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                              PipelineAdjoint<Dim>& adjoint) const = 0;
+  /// As a constraint: the rows for the optimizer, allowed ranges shrunk to `margin` times their width; margin 1 is the user's
+  /// constraint. Empty for responses that are objectives. Not collective.
+  virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
+};
+
+/// Registry of responses (src/responses/registry.cc): the one place that knows them all.
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_objective(const ObjectiveTerm& term, const ResponseContext<Dim>& context);
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term, const ResponseContext<Dim>& context);
+
+}  // namespace fabseq

@@ -1,0 +1,63 @@
+/// \file
+/// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/io/config.h"
+#include "fabseq/sequence/averaging_filter.h"
+#include "fabseq/sequence/sequence.h"
+#include "fabseq/solve/assembled_system.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Solves div(kappa grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
+///
+///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
+///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
+///
+/// The design is kappa on the part elements, before the filter. One assembly and one preconditioner serve the forward solve
+/// and all adjoints of an update.
+template <int Dim>
+class HeatSequence : public Sequence<Dim> {
+ public:
+  /// \param target_gradient |grad T| the start aims at, 1/length: 1 / (layers * target thickness); 0: 0.95 / largest distance
+  /// Collective. The part must outlive the sequence.
+  HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
+               const AssembledSolverSettings& solver);
+
+  bool has_design() const override { return true; }
+  std::size_t variables() const override { return part_.elements().size(); }
+  DesignSpace space() const override;
+  std::vector<double> initial_design() const override;
+  const PseudoTime<Dim>& update(std::span<const double> design) override;
+  std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
+  std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
+
+ private:
+  SystemDomain make_domain() const;
+  bool lump_mass() const;
+  void solve_temperature();
+  void derive_time();
+  std::vector<double> adjoint_load(const TimeDerivatives& row) const;
+
+  const Part<Dim>& part_;
+  SequenceSettings settings_;
+  double target_gradient_, reaction_;
+  ElementMatrices<Dim> element_;
+  AveragingFilter<Dim> filter_;
+  SystemDomain domain_;
+  std::unique_ptr<AssembledSystem<Dim>> system_;
+  std::vector<double> diffusivity_;          ///< of all owned elements, filtered
+  std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
+  PseudoTime<Dim> time_;
+  std::vector<int> adjoint_iterations_;
+};
+
+extern template class HeatSequence<2>;
+extern template class HeatSequence<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,139 @@
+#include "fabseq/base/hdf5.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace fabseq {
+
+namespace {
+
+std::string shape_text(std::span<const hsize_t> shape) {
+  std::string text = "[";
+  for (std::size_t axis = 0; axis < shape.size(); ++axis) {
+    if (axis > 0) text += ",";
+    text += std::to_string(shape[axis]);
+  }
+  return text + "]";
+}
+
+/// Names of the datasets of a file, for the message about one that is missing.
+std::string dataset_list(hid_t file) {
+  std::vector<std::string> names;
+  const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
+    if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+    return 0;
+  };
+  (void)H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &names, H5O_INFO_BASIC);
+  if (names.empty()) return "the file has no datasets";
+  constexpr std::size_t most = 10;
+  std::string text = "the file has ";
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+    text += (i == 0 ? "'" : ", '") + names[i] + "'";
+  if (names.size() > most) text += ", ... (" + std::to_string(names.size()) + " in all)";
+  return text;
+}
+
+bool is_numeric(hid_t dataset) {
+  const Hdf5Datatype type(H5Dget_type(dataset));
+  const H5T_class_t kind = H5Tget_class(type);
+  return kind == H5T_INTEGER || kind == H5T_FLOAT || kind == H5T_ENUM;
+}
+
+std::vector<hsize_t> shape_of(hid_t dataset) {
+  const Hdf5Dataspace space(H5Dget_space(dataset));
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(rank, 0)));
+  if (rank > 0) (void)H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+  return shape;
+}
+
+/// What is wrong with file or dataset, by a look at it from this rank alone; "" if nothing.
+std::string find_fault(const std::string& file_name, const std::string& dataset_name,
+                       const std::string& file_key, const std::string& dataset_key) {
+  errno = 0;
+  if (!std::ifstream(file_name, std::ios::binary))
+    return file_key + ": cannot open '" + file_name + "' (" + std::strerror(errno) +
+           "), needs a readable HDF5 file";
+  if (H5Fis_hdf5(file_name.c_str()) <= 0) return file_key + ": '" + file_name + "' is not an HDF5 file";
+  const Hdf5File file(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  if (!file) return file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";
+  const Hdf5Dataset dataset(dataset_name.empty() ? H5I_INVALID_HID
+                                                 : H5Dopen2(file, dataset_name.c_str(), H5P_DEFAULT));
+  if (!dataset)
+    return dataset_key + ": no dataset '" + dataset_name + "' in '" + file_name + "': " + dataset_list(file);
+  if (!is_numeric(dataset))
+    return dataset_key + ": dataset '" + dataset_name + "' of '" + file_name +
+           "' is not numeric, needs integers or floating point numbers";
+  return "";
+}
+
+}  // namespace
+
+void silence_hdf5() { (void)H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+std::string hdf5_error() {
+  std::string text;
+  // Upward: the innermost call, which knows what went wrong, comes first.
+  const auto take_first = [](unsigned position, const H5E_error2_t* entry, void* data) -> herr_t {
+    if (position == 0 && entry->desc != nullptr) *static_cast<std::string*>(data) = entry->desc;
+    return 0;
+  };
+  (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &text);
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+Hdf5ParallelDataset::Hdf5ParallelDataset(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                                         const std::string& file_key, const std::string& dataset_key)
+    : comm_(comm),
+      name_("dataset '" + dataset + "' of '" + file + "'"),
+      file_key_(file_key),
+      dataset_key_(dataset_key) {
+  silence_hdf5();
+  // One rank looks first, so that the usual faults never reach a collective call.
+  const std::string fault =
+      broadcast(comm, rank_of(comm) == 0 ? find_fault(file, dataset, file_key, dataset_key) : "");
+  if (!fault.empty()) throw InputError(fault);
+
+  const Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
+  (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  file_ = Hdf5File(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access));
+  if (any(comm, !file_)) throw InputError(file_key + ": '" + file + "' cannot be opened by all ranks");
+  dataset_ = Hdf5Dataset(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+  if (any(comm, !dataset_)) throw InputError(dataset_key + ": " + name_ + " cannot be opened by all ranks");
+  shape_ = shape_of(dataset_);
+}
+
+void Hdf5ParallelDataset::require_shape(std::span<const hsize_t> expected, const std::string& meaning) const {
+  if (std::equal(expected.begin(), expected.end(), shape_.begin(), shape_.end())) return;
+  throw InputError(dataset_key_ + ": " + name_ + " has shape " + shape_text(shape_) + ", needs " +
+                   shape_text(expected) + " (" + meaning + ")");
+}
+
+std::vector<double> Hdf5ParallelDataset::read(std::span<const hsize_t> start,
+                                              std::span<const hsize_t> count) const {
+  hsize_t total = 1;
+  for (const hsize_t extent : count) total *= extent;
+  std::vector<double> values(total);
+
+  const Hdf5Dataspace in_file(H5Dget_space(dataset_));
+  const Hdf5Dataspace in_memory(H5Screate_simple(1, &total, nullptr));
+  if (total == 0) {
+    (void)H5Sselect_none(in_file);
+    (void)H5Sselect_none(in_memory);
+  } else if (!count.empty()) {
+    (void)H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  }
+  const Hdf5PropertyList transfer(H5Pcreate(H5P_DATASET_XFER));
+  (void)H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  const herr_t code = H5Dread(dataset_, H5T_NATIVE_DOUBLE, in_memory, in_file, transfer, values.data());
+  if (any(comm_, code < 0)) throw InputError(file_key_ + ": " + name_ + " cannot be read");
+  return values;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,182 @@
+#include "fabseq/grid/grid.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace fabseq {
+
+namespace {
+
+/// Throws if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
+template <int Dim>
+void require_countable(const Index<Dim>& elements, int components) {
+  // In floating point, which cannot overflow: indices up to 2^31 an axis would exceed 64 bits.
+  double values = components;
+  for (const int extent : elements) values *= extent + 1.0;
+  constexpr auto most = std::numeric_limits<PetscInt>::max();
+  if (values <= static_cast<double>(most)) return;
+  std::string count = std::to_string(values);
+  count.resize(count.find('.'));
+  throw InputError("/domain/elements: " + to_text<Dim>(elements) + " with " + std::to_string(components) +
+                   (components == 1 ? " value" : " values") + " a node make " + count + " values, at most " +
+                   std::to_string(most) + " are allowed (PETSc's indices)");
+}
+
+template <int Dim>
+void require_domain(const Domain<Dim>& domain) {
+  for (int axis = 0; axis < Dim; ++axis) {
+    if (domain.elements[axis] < 1)
+      throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) +
+                       ", needs at least 1 along each axis");
+    if (!(domain.size[axis] > 0.0))
+      throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
+                       std::to_string(axis) + ", needs positive lengths");
+  }
+  require_countable<Dim>(domain.elements, 1);
+}
+
+/// Nodes that go with a rank's elements: as many, and one more at the upper end of the grid.
+template <int Dim>
+IndexBox<Dim> nodes_of(const IndexBox<Dim>& elements, const Index<Dim>& all) {
+  IndexBox<Dim> nodes = elements;
+  for (int axis = 0; axis < Dim; ++axis)
+    if (elements.start[axis] + elements.size[axis] == all[axis]) ++nodes.size[axis];
+  return nodes;
+}
+
+}  // namespace
+
+template <int Dim>
+Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights)
+    : comm_(comm), domain_(domain) {
+  require_domain<Dim>(domain);
+  for (int axis = 0; axis < Dim; ++axis) spacing_[axis] = domain.size[axis] / domain.elements[axis];
+  decomposition_ = choose_decomposition<Dim>(comm, domain.elements, weights);
+  set_up_boxes();
+}
+
+template <int Dim>
+void Grid<Dim>::set_up_boxes() {
+  owned_elements_ = decomposition_.elements_of(decomposition_.position_of(rank_of(comm_)));
+  owned_nodes_ = nodes_of<Dim>(owned_elements_, domain_.elements);
+  for (int axis = 0; axis < Dim; ++axis) {
+    const int start = std::max(owned_nodes_.start[axis] - 1, 0);
+    const int end =
+        std::min(owned_nodes_.start[axis] + owned_nodes_.size[axis] + 1, domain_.elements[axis] + 1);
+    ghosted_nodes_.start[axis] = start;
+    ghosted_nodes_.size[axis] = end - start;
+  }
+  if (any(comm_, ghosted_nodes_.count() > std::numeric_limits<int>::max()))
+    throw InputError("/domain/elements: " + to_text<Dim>(domain_.elements) + " on " +
+                     std::to_string(size_of(comm_)) + " ranks leave a rank more than " +
+                     std::to_string(std::numeric_limits<int>::max()) + " nodes: use more ranks");
+
+  for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+    Index<Dim> node = ghosted_nodes_.start;
+    for (int axis = 0; axis < Dim; ++axis) node[axis] += (corner >> axis) & 1;
+    corner_offsets_[corner] = static_cast<int>(ghosted_nodes_.offset(node));
+  }
+
+  const int ranks = size_of(comm_);
+  element_starts_.assign(static_cast<std::size_t>(ranks) + 1, 0);
+  node_starts_.assign(static_cast<std::size_t>(ranks) + 1, 0);
+  for (int rank = 0; rank < ranks; ++rank) {
+    const IndexBox<Dim> elements = decomposition_.elements_of(decomposition_.position_of(rank));
+    element_starts_[rank + 1] = element_starts_[rank] + elements.count();
+    node_starts_[rank + 1] = node_starts_[rank] + nodes_of<Dim>(elements, domain_.elements).count();
+  }
+}
+
+template <int Dim>
+double Grid<Dim>::smallest_spacing() const {
+  return *std::min_element(spacing_.begin(), spacing_.end());
+}
+
+template <int Dim>
+double Grid<Dim>::largest_spacing() const {
+  return *std::max_element(spacing_.begin(), spacing_.end());
+}
+
+template <int Dim>
+double Grid<Dim>::element_volume() const {
+  double volume = Dim == 2 ? domain_.thickness : 1.0;
+  for (const double edge : spacing_) volume *= edge;
+  return volume;
+}
+
+template <int Dim>
+IndexBox<Dim> Grid<Dim>::all_nodes() const {
+  return nodes_of<Dim>(all_elements(), domain_.elements);
+}
+
+template <int Dim>
+Point<Dim> Grid<Dim>::element_center(const Index<Dim>& element) const {
+  return fabseq::element_center<Dim>(domain_, element);
+}
+
+template <int Dim>
+Point<Dim> Grid<Dim>::node_position(const Index<Dim>& node) const {
+  Point<Dim> position;
+  for (int axis = 0; axis < Dim; ++axis) position[axis] = node[axis] * spacing_[axis];
+  return position;
+}
+
+template <int Dim>
+std::int64_t Grid<Dim>::element_number(const Index<Dim>& element) const {
+  const Index<Dim> process = decomposition_.position_of_element(element);
+  return element_starts_[decomposition_.rank_at(process)] +
+         decomposition_.elements_of(process).offset(element);
+}
+
+template <int Dim>
+std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
+  Index<Dim> element = node;  // that has it as lowest node; the last nodes go with the last elements
+  for (int axis = 0; axis < Dim; ++axis) element[axis] = std::min(element[axis], domain_.elements[axis] - 1);
+  const Index<Dim> process = decomposition_.position_of_element(element);
+  return node_starts_[decomposition_.rank_at(process)] +
+         nodes_of<Dim>(decomposition_.elements_of(process), domain_.elements).offset(node);
+}
+
+template <int Dim>
+DM Grid<Dim>::node_dm(int components) const {
+  const auto found = node_dms_.find(components);
+  if (found != node_dms_.end()) return found->second;
+  require_countable<Dim>(domain_.elements, components);
+
+  std::array<std::vector<PetscInt>, Dim> nodes;  // owned by each process along each axis
+  for (int axis = 0; axis < Dim; ++axis) {
+    const std::vector<int>& starts = decomposition_.range_starts[axis];
+    for (std::size_t process = 0; process + 1 < starts.size(); ++process)
+      nodes[axis].push_back(starts[process + 1] - starts[process]);
+    ++nodes[axis].back();
+  }
+  const IndexBox<Dim> all = all_nodes();
+  const Index<Dim>& p = decomposition_.processes;
+  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
+  DmHandle dm;
+  if constexpr (Dim == 2)
+    check(DMDACreate2d(comm_, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], p[0], p[1], components,
+                       1, nodes[0].data(), nodes[1].data(), dm.receive()));
+  else
+    check(DMDACreate3d(comm_, open, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], all.size[2], p[0],
+                       p[1], p[2], components, 1, nodes[0].data(), nodes[1].data(), nodes[2].data(),
+                       dm.receive()));
+  check(DMSetUp(dm));
+  return node_dms_.emplace(components, std::move(dm)).first->second;
+}
+
+template <int Dim>
+const NodeExchange<Dim>& Grid<Dim>::exchange(int components) const {
+  std::unique_ptr<NodeExchange<Dim>>& entry = exchanges_[components];
+  if (!entry) entry = std::make_unique<NodeExchange<Dim>>(node_dm(components), components);
+  return *entry;
+}
+
+template class Grid<2>;
+template class Grid<3>;
+
+}  // namespace fabseq

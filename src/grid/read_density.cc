@@ -1,0 +1,104 @@
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/grid/part.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+/// docs/users-guide.md, conventions: primitives contain points up to this share of the smallest spacing
+/// outside.
+constexpr double shape_tolerance = 1e-6;
+/// Work of an element outside the part relative to one inside.
+constexpr double void_weight = 0.1;
+
+template <int Dim>
+std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape, const IndexBox<Dim>& box) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < Dim; ++axis)
+    smallest = std::min(smallest, domain.size[axis] / domain.elements[axis]);
+  std::vector<double> density(static_cast<std::size_t>(box.count()));
+  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    density[offset] =
+        shape.contains(element_center<Dim>(domain, element), shape_tolerance * smallest) ? 1.0 : 0.0;
+  });
+  return density;
+}
+
+/// Throws InputError, on all ranks, unless all densities lie between 0 and 1.
+void require_densities(MPI_Comm comm, const std::vector<double>& density, const VoxelFile& voxels) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  std::int64_t not_a_number = 0;
+  for (const double value : density) {
+    if (std::isnan(value)) ++not_a_number;
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
+  not_a_number = sum(comm, not_a_number);
+  lowest = min(comm, lowest);
+  highest = max(comm, highest);
+  const std::string name =
+      "/part/voxels/dataset: dataset '" + voxels.dataset + "' of '" + voxels.file + "' has ";
+  if (not_a_number > 0)
+    throw InputError(name + std::to_string(not_a_number) +
+                     " values that are not a number, needs densities from 0 to 1");
+  if (voxels.threshold || (lowest >= 0.0 && highest <= 1.0)) return;
+  std::array<char, 64> range{};
+  std::snprintf(range.data(), range.size(), "%g to %g", lowest, highest);
+  throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
+}
+
+template <int Dim>
+std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const VoxelFile& voxels,
+                                const IndexBox<Dim>& box) {
+  // Axes of the file run the other way: [z][y][x].
+  std::array<hsize_t, Dim> shape, start, count;
+  for (int axis = 0; axis < Dim; ++axis) {
+    shape[Dim - 1 - axis] = static_cast<hsize_t>(domain.elements[axis]);
+    start[Dim - 1 - axis] = static_cast<hsize_t>(box.start[axis]);
+    count[Dim - 1 - axis] = static_cast<hsize_t>(box.size[axis]);
+  }
+  const Hdf5ParallelDataset dataset(comm, voxels.file, voxels.dataset, "/part/voxels/file",
+                                    "/part/voxels/dataset");
+  dataset.require_shape(shape, "domain.elements reversed");
+  std::vector<double> density = dataset.read(start, count);
+  require_densities(comm, density, voxels);
+  if (voxels.threshold)
+    for (double& value : density) value = value >= *voxels.threshold ? 1.0 : 0.0;
+  return density;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
+                                 const IndexBox<Dim>& box) {
+  if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
+    return read_voxels<Dim>(comm, domain, *voxels, box);
+  return evaluate_shape<Dim>(domain, std::get<Shape>(description.source), box);
+}
+
+template <int Dim>
+Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description) {
+  return Grid<Dim>(comm, domain, [&](const IndexBox<Dim>& box) {
+    std::vector<double> weights = read_density<Dim>(comm, domain, description, box);
+    for (double& value : weights) value = value > 0.0 ? 1.0 : void_weight;
+    return weights;
+  });
+}
+
+template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
+                                             const IndexBox<2>&);
+template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
+                                             const IndexBox<3>&);
+template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
+template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
+
+}  // namespace fabseq

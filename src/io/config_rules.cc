@@ -1,0 +1,163 @@
+#include "fabseq/io/config_rules.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/io/schema.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace fabseq {
+
+namespace {
+
+std::string entry(const char* list, std::size_t index, const char* key) {
+  return pointer_to(pointer_to(pointer_to("", std::string(list)), index), std::string(key));
+}
+
+/// A value as the user gave it.
+std::string given(const Config& config, const char* section, const char* key) {
+  return shown(config.effective.at(section).at(key));
+}
+
+/// Node sets end in paths of -set and the name in a path of the file system.
+bool is_plain_name(const std::string& name, const std::string& forbidden) {
+  const auto bad = [&](unsigned char character) {
+    return std::iscntrl(character) != 0 || forbidden.find(static_cast<char>(character)) != std::string::npos;
+  };
+  return !name.empty() && std::none_of(name.begin(), name.end(), bad);
+}
+
+void check_names(const Config& config) {
+  if (!is_plain_name(config.name, "/") || config.name == "." || config.name == "..") {
+    refuse("/name", shown(config.name), "a text without '/' and control characters, other than . and ..");
+  }
+  for (const auto& [name, description] : config.node_sets) {
+    const std::string pointer = pointer_to("/node_sets", name);
+    if (!is_plain_name(name, "/.")) {
+      refuse(pointer, "the name " + shown(name), "names without '.', '/' and control characters, not empty");
+    }
+    if (description.samples == 1)
+      refuse(pointer_to(pointer, "samples"), "1", "0 (all nodes) or an integer >= 2");
+  }
+}
+
+void check_direction(const Config& config, const char* section, const std::vector<double>& direction) {
+  const bool zero =
+      std::all_of(direction.begin(), direction.end(), [](double value) { return value == 0.0; });
+  if (direction.empty() || !zero) return;
+  refuse(pointer_to(pointer_to("", std::string(section)), "direction"), given(config, section, "direction"),
+         "\"auto\" or a vector other than 0");
+}
+
+void check_initial_diffusivity(const Config& config) {
+  const SequenceSettings& sequence = config.sequence;
+  if (!sequence.initial) return;
+  if (*sequence.initial >= sequence.min_diffusivity && *sequence.initial <= sequence.max_diffusivity) return;
+  refuse("/sequence/initial", given(config, "sequence", "initial"),
+         "\"distance\" or a number within bounds " + given(config, "sequence", "bounds"));
+}
+
+void check_node_set_of_term(const Config& config, const ObjectiveTerm& term, const std::string& pointer) {
+  std::vector<std::string> known;
+  for (const auto& member : config.node_sets) known.push_back(member.first);
+  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
+  if (term.nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
+  if (config.node_sets.count(term.nodes) != 0) return;
+  const std::string nearest = nearest_word(term.nodes, known);
+  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
+  refuse(pointer, "unknown node set " + shown(term.nodes) + hint, list);
+}
+
+void check_distortion(const Config& config, std::size_t index) {
+  const ObjectiveTerm& term = config.objective[index];
+  const std::string nodes = entry("objective", index, "nodes"), axis = entry("objective", index, "axis");
+  if (term.measure == "layerwise") {
+    if (!term.nodes.empty())
+      refuse(nodes, shown(term.nodes), "no node set with measure layerwise, which takes all nodes");
+  } else {
+    check_node_set_of_term(config, term, nodes);
+  }
+  if (term.measure == "flatness") {
+    if (term.axis < 0)
+      throw InputError(axis + ": missing; allowed: " + (config.dimension == 2 ? "x, y" : "x, y, z"));
+  } else if (term.axis >= 0) {
+    refuse(axis, shown(std::string(1, static_cast<char>('x' + term.axis))), "only with measure flatness");
+  }
+  if (term.mean && term.measure != "displacement") {
+    refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
+           "true only with measure displacement");
+  }
+}
+
+/// Thickness needs the gradient of the pseudo-time, which element-wise values from a file do not have.
+void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
+  if (config.sequence.type != SequenceType::file) return;
+  refuse(
+      pointer,
+      shown(type) + " with sequence type \"file\", for which the gradient of the pseudo-time is not defined",
+      "this type with sequence type heat or planar");
+}
+
+void check_terms(const Config& config) {
+  for (std::size_t i = 0; i < config.objective.size(); ++i) {
+    const std::string& type = config.objective[i].type;
+    if (type == "distortion") check_distortion(config, i);
+    if (type == "layer_uniformity") check_gradient_is_defined(config, entry("objective", i, "type"), type);
+  }
+  for (std::size_t i = 0; i < config.constraints.size(); ++i) {
+    const std::string& type = config.constraints[i].type;
+    if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
+  }
+}
+
+void check_layers(const Config& config) {
+  if (config.layers.count || config.target_thickness()) return;
+  refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
+         "an integer >= 1, or \"auto\" with a constraint of type layer_thickness");
+}
+
+void check_projection(const Config& config) {
+  const ProjectionSettings& projection = config.projection;
+  std::optional<double> start = projection.beta;
+  if (!start && config.layers.count) start = 4.0 * *config.layers.count;
+  if (!start || !projection.max || *projection.max >= *start) return;
+  const char* origin = projection.beta ? " (beta)" : " (beta, 4 times the number of layers)";
+  refuse("/projection/max", given(config, "projection", "max"),
+         "\"auto\" or a number >= " + shown(*start) + origin);
+}
+
+void check_optimizer(const Config& config) {
+  const OptimizerSettings& optimizer = config.optimizer;
+  if (optimizer.final_move_limit <= optimizer.move_limit) return;
+  refuse("/optimizer/final_move_limit", given(config, "optimizer", "final_move_limit"),
+         "\"auto\" or a number in (0, " + shown(optimizer.move_limit) + "], at most move_limit");
+}
+
+}  // namespace
+
+void check_rules(const Config& config) {
+  check_names(config);
+  check_direction(config, "sequence", config.sequence.direction);
+  check_direction(config, "baseline", config.baseline.direction);
+  check_initial_diffusivity(config);
+  check_terms(config);
+  check_layers(config);
+  check_projection(config);
+  check_optimizer(config);
+}
+
+void check_task(const Config& config, Task task) {
+  if (task != Task::optimize && task != Task::check_gradients) return;
+  const std::string with_task =
+      std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");
+  if (config.sequence.type != SequenceType::heat) {
+    refuse("/sequence/type", given(config, "sequence", "type") + ", which has nothing to vary",
+           "heat " + with_task + ", all with -task simulate");
+  }
+  if (config.projection.binary)
+    refuse("/projection/binary", "true", "false " + with_task + ", which needs derivatives");
+  if (task == Task::optimize && config.objective.empty())
+    refuse("/objective", "[]", "at least one term " + with_task);
+}
+
+}  // namespace fabseq

@@ -1,0 +1,105 @@
+#include "fabseq/io/output_directory.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/io/posix_file.h"
+#include "fabseq/io/verdict.h"
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+namespace fabseq {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Presence of this file makes a directory a run's: written first, removed last.
+constexpr std::string_view mark_of_a_run = "config.json";
+/// What else a run writes (docs/users-guide.md, output directory), and the two files by which a user talks to
+/// it.
+constexpr std::array<std::string_view, 12> files_of_a_run = {
+    "history.jsonl",     "result.h5",    "result.xdmf",          "summary.json",
+    "evaluation.json",   "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5",
+    "checkpoint/newest", "stop",         "output_now",           mark_of_a_run};
+
+[[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
+  throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);
+}
+
+void remove_file(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);  // nothing there: no error
+  if (error) fail("remove", path, error.message());
+}
+
+bool starts_and_ends(const std::string& text, std::string_view start, std::string_view end) {
+  return text.size() >= start.size() + end.size() && text.compare(0, start.size(), start) == 0 &&
+         text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool is_field_dump(const std::string& name) {
+  for (const std::string_view end : {".bin", ".xdmf", ".partial"})
+    if (starts_and_ends(name, "iteration_", end)) return true;
+  return false;
+}
+
+void remove_run(const fs::path& directory) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory / "fields", error))
+    if (is_field_dump(entry.path().filename().string())) remove_file(entry.path());
+  for (const std::string_view name : files_of_a_run) {
+    remove_file(partial_name((directory / name).string()));
+    remove_file(directory / name);
+  }
+  for (const char* folder : {"fields", "checkpoint"})
+    fs::remove(directory / folder, error);  // left if not empty
+}
+
+/// Permissions say little (root, read-only mounts, network file systems): try it.
+void require_writable(const fs::path& directory) {
+  const fs::path probe = directory / ".fabseq_can_write";
+  create_empty_file(probe.string());
+  remove_file(probe);
+}
+
+void set_up(const fs::path& directory, bool overwrite) {
+  std::error_code error;
+  const fs::file_status status = fs::status(directory, error);
+  if (fs::exists(status) && !fs::is_directory(status))
+    fail("make output directory", directory, "it is a file");
+  const bool holds_run = fs::exists(directory / mark_of_a_run, error);
+  if (holds_run && !overwrite)
+    throw InputError("output directory '" + directory.string() +
+                     "' holds a run already; -overwrite replaces it, -output names another directory");
+  fs::create_directories(directory, error);
+  if (error) fail("make output directory", directory, error.message());
+  require_writable(directory);
+  if (holds_run) remove_run(directory);
+}
+
+}  // namespace
+
+OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
+    : comm_(comm), path_(path) {
+  run_on_first(comm_, [&] { set_up(path_, overwrite); });
+}
+
+void OutputDirectory::make_folder(const std::string& name) const {
+  run_on_first(comm_, [&] {
+    std::error_code error;
+    fs::create_directories(file(name), error);
+    if (error) fail("make folder", file(name), error.message());
+  });
+}
+
+void OutputDirectory::write(const std::string& name, const std::string& text) const {
+  run_on_first(comm_, [&] { replace_file(file(name), text); });
+}
+
+void OutputDirectory::append_line(const std::string& name, const std::string& line) const {
+  run_on_first(comm_, [&] { append_to_file(file(name), line + "\n"); });
+}
+
+}  // namespace fabseq

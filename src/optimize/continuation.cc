@@ -1,0 +1,35 @@
+#include "fabseq/optimize/continuation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// Share of the run with the full move limit.
+constexpr double free_share = 0.4;
+
+}  // namespace
+
+Continuation::Continuation(const ProjectionSettings& projection, double first_beta, double last_beta,
+                           const OptimizerSettings& optimizer)
+    : projection_(projection), first_beta_(first_beta), last_beta_(std::max(first_beta, last_beta)), optimizer_(optimizer) {}
+
+double Continuation::beta(int iteration) const {
+  double beta = first_beta_;
+  for (int step = projection_.interval; step < iteration; step += projection_.interval)
+    beta = std::min(last_beta_, beta * projection_.factor + projection_.increment);
+  return beta;
+}
+
+bool Continuation::at_last_beta(int iteration) const { return beta(iteration) == beta(optimizer_.max_iterations); }
+
+double Continuation::move_limit(int iteration) const {
+  const double progress = static_cast<double>(iteration) / optimizer_.max_iterations;
+  if (progress <= free_share) return optimizer_.move_limit;
+  const double share = std::min(1.0, (progress - free_share) / (1.0 - free_share));
+  return optimizer_.move_limit * std::pow(optimizer_.final_move_limit / optimizer_.move_limit, share);
+}
+
+}  // namespace fabseq

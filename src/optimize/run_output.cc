@@ -1,0 +1,222 @@
+#include "fabseq/optimize/run_output.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/io/checkpoint.h"
+#include "fabseq/io/field_dump.h"
+#include "fabseq/io/hdf5_writer.h"
+#include "fabseq/sequence/given_sequence.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::string output_path(const Setup<Dim>& setup, const CommandLine& command_line) {
+  return command_line.output.value_or("output/" + setup.config.name);
+}
+
+Json lists(const std::vector<std::vector<double>>& values) {
+  Json result = Json::array();
+  for (const auto& list : values) result.append(list);
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, PhaseTimer& timer)
+    : setup_(setup),
+      timer_(timer),
+      directory_(setup.grid.comm(), output_path(setup, command_line), command_line.overwrite),
+      history_(directory_),
+      progress_(setup.grid.comm()),
+      start_(MPI_Wtime()),
+      iteration_start_(start_) {
+  directory_.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
+}
+
+template <int Dim>
+void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {
+  baseline_ = std::move(report);
+  print(solver);
+  char line[160];
+  std::snprintf(line, sizeof line, "planar baseline: %d layers, first objective term %.4e", setup_.baseline_layers,
+                baseline_.first_objective());
+  print(line);
+  timer_.reset();
+  iteration_start_ = MPI_Wtime();
+}
+
+template <int Dim>
+void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
+                               Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const std::vector<double>& design) {
+  {
+    const auto scope = timer_.enter(Phase::output);
+    const OutputSettings& due = setup_.config.output;
+    if (due.every > 0 && iteration % due.every == 0) dump_fields(iteration, state, design);
+    if (due.checkpoint_every > 0 && iteration % due.checkpoint_every == 0) checkpoint(iteration, beta, design);
+  }
+  const double now = MPI_Wtime();
+  const double total = now - iteration_start_;
+  iteration_start_ = now;
+  write_history(iteration, beta, values, step, pipeline, state, total);
+  for (int phase = 0; phase < phase_count; ++phase) phase_seconds_[phase] += timer_.seconds()[phase];
+  timer_.reset();
+
+  ProgressLine line;
+  line.iteration = iteration;
+  line.max_iterations = setup_.config.optimizer.max_iterations;
+  if (!values.objective.empty() && values.objective[0][0] > 0.0)
+    line.objective_ratio = baseline_.first_objective() / values.objective[0][0];
+  if (!values.constraints.empty()) line.worst_constraint = values.worst_constraint;
+  line.beta = beta;
+  line.seconds = total;
+  progress_.print(line);
+}
+
+template <int Dim>
+void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
+                                   const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, double total) {
+  const SolverIterations& solves = pipeline.iterations();
+  Json objective = Json::array();
+  for (const auto& value : values.objective) objective.append(value[0]);
+  history_.append(Json::object(
+      {{"iteration", iteration},
+       {"objective", objective},
+       {"objective_scaled", values.scaled},
+       {"constraints", lists(values.constraints)},
+       {"worst_constraint", values.worst_constraint},
+       {"beta", beta},
+       {"change", step.change},
+       {"merit", values.merit},
+       {"interior_minima", count_interior_minima<Dim>(setup_.part, state.time.time)},
+       {"temperature_range", std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature}},
+       {"optimizer", Json::object({{"newton_steps", step.mma.newton_steps},
+                                   {"residual", step.mma.kkt_residual},
+                                   {"relaxation", step.mma.largest_violation}})},
+       {"solver_iterations",
+        Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}})},
+       {"seconds", seconds_record(timer_.seconds(), total)},
+       {"peak_memory_bytes", peak_memory_bytes(setup_.grid.comm())}}));
+}
+
+template <int Dim>
+void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state, const std::vector<double>& design) {
+  const std::vector<double> time = setup_.part.expand(state.time.time);
+  const std::vector<double> layer = setup_.part.expand(layer_index(state.time.time, state.layers.count()));
+  const std::vector<double> design_field = setup_.part.expand(design);
+  FieldSet<Dim> fields;
+  fields.grid = &setup_.grid;
+  fields.add_elements("density", setup_.part.density());
+  fields.add_elements("time", time);
+  fields.add_elements("layer", layer);
+  fields.add_elements("design", design_field);
+  if (!state.time.temperature.empty()) fields.add_nodes("temperature", state.time.temperature);
+  fields.add_nodes("displacement", state.process.displacement, Dim);
+  directory_.make_folder("fields");
+  char name[40];
+  std::snprintf(name, sizeof name, "fields/iteration_%04d", iteration);
+  write_field_dump(fields, directory_.file(name));
+}
+
+template <int Dim>
+void RunOutput<Dim>::checkpoint(int iteration, double beta, const std::vector<double>& design) {
+  const std::vector<double> field = setup_.part.expand(design);
+  FieldSet<Dim> fields;
+  fields.grid = &setup_.grid;
+  fields.add_elements("design", field);
+  write_checkpoint(directory_, fields, Json::object({{"iteration", iteration}, {"beta", beta}, {"name", setup_.config.name}}));
+}
+
+template <int Dim>
+void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best) {
+  progress_.finish();
+  write_result(reports, best);
+  Json record = summary(end);
+  record.set("best_iteration", best.iteration());
+  record.set("feasible", best.feasible());
+  record.set("beta", best.beta());
+  record.set("worst_constraint", best.worst_constraint());
+  record.set("optimized", reports.optimized.block);
+  record.set("binary", reports.binary.block);
+  record.set("baseline", baseline_.block);
+  record.set("interior_minima", reports.interior_minima);
+  directory_.write("summary.json", record.dump(2) + "\n");
+  print_table(reports, record);
+}
+
+template <int Dim>
+void RunOutput<Dim>::fail(const RunEnd& end) {
+  progress_.finish();
+  Json record = summary(end);
+  record.set("baseline", baseline_.block);
+  directory_.write("summary.json", record.dump(2) + "\n");
+}
+
+template <int Dim>
+Json RunOutput<Dim>::summary(const RunEnd& end) const {
+  return Json::object({{"name", setup_.config.name},
+                       {"status", end.status},
+                       {"reason", end.reason},
+                       {"iterations", end.iterations},
+                       {"ranks", size_of(setup_.grid.comm())},
+                       {"part_elements", setup_.part.count()},
+                       {"seconds", seconds_record(phase_seconds_, MPI_Wtime() - start_)},
+                       {"peak_memory_bytes", peak_memory_bytes(setup_.grid.comm())}});
+}
+
+template <int Dim>
+void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIterate& best) {
+  const std::vector<double> design = setup_.part.expand(best.design());
+  FieldSet<Dim> fields;
+  fields.grid = &setup_.grid;
+  fields.add_elements("density", setup_.part.density());
+  fields.add_elements("design", design);
+  reports.optimized.add_fields(fields, "");
+  fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
+  baseline_.add_fields(fields, "planar/");
+  Hdf5Writer file(setup_.grid.comm(), directory_.file("result.h5"));
+  file.template write_fields<Dim>(fields);
+  file.write_attribute("name", setup_.config.name);
+  file.write_attribute("iteration", best.iteration());
+  file.write_attribute("beta", best.beta());
+  file.write_attribute("layers", setup_.layer_count);
+  const std::pair<const char*, const SequenceReport<Dim>*> blocks[] = {
+      {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline_}};
+  for (const auto& [prefix, report] : blocks)
+    for (const Json& response : report->block.at("responses").items())
+      file.write_attribute(prefix + response.at("name").string(), response.at("value"));
+  file.close();
+  directory_.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
+}
+
+template <int Dim>
+void RunOutput<Dim>::print_table(const FinalReports<Dim>& reports, const Json& summary) const {
+  print("");
+  print("sequence              first objective   planar / this   max displacement   layers");
+  const auto row = [&](const char* name, const SequenceReport<Dim>& report) {
+    char line[160];
+    std::snprintf(line, sizeof line, "%-20s %16.4e %15.1f %18.4e %8d", name, report.first_objective(),
+                  baseline_.first_objective() / report.first_objective(),
+                  report.block.at("displacement").at("max").number(), used_layers(report.block));
+    print(line);
+  };
+  row("planar", baseline_);
+  row("optimized", reports.optimized);
+  row("optimized, binary", reports.binary);
+  char line[160];
+  std::snprintf(line, sizeof line, "%s after %d iterations (%s), best feasible: %s, %.1f s; results in %s",
+                summary.at("status").string().c_str(), static_cast<int>(summary.at("iterations").integer()),
+                summary.at("reason").string().c_str(), summary.at("feasible").boolean() ? "yes" : "no",
+                summary.at("seconds").at("total").number(), directory_.path().c_str());
+  print(line);
+}
+
+template class RunOutput<2>;
+template class RunOutput<3>;
+
+}  // namespace fabseq

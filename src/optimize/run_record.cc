@@ -1,0 +1,32 @@
+#include "fabseq/base/mpi.h"
+#include "fabseq/optimize/run_output.h"
+
+#include <hdf5.h>
+#include <petscsys.h>
+
+namespace fabseq {
+
+Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+  char petsc[256];
+  check(PetscGetVersion(petsc, sizeof petsc));
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int length = 0;
+  MPI_Get_library_version(mpi, &length);
+  Json record = config.effective;
+  record.set("run", Json::object({{"command_line", command_line.text},
+                                  {"fabseq", FABSEQ_VERSION},
+                                  {"petsc", petsc},
+                                  {"mpi", mpi},
+                                  {"hdf5", H5_VERS_INFO},
+                                  {"ranks", size_of(comm)}}));
+  return record;
+}
+
+Json seconds_record(const std::array<double, phase_count>& phases, double total) {
+  Json record = Json::object();
+  for (int phase = 0; phase < phase_count; ++phase) record.set(std::string(phase_names[phase]), phases[phase]);
+  record.set("total", total);
+  return record;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,58 @@
+#include "fabseq/responses/deposition_speed.h"
+
+#include "fabseq/base/mpi.h"
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+class DepositionSpeed : public Response<Dim> {
+ public:
+  DepositionSpeed(const ResponseContext<Dim>& context, double slack) : context_(context), slack_(slack) {}
+
+  std::string type() const override { return "deposition_speed"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    std::vector<double> result(state.layers.count() - 1, 0.0);
+    for (std::size_t j = 0; j < result.size(); ++j)
+      for (const double density : state.layers.stage[j]) result[j] += density * volume_fraction();
+    sum_in_place(context_.part.grid().comm(), result);
+    for (std::size_t j = 0; j < result.size(); ++j) result[j] -= state.layers.time_points[j + 1];
+    return result;
+  }
+
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    auto& d_stage = DensityDerivatives::touch(adjoint.densities.stage[component], state.layers.stage[component].size());
+    for (double& derivative : d_stage) derivative += weight * volume_fraction();
+  }
+
+  std::vector<ConstraintRow> rows(int components, double margin) const override {
+    std::vector<ConstraintRow> result;
+    for (int j = 0; j < components; ++j) {
+      result.push_back({j, 1.0, -0.5 * (1.0 - margin) * slack_});
+      result.push_back({j, -1.0, -0.5 * (1.0 + margin) * slack_});
+    }
+    return result;
+  }
+
+ private:
+  /// Of an element in the whole part.
+  double volume_fraction() const { return context_.part.grid().element_volume() / context_.part.volume(); }
+
+  ResponseContext<Dim> context_;
+  double slack_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_deposition_speed(const ResponseContext<Dim>& context, double slack) {
+  return std::make_unique<DepositionSpeed<Dim>>(context, slack);
+}
+
+template std::unique_ptr<Response<2>> make_deposition_speed<2>(const ResponseContext<2>&, double);
+template std::unique_ptr<Response<3>> make_deposition_speed<3>(const ResponseContext<3>&, double);
+
+}  // namespace fabseq

@@ -1,0 +1,63 @@
+#include "fabseq/responses/layer_thickness.h"
+
+#include "fabseq/responses/layer_statistics.h"
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+class LayerThickness : public Response<Dim> {
+ public:
+  LayerThickness(const ResponseContext<Dim>& context, double target, double tolerance)
+      : context_(context), target_(target), tolerance_(tolerance) {}
+
+  std::string type() const override { return "layer_thickness"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    std::vector<double> result = layer_statistics(context_, state.time, state.layers).thickness;
+    for (double& thickness : result) thickness /= target_;
+    return result;
+  }
+
+  /// d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W, dm/dM_e = w_e / W.
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
+    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+    const double mean = statistics.mean[component];
+    const double factor = -weight * statistics.thickness[component] / (target_ * mean * statistics.weight[component]);
+    auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
+    std::vector<double> d_magnitude(magnitude.size());
+    for (std::size_t e = 0; e < magnitude.size(); ++e) {
+      d_layer[e] += factor * (magnitude[e] - mean);
+      d_magnitude[e] = factor * (state.layers.layer[component][e] + layer_density_floor);
+    }
+    add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
+  }
+
+  std::vector<ConstraintRow> rows(int components, double margin) const override {
+    std::vector<ConstraintRow> result;
+    for (int j = 0; j < components; ++j) {
+      result.push_back({j, 1.0, 1.0 + margin * tolerance_});
+      result.push_back({j, -1.0, 1.0 - margin * tolerance_});
+    }
+    return result;
+  }
+
+ private:
+  ResponseContext<Dim> context_;
+  double target_, tolerance_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target, double tolerance) {
+  return std::make_unique<LayerThickness<Dim>>(context, target, tolerance);
+}
+
+template std::unique_ptr<Response<2>> make_layer_thickness<2>(const ResponseContext<2>&, double, double);
+template std::unique_ptr<Response<3>> make_layer_thickness<3>(const ResponseContext<3>&, double, double);
+
+}  // namespace fabseq

@@ -1,0 +1,124 @@
+#include "fabseq/responses/layer_uniformity.h"
+
+#include "fabseq/responses/layer_statistics.h"
+
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// Layers with less than this fraction of the mean volume V*/N do not count in the variance.
+constexpr double empty_layer_fraction = 1e-6;
+
+/// L = sum_j F_j(D_j, W_j, m_j) with D_j = sum_e w_e (M_e - m_j)^2, W_j = sum_e w_e, w = drho + floor. The mean's derivative
+/// drops out of D_j, since deviations from it sum to zero; what remains for a form are the three partial derivatives of F_j.
+struct Partials {
+  double deviation = 0.0, weight = 0.0, mean = 0.0;
+};
+
+template <int Dim>
+class Uniformity : public Response<Dim> {
+ public:
+  explicit Uniformity(const ResponseContext<Dim>& context) : context_(context) {}
+
+  std::string type() const override { return "layer_uniformity"; }
+
+  void add_derivative(int, double weight, const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const override {
+    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
+    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+    std::vector<double> d_magnitude(magnitude.size(), 0.0);
+    for (int j = 0; j < state.layers.count(); ++j) {
+      const Partials partials = this->partials(statistics, j);
+      if (partials.deviation == 0.0) continue;
+      auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[j], magnitude.size());
+      for (std::size_t e = 0; e < magnitude.size(); ++e) {
+        const double difference = magnitude[e] - statistics.mean[j];
+        const double density = state.layers.layer[j][e] + layer_density_floor;
+        d_layer[e] += weight * (partials.deviation * difference * difference + partials.weight +
+                                partials.mean * difference / statistics.weight[j]);
+        d_magnitude[e] +=
+            weight * density * (2.0 * partials.deviation * difference + partials.mean / statistics.weight[j]);
+      }
+    }
+    add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
+  }
+
+ protected:
+  virtual Partials partials(const LayerStatistics& statistics, int layer) const = 0;
+  const ResponseContext<Dim>& context() const { return context_; }
+
+ private:
+  ResponseContext<Dim> context_;
+};
+
+template <int Dim>
+class SumOfSquares : public Uniformity<Dim> {
+ public:
+  using Uniformity<Dim>::Uniformity;
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    double total = 0.0;
+    for (const double deviation : layer_statistics(this->context(), state.time, state.layers).deviation) total += deviation;
+    return {total};
+  }
+
+ protected:
+  Partials partials(const LayerStatistics&, int) const override { return {1.0, 0.0, 0.0}; }
+};
+
+template <int Dim>
+class Variance : public Uniformity<Dim> {
+ public:
+  using Uniformity<Dim>::Uniformity;
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const LayerStatistics statistics = layer_statistics(this->context(), state.time, state.layers);
+    double total = 0.0;
+    for (int j = 0; j < state.layers.count(); ++j)
+      if (!is_empty(statistics, j)) total += std::pow(statistics.coefficient_of_variation(j), 2);
+    return {total / filled_layers(statistics)};
+  }
+
+ protected:
+  /// F_j = D_j / (N' m_j^2 W_j).
+  Partials partials(const LayerStatistics& statistics, int layer) const override {
+    if (is_empty(statistics, layer)) return {};
+    const double mean = statistics.mean[layer];
+    const double weight = statistics.weight[layer];
+    const double factor = 1.0 / (filled_layers(statistics) * mean * mean * weight);
+    return {factor, -factor * statistics.deviation[layer] / weight, -2.0 * factor * statistics.deviation[layer] / mean};
+  }
+
+ private:
+  bool is_empty(const LayerStatistics& statistics, int layer) const {
+    const double mean_volume = this->context().part.volume() / static_cast<double>(statistics.volume.size());
+    return statistics.volume[layer] <= empty_layer_fraction * mean_volume;
+  }
+  int filled_layers(const LayerStatistics& statistics) const {
+    int count = 0;
+    for (std::size_t j = 0; j < statistics.volume.size(); ++j) count += is_empty(statistics, static_cast<int>(j)) ? 0 : 1;
+    return count;
+  }
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity(const ResponseContext<Dim>& context) {
+  return std::make_unique<SumOfSquares<Dim>>(context);
+}
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_variance_uniformity(const ResponseContext<Dim>& context) {
+  return std::make_unique<Variance<Dim>>(context);
+}
+
+#define FABSEQ_INSTANTIATE(Dim)                                                                                       \
+  template std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity<Dim>(const ResponseContext<Dim>&);           \
+  template std::unique_ptr<Response<Dim>> make_variance_uniformity<Dim>(const ResponseContext<Dim>&);
+FABSEQ_INSTANTIATE(2)
+FABSEQ_INSTANTIATE(3)
+#undef FABSEQ_INSTANTIATE
+
+}  // namespace fabseq

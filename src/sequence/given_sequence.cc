@@ -1,0 +1,120 @@
+#include "fabseq/sequence/given_sequence.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/grid/element_halo.h"
+#include "fabseq/io/hdf5_writer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+Point<Dim> unit_direction(const Part<Dim>& part, const std::vector<double>& direction) {
+  Point<Dim> result{};
+  if (direction.empty()) {
+    result[part.plate().axis] = part.plate().upper ? -1.0 : 1.0;
+    return result;
+  }
+  double square = 0.0;
+  for (const double d : direction) square += d * d;
+  for (int axis = 0; axis < Dim; ++axis) result[axis] = direction[axis] / std::sqrt(square);
+  return result;
+}
+
+/// Heights of the part elements' centres, and of the lowest and highest corner of all of them.
+template <int Dim>
+struct Heights {
+  std::vector<double> centers;
+  double lowest = 0.0, highest = 0.0;
+
+  Heights(const Part<Dim>& part, const Point<Dim>& direction) {
+    const Grid<Dim>& grid = part.grid();
+    double half = 0.0;
+    for (int axis = 0; axis < Dim; ++axis) half += 0.5 * grid.spacing()[axis] * std::abs(direction[axis]);
+    double low = std::numeric_limits<double>::max();
+    double high = std::numeric_limits<double>::lowest();
+    for (const int element : part.elements()) {
+      const Point<Dim> center = grid.element_center(grid.owned_elements().index(element));
+      double height = 0.0;
+      for (int axis = 0; axis < Dim; ++axis) height += center[axis] * direction[axis];
+      centers.push_back(height);
+      low = std::min(low, height - half);
+      high = std::max(high, height + half);
+    }
+    lowest = min(grid.comm(), low);
+    highest = max(grid.comm(), high);
+  }
+};
+
+}  // namespace
+
+template <int Dim>
+PseudoTime<Dim> planar_time(const Part<Dim>& part, std::vector<double> direction) {
+  const Point<Dim> normal = unit_direction(part, direction);
+  const Heights<Dim> heights(part, normal);
+  const double height = heights.highest - heights.lowest;
+  PseudoTime<Dim> result;
+  for (const double center : heights.centers) {
+    result.time.push_back((center - heights.lowest) / height);
+    for (const double component : normal) result.gradient.push_back(component / height);
+  }
+  return result;
+}
+
+template <int Dim>
+double planar_height(const Part<Dim>& part, std::vector<double> direction) {
+  const Heights<Dim> heights(part, unit_direction(part, direction));
+  return heights.highest - heights.lowest;
+}
+
+template <int Dim>
+PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
+  PseudoTime<Dim> result;
+  result.time = part.restrict_to_part(read_element_field(part.grid(), file, dataset));
+  double outside = 0.0;
+  for (const double t : result.time)
+    if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;
+  const bool wrong = any(part.grid().comm(), outside != 0.0);
+  if (wrong)
+    throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
+                     " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
+  return result;
+}
+
+template <int Dim>
+std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time) {
+  const Grid<Dim>& grid = part.grid();
+  Index<Dim> width{};
+  width.fill(1);
+  const ElementHalo<Dim> halo(grid, width);
+  // Larger than any time: the void is no earlier neighbour.
+  const std::vector<double> times = halo.gather(part.expand(time, 2.0));
+  const int plate_index = part.plate().upper ? grid.domain().elements[part.plate().axis] - 1 : 0;
+  std::int64_t minima = 0;
+  for (std::size_t e = 0; e < part.elements().size(); ++e) {
+    const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
+    bool minimum = element[part.plate().axis] != plate_index;
+    for (int face = 0; face < 2 * Dim && minimum; ++face) {
+      Index<Dim> neighbour = element;
+      neighbour[face / 2] += face % 2 == 0 ? -1 : 1;
+      if (halo.box().contains(neighbour) && times[halo.box().offset(neighbour)] < time[e]) minimum = false;
+    }
+    minima += minimum ? 1 : 0;
+  }
+  return sum(grid.comm(), minima);
+}
+
+#define FABSEQ_INSTANTIATE(Dim)                                                                              \
+  template PseudoTime<Dim> planar_time<Dim>(const Part<Dim>&, std::vector<double>);                          \
+  template double planar_height<Dim>(const Part<Dim>&, std::vector<double>);                                 \
+  template PseudoTime<Dim> time_from_file<Dim>(const Part<Dim>&, const std::string&, const std::string&);    \
+  template std::int64_t count_interior_minima<Dim>(const Part<Dim>&, std::span<const double>);
+FABSEQ_INSTANTIATE(2)
+FABSEQ_INSTANTIATE(3)
+#undef FABSEQ_INSTANTIATE
+
+}  // namespace fabseq

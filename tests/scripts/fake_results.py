@@ -1,0 +1,114 @@
+"""Output directories of exactly the form a run leaves, with made-up numbers: what the scripts are tested with."""
+
+import json
+import math
+import os
+
+import h5py
+import numpy as np
+
+
+def v_shape_density(counts):
+    """The V-shape of docs/formulation.md 10 in a box of 2 x 1 x 2, at element centres, [z][y][x]."""
+    x, _, z = element_centres(counts, (2.0, 1.0, 2.0))
+    inside = (z <= 0.6) | (x >= 1.2)
+    return (inside & ~(z - x + 1.0 <= 0.0)).astype(float)
+
+
+def element_centres(counts, size):
+    """Coordinates x, y(, z) of the element centres, each an array [z][y][x]."""
+    axes = [(np.arange(n) + 0.5) * length / n for n, length in zip(counts, size)]
+    return np.meshgrid(*axes[::-1], indexing="ij")[::-1]
+
+
+def node_coordinates(counts, size):
+    axes = [np.arange(n + 1) * length / n for n, length in zip(counts, size)]
+    return np.meshgrid(*axes[::-1], indexing="ij")[::-1]
+
+
+def layers_of(time, density, count):
+    return np.where(density > 0, np.clip(np.ceil(time * count - 1e-12), 1, count), 0).astype(np.int32)
+
+
+def layer_table(layer, count, thickness, element_volume, spread):
+    rows = []
+    for j in range(1, count + 1):
+        volume = float((layer == j).sum()) * element_volume
+        wobble = spread * math.sin(2.3 * j)
+        rows.append({"volume": volume,
+                     "thickness": thickness * (1 + wobble) if volume > 0 else None,
+                     "cv": 0.1 + abs(wobble) if volume > 0 else None})
+    return rows
+
+
+def block(objective, constraint, layers, displacement):
+    norms = np.sqrt((displacement**2).sum(axis=-1))
+    return {"responses": [{"name": "objective_0", "type": "distortion", "value": objective},
+                          {"name": "objective_1", "type": "layer_uniformity", "value": 0.3},
+                          {"name": "constraint_0_0", "type": "layer_thickness", "value": constraint}],
+            "layers": layers,
+            "displacement": {"max": float(norms.max()), "rms": float(np.sqrt((norms**2).mean()))}}
+
+
+def history(path, iterations, planar):
+    with open(path, "w", encoding="utf-8") as file:
+        for k in range(iterations):
+            value = planar * (0.9 * math.exp(-k / 8) + 1e-3 * (1 + 0.6 * math.sin(1.7 * k)))
+            worst = 2.0 * math.exp(-k / 4) - 0.012 + 0.008 * math.sin(0.9 * k)
+            file.write(json.dumps({"iteration": k, "objective": [value, 0.3], "objective_scaled": [100, 30],
+                                   "constraints": [[1 + worst]], "worst_constraint": worst,
+                                   "beta": 48 * 1.5 ** min(k // 15, 3), "change": 0.05,
+                                   "solver_iterations": {"primal": [12], "adjoint": [13], "heat": [9]},
+                                   "seconds": {"primal": 0.4, "adjoint": 0.5, "total": 1.1},
+                                   "peak_memory_bytes": 5e8}) + "\n")
+
+
+def write_run(directory, name, density, size, count=12, planar_count=10, iterations=60):
+    """Writes result.h5, summary.json, history.jsonl and config.json for `density` ([z][y][x] or [y][x]) in a box of `size`."""
+    os.makedirs(directory, exist_ok=True)
+    dimension = density.ndim
+    counts = density.shape[::-1]
+    centres, nodes = element_centres(counts, size), node_coordinates(counts, size)
+    height, top = centres[-1], size[-1]
+    planar_time = height / top
+    time = height + 0.25 * centres[0] * np.sin(math.pi * height / top) - 0.1 * centres[0]
+    built = density > 0
+    time = (time - time[built].min()) / (time[built].max() - time[built].min())
+    s = nodes[-1] / top
+    planar_displacement = np.zeros(density_nodes(density) + (dimension,))
+    planar_displacement[..., 0] = 0.05 * s**2 - 0.01 * (nodes[0] - size[0] / 2) * s
+    planar_displacement[..., -1] = -0.02 * s - 0.02 * s * (nodes[0] / size[0] - 0.5)
+    displacement = 0.15 * planar_displacement
+    displacement[..., 0] += -0.01 * (nodes[0] - size[0] / 2) * s
+    displacement[..., -1] -= 0.008 * s
+    with h5py.File(os.path.join(directory, "result.h5"), "w") as file:
+        file["density"] = density
+        file["time"] = np.where(built, time, 0.0)
+        file["layer"] = layers_of(time, density, count)
+        file["displacement"] = displacement
+        file["planar/time"] = np.where(built, planar_time, 0.0)
+        file["planar/layer"] = layers_of(planar_time, density, planar_count)
+        file["planar/displacement"] = planar_displacement
+    target = top / count
+    volume = float(np.prod([length / n for length, n in zip(size, counts)]))
+    optimized = layer_table(layers_of(time, density, count), count, target, volume, 0.08)
+    summary = {"status": "iteration_limit", "reason": "made up", "iterations": iterations,
+               "optimized": block(4.5e-4, 1.01, optimized, displacement),
+               "binary": block(5.3e-4, 1.03, layer_table(layers_of(time, density, count), count, target, volume, 0.1),
+                               displacement),
+               "baseline": block(0.41, 1.0, layer_table(layers_of(planar_time, density, planar_count), planar_count,
+                                                        top / planar_count, volume, 0.0), planar_displacement),
+               "interior_minima": 0, "seconds": {"primal": 20.0, "adjoint": 30.0, "total": 61.0},
+               "peak_memory_bytes": 5e8}
+    with open(os.path.join(directory, "summary.json"), "w", encoding="utf-8") as file:
+        json.dump(summary, file, indent=1)
+    config = {"name": name, "domain": {"size": list(size), "elements": list(counts)},
+              "build_plate": "z-" if dimension == 3 else "y-",
+              "constraints": [{"type": "layer_thickness", "target": target, "tolerance": 0.1}]}
+    with open(os.path.join(directory, "config.json"), "w", encoding="utf-8") as file:
+        json.dump(config, file, indent=1)
+    history(os.path.join(directory, "history.jsonl"), iterations, 0.41)
+
+
+def density_nodes(density):
+    return tuple(n + 1 for n in density.shape)
