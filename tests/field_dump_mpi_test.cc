@@ -111,6 +111,32 @@ TEST(FieldDump, NoticesAFullDisk) {
   }
 }
 
+TEST(FieldDump, NoticesAFullDiskWhereverItHappens) {
+  const Grid<3> grid = test::odd_grid<3>();
+  const SampleFields<3> sample(grid);
+  int failures = 0;
+  bool fits = false;
+  for (int kilobytes = 4; !fits && kilobytes <= 100; kilobytes += 4) {
+    const test::SmallDisk disk(std::to_string(kilobytes) + "k");
+    if (!disk.mounted()) GTEST_SKIP() << "needs the privilege to mount a tmpfs";
+    try {
+      write_field_dump(sample.set, disk.file("dump"));
+      fits = true;
+    } catch (const OutputError& error) {
+      EXPECT_TRUE(contains(error.what(), disk.file("dump"))) << error.what();
+      ++failures;
+    }
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (!fits) {
+      EXPECT_FALSE(std::filesystem::exists(disk.file("dump.xdmf"))) << kilobytes;
+    } else if (is_first()) {
+      EXPECT_EQ(file_text(disk.file("dump.bin")), expected_bytes(grid));
+    }
+  }
+  EXPECT_TRUE(fits);
+  EXPECT_GE(failures, 3);
+}
+
 /// Coordinates of nodes or element centres, [entity][axis].
 template <int Dim>
 std::vector<double> positions(const Grid<Dim>& grid, bool on_nodes) {

@@ -77,7 +77,9 @@ void expect_analytic_datasets() {
   }
   writer.write_array("volumes", std::vector<double>{1.5, 2.5, 0.1});
   writer.write_array("empty", {});
-  EXPECT_FALSE(std::filesystem::exists(path));
+  if (is_first()) {
+    EXPECT_FALSE(std::filesystem::exists(path));
+  }
   writer.close();
   if (!is_first()) return;
 
@@ -206,7 +208,7 @@ TEST(Hdf5Writer, NoticesAFullDiskWhereverItHappens) {
   const std::vector<double> values = analytic_field<3>(grid.owned_nodes(), 3);
   bool fits = false;
   int failures = 0;
-  for (int kilobytes = 4; !fits; kilobytes += 4) {
+  for (int kilobytes = 4; !fits && kilobytes <= 200; kilobytes += 4) {
     const test::SmallDisk disk(std::to_string(kilobytes) + "k");
     if (!disk.mounted()) GTEST_SKIP() << "needs the privilege to mount a tmpfs";
     try {
@@ -229,6 +231,7 @@ TEST(Hdf5Writer, NoticesAFullDiskWhereverItHappens) {
       EXPECT_EQ(read(disk.file("a.h5"), "group/below/c").values, analytic_field<3>(grid.all_nodes(), 3));
     }
   }
+  EXPECT_TRUE(fits);
   EXPECT_GE(failures, 5);
 }
 

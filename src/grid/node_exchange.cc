@@ -8,8 +8,8 @@ namespace fabseq {
 
 namespace {
 
-[[maybe_unused]] [[maybe_unused]] PetscInt local_size(Vec vector) {  // in assertions only
-
+/// Used in assertions only.
+[[maybe_unused]] PetscInt local_size(Vec vector) {
   PetscInt size = 0;
   check(VecGetLocalSize(vector, &size));
   return size;

@@ -19,7 +19,8 @@ std::string point_text(const Point<Dim>& point) {
   for (const double coordinate : point) {
     std::array<char, 32> number{};
     std::snprintf(number.data(), number.size(), "%.6g", coordinate);
-    text += (text.empty() ? "[" : ",") + std::string(number.data());
+    text += text.empty() ? "[" : ",";
+    text += number.data();
   }
   return text + "]";
 }

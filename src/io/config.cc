@@ -55,7 +55,7 @@ std::vector<double> scaled_strain(std::vector<double> strain, const std::vector<
   const std::size_t dimension = scale.size();
   for (std::size_t axis = 0; axis < dimension; ++axis) strain[axis] *= scale[axis];
   for (std::size_t shear = dimension; shear < strain.size(); ++shear) {  // xy, yz, zx
-    const std::size_t first = shear - dimension, second = (first + 1) % dimension;
+    const std::size_t first = shear - dimension, second = first + 1 < dimension ? first + 1 : 0;
     strain[shear] *= std::sqrt(scale[first] * scale[second]);
   }
   return strain;

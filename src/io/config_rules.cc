@@ -62,7 +62,7 @@ void check_node_set_of_term(const Config& config, const ObjectiveTerm& term, con
   for (const auto& member : config.node_sets) known.push_back(member.first);
   const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
   if (term.nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
-  if (config.node_sets.count(term.nodes) != 0) return;
+  if (config.node_sets.contains(term.nodes)) return;
   const std::string nearest = nearest_word(term.nodes, known);
   const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
   refuse(pointer, "unknown node set " + shown(term.nodes) + hint, list);

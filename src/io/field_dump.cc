@@ -10,6 +10,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <fcntl.h>
 #include <filesystem>
 #include <vector>
 
@@ -83,8 +84,7 @@ class SharedFile {
     const int opened = MPI_File_open(comm_, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, file_.receive());
     const bool all_open = !any(comm_, opened != MPI_SUCCESS);
     if (!all_open) file_.forget();
-    const int emptied = all_open ? MPI_File_set_size(file_, 0) : opened;
-    run_on_all(comm_, [&] { require_success(emptied, path_); });
+    run_on_all(comm_, [&] { require_success(opened, path_); });
   }
 
   /// Writes this rank's `values` of a field that starts at byte `offset`.
@@ -105,7 +105,7 @@ class SharedFile {
     const int written = MPI_File_write_at_all(file_, 0, values, count, entity, &status);
     run_on_all(comm_, [&] {
       require_success(written, path_);
-      // A full disk is no error to MPI: the count is short.
+      // A full disk need not be an error to MPI: the count is short.
       int arrived = 0;
       MPI_Get_count(&status, entity, &arrived);
       if (arrived != count)
@@ -145,6 +145,15 @@ std::vector<std::int64_t> byte_offsets(const FieldSet<Dim>& fields) {
   return offsets;
 }
 
+/// One rank makes the file and takes its room on the disk, so that a missing folder or a full disk never
+/// reach the collective calls: Open MPI 4.1 gives up a failed collective write half way, and ranks hang in
+/// what they call next.
+void make_room(const std::string& path, std::int64_t bytes) {
+  PosixFile file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  file.reserve(bytes);
+  file.close();
+}
+
 template <int Dim>
 void write_values(const FieldSet<Dim>& fields, const std::vector<std::int64_t>& offsets,
                   const std::string& path) {
@@ -167,13 +176,10 @@ void write_field_dump(const FieldSet<Dim>& fields, const std::string& base) {
   const std::string partial = partial_name(binary);
   const std::vector<std::int64_t> offsets = byte_offsets(fields);
 
-  // One rank makes the file: a wrong path or a missing permission then never reaches a collective call.
-  run_on_first(comm, [&] { create_empty_file(partial); });
   try {
+    run_on_first(comm, [&] { make_room(partial, offsets.back()); });
     write_values(fields, offsets, partial);
     run_on_first(comm, [&] {
-      if (static_cast<std::int64_t>(std::filesystem::file_size(partial)) != offsets.back())
-        throw OutputError("cannot write '" + binary + "': it came out too short");
       publish_file(binary);
       const std::string name = std::filesystem::path(binary).filename().string();
       const auto source = [&](std::size_t i) {

@@ -82,6 +82,7 @@ class Hdf5Writer::File {
     disk_.emplace(partial_name(path_), O_WRONLY | O_CREAT | O_TRUNC);
     const Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    (void)H5Pset_fapl_stdio(access);  // the default driver insists on a name in the file system
     file_ = Hdf5File(H5Fcreate(memory_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access));
     require(static_cast<bool>(file_));
   }

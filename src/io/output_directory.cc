@@ -5,6 +5,7 @@
 #include "fabseq/io/verdict.h"
 
 #include <array>
+#include <fcntl.h>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -60,7 +61,7 @@ void remove_run(const fs::path& directory) {
 /// Permissions say little (root, read-only mounts, network file systems): try it.
 void require_writable(const fs::path& directory) {
   const fs::path probe = directory / ".fabseq_can_write";
-  create_empty_file(probe.string());
+  PosixFile(probe.string(), O_WRONLY | O_CREAT | O_TRUNC).close();
   remove_file(probe);
 }
 

@@ -2,6 +2,7 @@
 
 #include "fabseq/base/error.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -62,6 +64,15 @@ void PosixFile::resize(std::int64_t bytes) const {
   if (::ftruncate(descriptor_, bytes) != 0) fail("write", path_, errno);
 }
 
+void PosixFile::reserve(std::int64_t bytes) const {
+  if (bytes == 0 || ::fallocate(descriptor_, 0, 0, bytes) == 0) return;
+  if (errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) fail("write", path_, errno);
+  const std::vector<char> zeros(1 << 20);
+  const auto block = static_cast<std::int64_t>(zeros.size());
+  for (std::int64_t offset = 0; offset < bytes; offset += block)
+    write_at(offset, zeros.data(), static_cast<std::size_t>(std::min(block, bytes - offset)));
+}
+
 void PosixFile::sync() const {
   // EINVAL: something that cannot be synced, such as a directory of some network file systems.
   if (::fsync(descriptor_) != 0 && errno != EINVAL) fail("write", path_, errno);
@@ -73,8 +84,6 @@ void PosixFile::close() {
 }
 
 std::string partial_name(const std::string& path) { return path + ".partial"; }
-
-void create_empty_file(const std::string& path) { PosixFile(path, O_WRONLY | O_CREAT | O_TRUNC).close(); }
 
 void replace_file(const std::string& path, std::string_view text) {
   const std::string partial = partial_name(path);

@@ -150,7 +150,7 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text) {
 }
 
 std::string allowed_values(const ConfigKey& key, int dimension) {
-  const std::string plain = plain_values(key, dimension);
+  std::string plain = plain_values(key, dimension);
   if (key.words.empty() || key.type == KeyType::choice) return plain;
   std::string words;
   for (const std::string& word : split(key.words, ' ')) words += Json(word).dump() + " or ";

@@ -102,9 +102,9 @@ class Completion {
                               const std::string& name) const {
     for (const ConfigKey& key : config_keys()) {
       if (key.section != path || key.name != name || key.dimension == 0) continue;
-      const std::string dimension = std::to_string(key.dimension);
       refuse(pointer, shown(found),
-             "only in " + dimension + "D, that is with " + dimension + " entries in domain.elements");
+             key.dimension == 2 ? "only in 2D, that is with 2 entries in domain.elements"
+                                : "only in 3D, that is with 3 entries in domain.elements");
     }
   }
 

@@ -1,6 +1,7 @@
 #include "fabseq/optimize/mma_subproblem.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/optimize/mma_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,236 +9,105 @@
 #include <cstdlib>
 #include <limits>
 
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotrs_(const char* uplo, const int* n, const int* nrhs, const double* a, const int* lda, double* b,
-             const int* ldb, int* info);
-}
+extern "C" void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
+                       const double* x, const int* incx, const double* beta, double* y, const int* incy);
 
 namespace fabseq {
 
 namespace {
 
 double P(const char* n, double d) { return std::getenv(n) ? std::atof(std::getenv(n)) : d; }
-const double final_barrier = P("FB", 1e-9);
-const double centered = P("CE", 10.0);    // the barrier falls where all residuals are below this many barriers
-const double to_the_boundary = P("TB", 0.99);
-constexpr int step_limit = 300;
-const int cut_limit = (int)P("CL", 8);
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
+const double first_barrier = P("B0", 0.1), final_barrier = P("FB", 1e-9);
+const double overshoot = P("OV", 0.5);
+const int step_limit = 200, cut_limit = 20;
 
 class Solver {
  public:
   Solver(MPI_Comm comm, MmaVariables& variables, std::span<const double> values, const MmaRows& rows)
-      : comm_(comm), variables_(variables), values_(values), rows_(rows), m_(values.size()), lambda_(m_), slack_(m_),
-        y_(m_), mu_(m_), y_direction_(m_), slack_direction_(m_), mu_direction_(m_), function_(m_), barrier_slope_(m_), lambda_direction_(m_) {
-    has_z_ = std::any_of(rows.a.begin(), rows.a.end(), [](double a) { return a != 0.0; });
-  }
+      : comm_(comm), variables_(variables), values_(values), rows_(rows), m_(values.size()), lambda_(m_),
+        direction_(m_), function_(m_) {}
 
   MmaReport solve();
 
  private:
   void start();
-  double elastic(std::size_t i) const;
-  void reset();
   void set_function(const MmaSums& sums);
-  void take(const MmaSums& sums, double target);
   double residual() const;
-  void lower_barrier();
-  void set_direction(const MmaSums& sums);
-  bool solve_rows(std::vector<double>& matrix, std::vector<double>& right) const;
-  double room(double t_max) const;
+  void set_direction(const std::vector<double>& matrix);
   double ascent() const;
-  const MmaSums& search();
-  double zeta() const { return rows_.a0 - dot(rows_.a, lambda_); }
+  double elastic(std::size_t i) const {
+    return rows_.d[i] > 0.0 ? std::max(0.0, lambda_[i] - rows_.c[i]) / rows_.d[i] : 0.0;
+  }
 
-  MPI_Comm comm_;
+  [[maybe_unused]] MPI_Comm comm_;
   MmaVariables& variables_;
   std::span<const double> values_;
   const MmaRows& rows_;
   std::size_t m_;
-  bool has_z_;
-  double barrier_ = P("B0", 1.0);
-  double target_ = 1.0;  // the variables' barrier at the last evaluation
-  std::vector<double> lambda_, slack_, y_, mu_, y_direction_, slack_direction_, mu_direction_, function_, barrier_slope_, lambda_direction_;
-  double z_ = 0.0, z_direction_ = 0.0;
+  double barrier_ = first_barrier;
+  std::vector<double> lambda_, direction_, function_;
+  MmaMultipliers model_;
 };
 
 void Solver::start() {
+  double pull = 0.0;
   for (std::size_t i = 0; i < m_; ++i) {
     const double c = rows_.c[i], d = rows_.d[i], f = values_[i];
-    lambda_[i] = f > 0.0 ? std::min(c + d * f, std::max(1.0, d * f)) : 1.0 / (1.0 - f);
-    if (d <= 0.0) lambda_[i] = std::min(lambda_[i], 0.5 * c);
+    lambda_[i] = f > 0.0 ? std::min(c + d * f, std::max(1.0, d * f)) : 0.0;
+    if (d <= 0.0) lambda_[i] = std::min(lambda_[i], c);
+    pull += rows_.a[i] * lambda_[i];
   }
-  if (has_z_) {
-    const double pull = dot(rows_.a, lambda_);
-    if (pull > 0.5 * rows_.a0) {
-      for (double& value : lambda_) value *= 0.5 * rows_.a0 / pull;
-    }
-    z_ = barrier_ / zeta();
+  if (pull > rows_.a0) {
+    for (double& value : lambda_) value *= rows_.a0 / pull;
   }
-  for (std::size_t i = 0; i < m_; ++i) slack_[i] = barrier_ / lambda_[i];
   if (!variables_.start(lambda_)) throw NumericalError("MMA: a gradient is not finite");
 }
 
-double Solver::elastic(std::size_t i) const {
-  const double d = rows_.d[i], gap = rows_.c[i] - lambda_[i];
-  const double root = std::sqrt(gap * gap + 4.0 * d * barrier_) + std::abs(gap);
-  return gap > 0.0 ? 2.0 * barrier_ / root : root / (2.0 * d);
-}
-
-void Solver::reset() {
-  for (std::size_t i = 0; i < m_; ++i) {
-    y_[i] = elastic(i);
-    mu_[i] = barrier_ / y_[i];
-    slack_[i] = barrier_ / lambda_[i];
-  }
-  if (has_z_) z_ = barrier_ / zeta();
-}
-
 void Solver::set_function(const MmaSums& sums) {
-  for (std::size_t i = 0; i < m_; ++i) {
-    function_[i] = values_[i] + sums.change[i];
-    barrier_slope_[i] = sums.wall[i] + sums.schur[i * (m_ + 1) + m_];
-  }
-  target_ = barrier_;
+  for (std::size_t i = 0; i < m_; ++i) function_[i] = values_[i] + sums.change[i];
 }
 
 double Solver::residual() const {
-  double largest = has_z_ ? std::abs(z_ * zeta() - barrier_) : 0.0;
+  double largest = 0.0;
   for (std::size_t i = 0; i < m_; ++i) {
-    largest = std::max({largest, std::abs(function_[i] - rows_.a[i] * z_ - y_[i] + slack_[i]),
-                        std::abs(lambda_[i] * slack_[i] - barrier_), std::abs(mu_[i] * y_[i] - barrier_),
-                        std::abs(rows_.c[i] + rows_.d[i] * y_[i] - mu_[i] - lambda_[i])});
+    const double y = rows_.d[i] > 0.0 ? elastic(i) : model_.y[i];
+    const double value = function_[i] - rows_.a[i] * model_.z - y;
+    largest = std::max(largest, value > 0.0 ? value : -value * std::min(1.0, lambda_[i]));
   }
   return largest;
 }
 
-void Solver::lower_barrier() {
-  static const double fac = P("FAC", 0.1), ex = P("EX", 1.5);
-  bool lowered = false;
-  while (barrier_ > final_barrier && residual() <= centered * barrier_) {
-    barrier_ = std::max(final_barrier, std::min(fac * barrier_, std::pow(barrier_, ex)));
-    lowered = true;
-  }
-  if (!lowered) return;
-  const double change = barrier_ - target_;
-  if (P("PRED",1)) for (std::size_t i = 0; i < m_; ++i) function_[i] += change * barrier_slope_[i];
-}
-
-// Cholesky of the matrix scaled to a unit diagonal; should rounding have made it indefinite, with the diagonal raised.
-bool Solver::solve_rows(std::vector<double>& matrix, std::vector<double>& right) const {
-  const auto m = static_cast<int>(m_);
-  const int columns = 2;
-  std::vector<double> scale(m_), factor;
-  for (std::size_t i = 0; i < m_; ++i) scale[i] = 1.0 / std::sqrt(matrix[i * m_ + i]);
-  for (std::size_t column = 0; column < m_; ++column) {
-    for (std::size_t row = column; row < m_; ++row) matrix[column * m_ + row] *= scale[column] * scale[row];
-    right[column] *= scale[column];
-    right[m_ + column] *= scale[column];
-  }
-  for (double raise = 0.0; raise < 1.0; raise = std::max(1e-14, 100.0 * raise)) {
-    int info = 0;
-    factor = matrix;
-    for (std::size_t i = 0; i < m_; ++i) factor[i * m_ + i] += raise;
-    dpotrf_("L", &m, factor.data(), &m, &info);
-    if (info != 0) continue;
-    dpotrs_("L", &m, &columns, factor.data(), &m, right.data(), &m, &info);
-    for (std::size_t i = 0; i < m_; ++i) {
-      right[i] *= scale[i];
-      right[m_ + i] *= scale[i];
-    }
-    return true;
-  }
-  return false;
-}
-
-void Solver::set_direction(const MmaSums& sums) {
-  std::vector<double> matrix(m_ * m_), right(2 * m_), y_diagonal(m_), y_right(m_);
+void Solver::set_direction(const std::vector<double>& matrix) {
+  const auto m = static_cast<int>(m_), stride = m + 1;
+  const int one = 1;
+  const double plus = 1.0;
+  std::vector<double> right = function_, from(m_), step(m_);
+  static const double keep = P("KEEP", 0.01);
+  MmaRows shifted = rows_;
   for (std::size_t i = 0; i < m_; ++i) {
-    y_diagonal[i] = rows_.d[i] + mu_[i] / y_[i];
-    y_right[i] = rows_.c[i] + rows_.d[i] * y_[i] - lambda_[i] - barrier_ / y_[i];
-    for (std::size_t k = i; k < m_; ++k) matrix[i * m_ + k] = sums.schur[i * (m_ + 1) + k];
-    matrix[i * m_ + i] += 1.0 / y_diagonal[i] + slack_[i] / lambda_[i];
-    right[i] = function_[i] - rows_.a[i] * z_ - y_[i] + barrier_ / lambda_[i] + y_right[i] / y_diagonal[i];
-    right[m_ + i] = rows_.a[i];
-  }
-  const bool solved = m_ == 0 || solve_rows(matrix, right);
-  double dz = 0.0;
-  if (has_z_) {
-    double numerator = barrier_ / z_ - zeta(), denominator = zeta() / z_;
-    for (std::size_t i = 0; i < m_; ++i) {
-      numerator += rows_.a[i] * right[i];
-      denominator += rows_.a[i] * right[m_ + i];
+    from[i] = keep * lambda_[i];
+    step[i] = lambda_[i] - from[i];
+    shifted.a0 -= rows_.a[i] * from[i];
+    if (rows_.c[i] > 0.0) {
+      from[i] = std::min(from[i], keep * rows_.c[i]);
+      shifted.c[i] -= from[i];
+    } else {
+      right[i] -= from[i] / rows_.d[i];
     }
-    dz = numerator / denominator;
-    for (std::size_t i = 0; i < m_; ++i) right[i] -= right[m_ + i] * dz;
+    step[i] = lambda_[i] - from[i];
   }
-  // Ranks must not drift apart, on whatever processors they run: all follow rank 0.
-  right.resize(m_ + 1);
-  right[m_] = dz;
-  if (!solved) std::fill(right.begin(), right.end(), std::numeric_limits<double>::quiet_NaN());
-  MPI_Bcast(right.data(), static_cast<int>(m_ + 1), MPI_DOUBLE, 0, comm_);
-  z_direction_ = right[m_];
-  for (std::size_t i = 0; i < m_; ++i) {
-    lambda_direction_[i] = right[i];
-    if (lambda_[i] < rows_.c[i]) {
-      double cap = rows_.d[i] > 0 ? rows_.c[i] + rows_.d[i] * std::max(0.0, function_[i] - rows_.a[i] * z_) : lambda_[i] + 0.99 * (rows_.c[i] - lambda_[i]);
-      lambda_direction_[i] = std::min(lambda_direction_[i], cap - lambda_[i]);
-    }
-    if (P("LOW", 1)) lambda_direction_[i] = std::max(lambda_direction_[i], -to_the_boundary * lambda_[i]);
-    y_direction_[i] = (lambda_direction_[i] - y_right[i]) / y_diagonal[i];
-    mu_direction_[i] = (barrier_ - mu_[i] * y_direction_[i]) / y_[i] - mu_[i];
-    slack_direction_[i] = (barrier_ - slack_[i] * lambda_direction_[i]) / lambda_[i] - slack_[i];
-  }
+  dsymv_("L", &m, &plus, matrix.data(), &stride, step.data(), &one, &plus, right.data(), &one);
+  model_ = solve_row_model(matrix, m_ + 1, right, shifted);
+  for (std::size_t i = 0; i < m_; ++i) model_.lambda[i] += from[i];
+  if (!model_.converged) std::printf("*** model not converged\n");
+  for (std::size_t i = 0; i < m_; ++i) direction_[i] = model_.lambda[i] - lambda_[i];
 }
 
-// Derivative of the barrier function of the multipliers along the direction.
+// Derivative of the dual function along the direction.
 double Solver::ascent() const {
-  const double z = has_z_ ? barrier_ / zeta() : 0.0;
   double sum = 0.0;
-  for (std::size_t i = 0; i < m_; ++i) {
-    sum += lambda_direction_[i] * (function_[i] - rows_.a[i] * z - elastic(i) + barrier_ / lambda_[i]);
-  }
+  for (std::size_t i = 0; i < m_; ++i) sum += direction_[i] * (function_[i] - elastic(i));
   return sum;
-}
-
-const MmaSums& Solver::search() {
-  double rate = 0.0;
-  for (std::size_t i = 0; i < m_; ++i) rate = std::max(rate, -lambda_direction_[i] / lambda_[i]);
-  if (has_z_) rate = std::max(rate, dot(rows_.a, lambda_direction_) / zeta());
-  double t = std::min(1.0, to_the_boundary / rate);
-  variables_.set_direction(lambda_direction_);
-  const std::vector<double> lambda = lambda_;
-  const double before = ascent();
-  for (int cut = 0;; ++cut) {
-    for (std::size_t i = 0; i < m_; ++i) lambda_[i] = lambda[i] + t * lambda_direction_[i];
-    const MmaSums& sums = variables_.evaluate(t, barrier_);
-    set_function(sums);
-    const double after = ascent();
-    static const double over = P("OV", 0.5);
-    if (after >= -over * std::abs(before) || cut == cut_limit) {
-      variables_.advance(t);
-      const auto follow = [t](double& value, double direction) {
-        value = std::max(value + t * direction, (1.0 - to_the_boundary) * value);
-      };
-      for (std::size_t i = 0; i < m_; ++i) {
-        follow(y_[i], y_direction_[i]);
-        follow(mu_[i], mu_direction_[i]);
-        follow(slack_[i], slack_direction_[i]);
-      }
-      if (has_z_) follow(z_, z_direction_);
-      if (std::getenv("DBG")) std::printf("      t %g ascent %g to %g\n", t, before, after);
-      return sums;
-    }
-    if (std::getenv("DBG")) std::printf("   reject t %g ascent %g to %g\n", t, before, after);
-    t *= std::clamp(before / (before - after), 0.1, 0.7);
-  }
 }
 
 MmaReport Solver::solve() {
@@ -245,18 +115,59 @@ MmaReport Solver::solve() {
   MmaReport report;
   const MmaSums* sums = &variables_.evaluate(0.0, barrier_);
   set_function(*sums);
-  reset();
-  for (;; ++report.newton_steps) {
-    lower_barrier();
+  bool stale = false;
+  while (m_ > 0) {
+    std::vector<double> matrix = sums->schur;
+    const std::vector<double> lambda = lambda_, base = function_;
+    double before = 0.0, t = 1.0; bool first = true; double after1 = 0, rbase = residual();
+    for (int cut = 0;; ++cut) {
+      function_ = base; lambda_ = lambda;
+      set_direction(matrix);
+      before = ascent();
+      variables_.set_direction(direction_);
+      for (std::size_t i = 0; i < m_; ++i) lambda_[i] = lambda[i] + t * direction_[i];
+      sums = &variables_.evaluate(t, barrier_);
+      set_function(*sums);
+      const double after = ascent();
+      if (std::getenv("DBG")) std::printf("%d barrier %g t %g ascent %g to %g residual %g\n", report.newton_steps, barrier_, t, before, after, residual());
+      if (after >= -overshoot * std::abs(before) || cut == cut_limit || residual() <= 1e-9) break;
+      first = false;
+      if (stale) { t = 0.0; lambda_ = lambda; sums = &variables_.evaluate(0, barrier_); set_function(*sums); break; }
+      static const double mode = P("MODE", 0);
+      if (mode == 0) t *= std::clamp(before / (before - after), 0.1, 0.7);
+      else if (mode == 1) { for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] += sums->schur[i]; }
+      else {
+      std::vector<double> u(m_);
+      double dd = 0.0;
+      for (std::size_t i = 0; i < m_; ++i) {
+        double hd = 0.0;
+        for (std::size_t k = 0; k < m_; ++k) hd += matrix[std::min(i, k) * (m_ + 1) + std::max(i, k)] * direction_[k];
+        u[i] = base[i] - function_[i] - hd;
+        dd += u[i] * direction_[i];
+      }
+      if (!(dd > 0)) std::printf("dd %g\n", dd);
+      for (std::size_t i = 0; i < m_; ++i) for (std::size_t k = i; k < m_; ++k) matrix[i * (m_ + 1) + k] += u[i] * u[k] / dd;
+      }
+    }
+    stale = false;
+    variables_.advance(t);
+    ++report.newton_steps;
     report.kkt_residual = residual();
-    if (barrier_ <= final_barrier && report.kkt_residual <= final_barrier && report.newton_steps > 0) break;
+    if (barrier_ <= final_barrier && report.kkt_residual <= 1e-9) break;
     if (report.newton_steps == step_limit) throw NumericalError("MMA: the subproblem does not converge");
-    set_direction(*sums);
-    if (std::getenv("DBG")) std::printf("%d barrier %g residual %g \n", report.newton_steps, barrier_, report.kkt_residual);
-    sums = &search();
+    static const double lowc = P("LC", 1e9);
+    after1 = ascent(); (void)rbase;
+    if (t > 0.9 && first && std::abs(after1) <= lowc * std::abs(before)) {
+      static const double fac = P("FAC", 0.1), ex=P("EX",1.5); 
+      const double old = barrier_;
+      barrier_ = std::max(final_barrier, std::min(fac * barrier_, std::pow(barrier_, ex))); 
+      stale = barrier_ != old; variables_.scale_ = variables_.free_ > 0 ? sums->slope / variables_.free_ : 1.0;
+      if (P("PRED",1)) for (std::size_t i = 0; i < m_; ++i) function_[i] += (barrier_ - old) * (sums->wall[i] + sums->schur[i * (m_ + 1) + m_]);
+    }
   }
+  if (m_ == 0) variables_.evaluate(0.0, final_barrier);
   report.multipliers = lambda_;
-  for (const double y : y_) report.largest_violation = std::max(report.largest_violation, y);
+  for (std::size_t i = 0; i < m_; ++i) report.largest_violation = std::max(report.largest_violation, rows_.d[i] > 0.0 ? elastic(i) : model_.y[i]);
   return report;
 }
 

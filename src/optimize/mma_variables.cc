@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 extern "C" void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
                        const double* a, const int* lda, const double* beta, double* c, const int* ldc);
@@ -27,21 +28,21 @@ struct MmaVariables::Block {
   std::size_t count = 0;
   BlockArray upper, lower, alpha, beta, curvature, v;
   BlockArray ratio;                                     // S / (2 T), from -1 to 1: it alone decides v
-  BlockArray width, inverse;                            // width and 1 / T
+  BlockArray width, inverse, share;                     // width, 1 / T, barrier of this variable
   BlockArray even, bulge;                               // e and 0.501 h
   BlockArray even_slope, bulge_slope, curvature_slope;  // derivatives of e, 0.501 h, curvature h, over sqrt(D)
   BlockArray kappa;                                     // -d2psi/(dv dbarrier), over sqrt(D)
   BlockArray wall;                                      // 0.501 dh/dbarrier
   double curvature_change = 0.0, curvature_wall = 0.0;  // sums of curvature h and its derivative, the same for all rows
 
-  void minimize(double barrier);
-  double approach(double barrier);
+  void minimize();
+  double approach();
   void expand(double barrier);
 };
 
 // One step of all variables to their minimizer: what is left after taking away the barrier of the nearer bound is taken
 // as linear, and the quadratic equation for the distance from this bound solved. Returns the largest step.
-double MmaVariables::Block::approach(double barrier) {
+double MmaVariables::Block::approach() {
   BlockArray step{};
   for (std::size_t k = 0; k < count; ++k) {
     const double above = upper[k] / (upper[k] - v[k]), below = lower[k] / (lower[k] + v[k]);
@@ -49,12 +50,12 @@ double MmaVariables::Block::approach(double barrier) {
     const double from_alpha = v[k] - alpha[k], from_beta = beta[k] - v[k];
     const bool at_alpha = from_alpha < from_beta;
     const double near = at_alpha ? from_alpha : from_beta, far = at_alpha ? from_beta : from_alpha;
-    const double pull = barrier / far;
+    const double pull = share[k] / far;
     const double value = (at_alpha ? up - down : down - up) + pull;
     const double slope = 2.0 * (up * above / upper[k] + down * below / lower[k]) + pull / far;
     const double linear = value - slope * near;
-    const double root = std::sqrt(linear * linear + 4.0 * slope * barrier) + std::abs(linear);
-    const double wanted = linear > 0.0 ? 2.0 * barrier / root : root / (2.0 * slope);
+    const double root = std::sqrt(linear * linear + 4.0 * slope * share[k]) + std::abs(linear);
+    const double wanted = linear > 0.0 ? 2.0 * share[k] / root : root / (2.0 * slope);
     const double distance = std::min(wanted, near + 0.9 * far);
     const double next = at_alpha ? alpha[k] + distance : beta[k] - distance;
     step[k] = std::abs(next - v[k]);
@@ -63,9 +64,9 @@ double MmaVariables::Block::approach(double barrier) {
   return *std::max_element(step.begin(), step.end());
 }
 
-void MmaVariables::Block::minimize(double barrier) {
+void MmaVariables::Block::minimize() {
   for (int i = 0; i < step_iterations; ++i) {
-    if (!(approach(barrier) > step_tolerance)) return;
+    if (!(approach() > step_tolerance)) return;
   }
 }
 
@@ -76,13 +77,13 @@ void MmaVariables::Block::expand(double barrier) {
     const double b = v[k] * below, db = below * below;
     const double up = 1.0 / (v[k] - alpha[k]), down = 1.0 / (beta[k] - v[k]);
     const double diagonal = 2.0 * ((1.0 + ratio[k]) * da * above / upper[k] + (1.0 - ratio[k]) * db * below / lower[k]) +
-                            barrier * (up * up + down * down);
+                            share[k] * (up * up + down * down);
     const double root = std::sqrt(width[k] * inverse[k] / diagonal);
     const double slope = da - db - barrier * (up - down);
     even_slope[k] = 0.5 * (da + db) * root;
     bulge_slope[k] = bulge_factor * slope * root;
     curvature_slope[k] = curvature[k] * slope * root;
-    kappa[k] = (up - down) * root / inverse[k];
+    kappa[k] = (up - down) * root / inverse[k] * (share[k] / barrier);
     even[k] = 0.5 * (a + b) * width[k];
     bulge[k] = bulge_factor * (a - b) * width[k];
   }
@@ -111,7 +112,11 @@ bool MmaVariables::start(std::span<const double> lambda) {
   combine(lambda, 1.0, plain_, curved_);
   for (std::size_t j = 0; j < box_.size(); ++j) v_[j] = 0.5 * (box_.alpha[j] + box_.beta[j]);
   const bool finite = std::all_of(curved_.begin(), curved_.end(), [](double value) { return std::isfinite(value); });
-  return !any(comm_, !finite);
+  double tot[3] = {0, 0, finite ? 0. : 1.};
+  for (std::size_t j = 0; j < box_.size(); ++j) { tot[0] += box_.width[j] * curved_[j]; tot[1] += box_.width[j] > 0; }
+  sum_in_place(comm_, tot);
+  scale_ = tot[1] > 0 ? tot[0] / tot[1] : 1.0; free_ = tot[1];
+  return tot[2] == 0.0;
 }
 
 void MmaVariables::set_direction(std::span<const double> lambda_direction) {
@@ -158,11 +163,12 @@ const MmaSums& MmaVariables::evaluate(double t, double barrier) {
   std::fill(sums_.schur.begin(), sums_.schur.end(), 0.0);
   std::fill(sums_.change.begin(), sums_.change.end(), 0.0);
   std::fill(sums_.wall.begin(), sums_.wall.end(), 0.0);
+  sums_.slope = 0;
   Block block;
   for (std::size_t begin = 0; begin < box_.size(); begin += block_size) {
     block.count = std::min(block_size, box_.size() - begin);
-    load(begin, t, block);
-    block.minimize(barrier);
+    load(begin, t, barrier, block);
+    block.minimize();
     block.expand(barrier);
     std::copy_n(block.v.begin(), block.count, v_.begin() + static_cast<std::ptrdiff_t>(begin));
     add_rows(begin, block);
@@ -174,7 +180,7 @@ const MmaSums& MmaVariables::evaluate(double t, double barrier) {
   return sums_;
 }
 
-void MmaVariables::load(std::size_t begin, double t, Block& block) const {
+void MmaVariables::load(std::size_t begin, double t, double barrier, Block& block) {
   for (std::size_t k = 0; k < block.count; ++k) {
     const std::size_t j = begin + k;
     const double curved = curved_[j] + t * curved_direction_[j];
@@ -182,6 +188,9 @@ void MmaVariables::load(std::size_t begin, double t, Block& block) const {
     block.ratio[k] = std::clamp(0.5 * (plain_[j] + t * plain_direction_[j]) / curved, -1.0, 1.0);
     block.inverse[k] = 1.0 / curved;
     block.width[k] = box_.width[j];
+    static const double ab = std::getenv("AB") ? atof(std::getenv("AB")) : 1.0, ax = std::getenv("AX") ? atof(std::getenv("AX")) : 1.0;
+    block.share[k] = barrier + (box_.width[j] > 0.0 ? ab * std::pow(barrier, ax) * scale_ * block.inverse[k] / box_.width[j] : 0.0);
+    sums_.slope += box_.width[j] * curved;
     block.upper[k] = box_.upper_distance[j];
     block.lower[k] = box_.lower_distance[j];
     block.alpha[k] = box_.alpha[j];
@@ -233,6 +242,7 @@ void MmaVariables::reduce() {
   }
   message_.insert(message_.end(), sums_.change.begin(), sums_.change.end());
   message_.insert(message_.end(), sums_.wall.begin(), sums_.wall.end());
+  message_.push_back(sums_.slope);
   sum_in_place(comm_, message_);
 
   const double* next = message_.data();
@@ -241,6 +251,7 @@ void MmaVariables::reduce() {
   }
   for (double& value : sums_.change) value = *next++;
   for (double& value : sums_.wall) value = *next++;
+  sums_.slope = *next++;
 }
 
 }  // namespace fabseq

@@ -15,7 +15,7 @@ void require_convergence(const SolveReport& report, int layer, const char* what)
   if (report.converged && std::isfinite(report.residual)) return;
   std::ostringstream text;
   text << "layer " << layer + 1 << ": the elastic " << what << " solve did not converge: " << report.iterations
-       << " iterations, relative preconditioned residual " << report.residual;
+       << " iterations, relative preconditioned residual " << report.residual << " (" << report.reason << ')';
   throw NumericalError(text.str());
 }
 

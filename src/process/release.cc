@@ -173,7 +173,7 @@ std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulatio
   const SolveReport report = system.solve(load, displacement);
   if (!report.converged) {
     std::ostringstream text;
-    text << "the release solve did not converge: " << report.iterations << " iterations, residual " << report.residual;
+    text << "the release solve did not converge: " << report.iterations << " iterations, residual " << report.residual << " (" << report.reason << ')';
     throw NumericalError(text.str());
   }
   remove_rigid_motion(grid, nodes, displacement);

@@ -16,7 +16,7 @@ namespace {
 void require_convergence(const SolveReport& report, const char* what) {
   if (report.converged) return;
   std::ostringstream text;
-  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual;
+  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual << " (" << report.reason << ')';
   throw NumericalError(text.str());
 }
 

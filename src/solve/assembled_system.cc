@@ -9,9 +9,25 @@ namespace fabseq {
 namespace {
 
 /// A factorization beats multigrid up to about this many unknowns (docs/performance.md).
-constexpr std::int64_t direct_limit = 40000;
+template <int Dim>
+constexpr std::int64_t direct_limit = Dim == 2 ? 200000 : 20000;
+/// More nodes than this on the coarsest level are too many for a factorization on every rank.
+constexpr PetscInt coarsest_limit = 4000;
 /// Geometric multigrid stops coarsening at this many nodes.
 constexpr std::int64_t coarsest_nodes = 400;
+/// Couplings weaker than this are dropped from GAMG's graph.
+constexpr double gamg_threshold = 0.01;
+/// Estimated largest eigenvalues are enlarged by this factor, not by PETSc's 1.1: where stiffness jumps by nine decades the
+/// estimate can fall short by more than that, and the smoother, and with it the preconditioner, becomes indefinite.
+constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
+
+/// Sets a PETSc option unless the user did. Asking for it marks it as read.
+void set_default_option(const std::string& name, const char* value) {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
+  if (given == PETSC_FALSE) check(PetscOptionsSetValue(nullptr, name.c_str(), value));
+  check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
+}
 
 }  // namespace
 
@@ -19,10 +35,19 @@ template <int Dim>
 AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain, std::shared_ptr<const UnknownNumbering<Dim>> numbering,
                                       const AssembledSolverSettings& settings)
     : domain_(domain), numbering_(std::move(numbering)), settings_(settings), method_(settings.method) {
-  if (method_ == ReferenceMethod::automatic)
-    method_ = unknowns() <= direct_limit ? ReferenceMethod::direct : ReferenceMethod::gamg;
+  if (method_ == ReferenceMethod::automatic) method_ = preferred_method(*numbering_);
   create_matrix();
   create_solver();
+}
+
+template <int Dim>
+ReferenceMethod AssembledSystem<Dim>::preferred_method(const UnknownNumbering<Dim>& numbering) {
+  if (numbering.count() * numbering.components() <= direct_limit<Dim>) return ReferenceMethod::direct;
+  const std::vector<MatHandle> interpolations = make_interpolations(numbering, coarsest_nodes);
+  if (interpolations.empty()) return ReferenceMethod::gamg;
+  PetscInt coarsest = 0;
+  check(MatGetSize(interpolations.back(), nullptr, &coarsest));
+  return coarsest <= coarsest_limit * numbering.components() ? ReferenceMethod::multigrid : ReferenceMethod::gamg;
 }
 
 template <int Dim>
@@ -66,6 +91,8 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetOperators(solver_, matrix_, matrix_));
   PC pc = nullptr;
   check(KSPGetPC(solver_, &pc));
+  if (method_ != ReferenceMethod::direct)
+    set_default_option("-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig", chebyshev_transform);
   switch (method_) {
     case ReferenceMethod::multigrid: set_up_multigrid(pc); break;
     case ReferenceMethod::direct: set_up_direct(pc); break;
@@ -77,8 +104,9 @@ void AssembledSystem<Dim>::create_solver() {
 template <int Dim>
 void AssembledSystem<Dim>::set_up_gamg(PC pc) {
   check(PCSetType(pc, PCGAMG));
-  PetscReal threshold = 0.01;
+  PetscReal threshold = gamg_relaxed_ ? 0.0 : gamg_threshold;
   check(PCGAMGSetThreshold(pc, &threshold, 1));
+  if (gamg_relaxed_) check(PCGAMGSetNSmooths(pc, 0));
   check(MatSetNearNullSpace(matrix_, near_null_space()));
 }
 
@@ -120,21 +148,19 @@ void AssembledSystem<Dim>::set_up_multigrid(PC pc) {
     check(KSPGetPC(smoother, &jacobi));
     check(PCSetType(jacobi, PCJACOBI));
   }
-  KSP coarse = nullptr;
-  PC factorization = nullptr;
-  check(PCMGGetCoarseSolve(pc, &coarse));
-  check(KSPSetType(coarse, KSPPREONLY));
-  check(KSPGetPC(coarse, &factorization));
-  // Coarse nodes beside a thin wall may depend on each other: MUMPS replaces null pivots.
-  check(PCSetType(factorization, PCCHOLESKY));
-  check(PCFactorSetMatSolverType(factorization, MATSOLVERMUMPS));
-  check(PCFactorSetShiftType(factorization, MAT_SHIFT_POSITIVE_DEFINITE));
+  // The coarsest level keeps PCMG's default, a (redundant) LU factorization with a shift: coarse nodes beside a thin wall may
+  // depend on each other.
 }
 
 template <int Dim>
 void AssembledSystem<Dim>::set_up_direct(PC pc) {
   check(PCSetType(pc, PCCHOLESKY));
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  check(PCFactorSetUpMatSolverType(pc));
+  Mat factor = nullptr;
+  check(PCFactorGetMatrix(pc, &factor));
+  // MUMPS' own estimate of its workspace is too small for some small systems on several ranks.
+  check(MatMumpsSetIcntl(factor, 14, 200));
 }
 
 template <int Dim>
@@ -160,6 +186,8 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
   check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
   const auto& fixed = numbering_->fixed_rows();
   check(MatZeroRowsColumns(matrix_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+  // GAMG cannot change the sizes of its levels in place.
+  if (method_ == ReferenceMethod::gamg) create_solver();
   check(KSPSetUp(solver_));
 }
 
@@ -181,6 +209,22 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   if (size == 0.0) return {};
 
   check(KSPSolve(solver_, load_, solution_));
+  SolveReport report = last_report();
+  if (!report.converged && relax_gamg()) {
+    check(KSPSolve(solver_, load_, solution_));
+    report = last_report();
+  }
+
+  const PetscScalar* result = nullptr;
+  check(VecGetArrayRead(solution_, &result));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (int c = 0; c < block; ++c) solution[static_cast<std::size_t>(nodes[i]) * block + c] = result[i * block + c];
+  check(VecRestoreArrayRead(solution_, &result));
+  return report;
+}
+
+template <int Dim>
+SolveReport AssembledSystem<Dim>::last_report() const {
   SolveReport report;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(solver_, &reason));
@@ -192,13 +236,19 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   check(KSPGetResidualHistory(solver_, &history, &recorded));
   report.residual = recorded > 0 && history[0] > 0.0 ? norm / history[0] : norm;
   report.converged = reason > 0;
-
-  const PetscScalar* result = nullptr;
-  check(VecGetArrayRead(solution_, &result));
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int c = 0; c < block; ++c) solution[static_cast<std::size_t>(nodes[i]) * block + c] = result[i * block + c];
-  check(VecRestoreArrayRead(solution_, &result));
+  report.reason = KSPConvergedReasons[reason];
   return report;
+}
+
+/// Dropping weak couplings and smoothing the aggregates make GAMG faster, but in some graded layers the preconditioner is then
+/// not definite. Plain aggregates of the whole graph are slower and safe.
+template <int Dim>
+bool AssembledSystem<Dim>::relax_gamg() {
+  if (method_ != ReferenceMethod::gamg || gamg_relaxed_) return false;
+  gamg_relaxed_ = true;
+  create_solver();
+  check(KSPSetUp(solver_));
+  return true;
 }
 
 template class AssembledSystem<2>;

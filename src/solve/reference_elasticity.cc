@@ -18,7 +18,10 @@ ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const Syste
       stiffness_(stiffness),
       settings_(settings),
       numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
-      keep_(numbering_->count() * Dim <= keep_limit) {}
+      keep_(numbering_->count() * Dim <= keep_limit) {
+  if (settings_.method == ReferenceMethod::automatic)
+    settings_.method = AssembledSystem<Dim>::preferred_method(*numbering_);
+}
 
 template <int Dim>
 void ReferenceElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) {
@@ -62,10 +65,9 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
 template <int Dim>
 std::string ReferenceElasticity<Dim>::description() const {
   const auto unknowns = numbering_->count() * Dim;
-  const AssembledSystem<Dim> probe(domain_, numbering_, settings_);
-  const char* name = probe.method() == ReferenceMethod::direct      ? "CG + Cholesky (MUMPS)"
-                     : probe.method() == ReferenceMethod::multigrid ? "CG + geometric multigrid (Galerkin, Chebyshev/Jacobi)"
-                                                                    : "CG + GAMG (rigid-body modes, threshold 0.01)";
+  const char* name = settings_.method == ReferenceMethod::direct      ? "CG + Cholesky (MUMPS)"
+                     : settings_.method == ReferenceMethod::multigrid ? "CG + geometric multigrid (Galerkin, Chebyshev/Jacobi)"
+                                                                      : "CG + GAMG (rigid-body modes, threshold 0.01)";
   return std::string("reference path: ") + name + ", " + std::to_string(unknowns) + " unknowns a layer" +
          (keep_ ? ", systems kept" : "");
 }

@@ -25,6 +25,9 @@ class PosixFile {
   void write(std::string_view bytes) const;
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
   void resize(std::int64_t bytes) const;
+  /// Takes the room for that many bytes on the disk, so that writing them later cannot find it full; the file
+  /// has this size then, and zeros where nothing was written.
+  void reserve(std::int64_t bytes) const;
   /// Data are on the disk when it returns; the page cache forgets them, so that the next read comes from
   /// there.
   void sync() const;
@@ -39,8 +42,6 @@ class PosixFile {
 /// What a file is called until it is whole.
 std::string partial_name(const std::string& path);
 
-/// Makes an empty file, or empties the one that is there.
-void create_empty_file(const std::string& path);
 /// Writes `text` under the partial name, syncs, and renames to `path`.
 void replace_file(const std::string& path, std::string_view text);
 /// Appends `text` in one piece; a file that could not take all of it is cut back to what it was.

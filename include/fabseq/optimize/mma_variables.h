@@ -30,7 +30,7 @@ struct MmaSums {
   std::vector<double> schur;   ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the last row is
                                ///< what moving v adds to dg/dbarrier
   std::vector<double> change;  ///< g_i(v) - f_i, one a row
-  std::vector<double> wall;    ///< dg_i/dbarrier at constant v, one a row
+  std::vector<double> wall; double slope = 0;   ///< dg_i/dbarrier at constant v, one a row
 };
 
 /// The variables of the subproblem as functions of the rows' multipliers.
@@ -70,7 +70,7 @@ class MmaVariables {
 
   void combine(std::span<const double> lambda, double objective, std::vector<double>& plain,
                std::vector<double>& curved) const;
-  void load(std::size_t begin, double t, Block& block) const;
+  void load(std::size_t begin, double t, double barrier, Block& block);
   void add_rows(std::size_t begin, const Block& block);
   void reduce();
 
@@ -83,6 +83,8 @@ class MmaVariables {
   std::vector<double> scaled_rows_;                                              // block_size x (m + 1), by columns
   std::vector<double> message_;
   MmaSums sums_;
+ public:
+  double scale_ = 1.0, free_ = 0.0;
 };
 
 }  // namespace fabseq

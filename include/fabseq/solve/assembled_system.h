@@ -19,6 +19,7 @@ struct SolveReport {
   int iterations = 0;
   double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
   bool converged = true;
+  std::string reason;     ///< PETSc's word for how it ended; empty for a zero right-hand side
 };
 
 /// What to solve with.
@@ -52,6 +53,9 @@ class AssembledSystem {
   /// nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw if it does not converge.
   SolveReport solve(std::span<const double> load, std::span<double> solution);
 
+  /// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can be coarsened far
+  /// enough, else GAMG. Collective.
+  static ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering);
   /// The method in use, automatic resolved.
   ReferenceMethod method() const { return method_; }
   std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
@@ -63,11 +67,14 @@ class AssembledSystem {
   void set_up_multigrid(PC pc);
   void set_up_direct(PC pc);
   NullSpaceHandle near_null_space() const;
+  SolveReport last_report() const;
+  bool relax_gamg();
 
   const SystemDomain& domain_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   AssembledSolverSettings settings_;
   ReferenceMethod method_;
+  bool gamg_relaxed_ = false;
   MatHandle matrix_;
   KspHandle solver_;
   VecHandle load_, solution_;

@@ -1,0 +1,248 @@
+#include "fabseq/optimize/mma_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstdio>
+
+extern "C" {
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dpotrs_(const char* uplo, const int* n, const int* nrhs, const double* a, const int* lda, double* b,
+             const int* ldb, int* info);
+void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda, const double* x,
+            const int* incx, const double* beta, double* y, const int* incy);
+}
+
+namespace fabseq {
+
+namespace {
+
+constexpr int step_limit = 100;
+constexpr double tolerance = 1e-14;        // of the mean product and the residuals, over the size of the data
+constexpr double to_the_boundary = 0.995;  // fraction of the way
+
+// Everything that must stay positive, and its directions: row i has lambda, s, y, mu = c + d y - lambda; then z, zeta.
+struct Point {
+  std::vector<double> lambda, slack, y, mu;
+  double z = 0.0, zeta = 0.0;
+
+  explicit Point(std::size_t m) : lambda(m), slack(m), y(m), mu(m) {}
+
+  template <class Visit>
+  void visit(const Point& other, Visit&& visit_pair) {
+    for (std::size_t i = 0; i < lambda.size(); ++i) {
+      visit_pair(lambda[i], other.lambda[i]);
+      visit_pair(slack[i], other.slack[i]);
+      visit_pair(y[i], other.y[i]);
+      visit_pair(mu[i], other.mu[i]);
+    }
+    visit_pair(z, other.z);
+    visit_pair(zeta, other.zeta);
+  }
+};
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+class RowModel {
+ public:
+  RowModel(std::span<const double> matrix, std::size_t stride, std::span<const double> right, const MmaRows& rows)
+      : m_(right.size()), matrix_(matrix), stride_(static_cast<int>(stride)), right_(right), rows_(rows), point_(m_),
+        predictor_(m_), direction_(m_), row_(m_), elastic_(m_), scale_(m_) {
+    has_z_ = std::any_of(rows.a.begin(), rows.a.end(), [](double a) { return a != 0.0; });
+  }
+
+  MmaMultipliers solve();
+
+ private:
+  void start();
+  void set_residuals();
+  double largest_residual() const;
+  double mean_product(const Point* direction, double t) const;
+  bool factorize();
+  void backsolve(std::vector<double>& vector) const;
+  void set_direction(double target, const Point* second_order, Point& direction) const;
+  double largest_step(const Point& direction);
+
+  std::size_t m_;
+  std::span<const double> matrix_;
+  int stride_;
+  std::span<const double> right_;
+  const MmaRows& rows_;
+  bool has_z_;
+  Point point_, predictor_, direction_;
+  std::vector<double> row_, elastic_;  // residuals of the rows and of mu's equation
+  double pull_ = 0.0;                  // residual of zeta's equation
+  std::vector<double> scale_, factor_, solved_a_;
+};
+
+void RowModel::start() {
+  for (std::size_t i = 0; i < m_; ++i) {
+    const double diagonal = matrix_[i * static_cast<std::size_t>(stride_) + i];
+    const double size = std::max(std::abs(right_[i]), 1e-8);
+    const double most = rows_.c[i] + rows_.d[i] * size;
+    point_.lambda[i] = std::clamp(size / std::max(diagonal, 1e-100), 1e-6 * most, most);
+    point_.slack[i] = size;
+    // Without c, y is lambda / d and no more: two numbers that both vanish would only slow things down.
+    point_.y[i] = rows_.c[i] > 0.0 ? size : point_.lambda[i] / rows_.d[i];
+    point_.mu[i] = rows_.c[i] > 0.0 ? most : 0.0;
+  }
+  if (has_z_) {
+    point_.zeta = rows_.a0;
+    point_.z = 1e-8;
+    for (std::size_t i = 0; i < m_; ++i) point_.z = std::max(point_.z, std::abs(right_[i]));
+  }
+}
+
+void RowModel::set_residuals() {
+  const auto m = static_cast<int>(m_);
+  const int one = 1;
+  const double minus = -1.0, plus = 1.0;
+  std::copy(right_.begin(), right_.end(), row_.begin());
+  if (m > 0) {
+    dsymv_("L", &m, &minus, matrix_.data(), &stride_, point_.lambda.data(), &one, &plus, row_.data(), &one);
+  }
+  for (std::size_t i = 0; i < m_; ++i) {
+    row_[i] += point_.slack[i] - rows_.a[i] * point_.z - point_.y[i];
+    elastic_[i] = rows_.c[i] + rows_.d[i] * point_.y[i] - point_.mu[i] - point_.lambda[i];
+  }
+  pull_ = has_z_ ? rows_.a0 - point_.zeta - dot(rows_.a, point_.lambda) : 0.0;
+}
+
+double RowModel::largest_residual() const {
+  double largest = std::abs(pull_);
+  for (std::size_t i = 0; i < m_; ++i) {
+    largest = std::max({largest, std::abs(row_[i]), std::abs(elastic_[i]) / (1.0 + rows_.c[i])});
+  }
+  return largest;
+}
+
+double RowModel::mean_product(const Point* direction, double t) const {
+  const auto product = [t, direction](double first, double second, double first_change, double second_change) {
+    return direction == nullptr ? first * second : (first + t * first_change) * (second + t * second_change);
+  };
+  const Point& d = direction == nullptr ? point_ : *direction;
+  double sum = has_z_ ? product(point_.z, point_.zeta, d.z, d.zeta) : 0.0;
+  for (std::size_t i = 0; i < m_; ++i) {
+    sum += product(point_.lambda[i], point_.slack[i], d.lambda[i], d.slack[i]);
+    sum += product(point_.y[i], point_.mu[i], d.y[i], d.mu[i]);
+  }
+  return sum / static_cast<double>(2 * m_ + (has_z_ ? 1 : 0));
+}
+
+// Cholesky factors of H + s / lambda + 1 / (d + mu / y) with unit diagonal; should rounding have made it indefinite, with
+// the diagonal raised.
+bool RowModel::factorize() {
+  const auto m = static_cast<int>(m_);
+  for (double raise = 0.0; raise < 1.0; raise = std::max(1e-14, 100.0 * raise)) {
+    factor_.assign(m_ * m_, 0.0);
+    for (std::size_t i = 0; i < m_; ++i) {
+      const double own = point_.slack[i] / point_.lambda[i] + 1.0 / (rows_.d[i] + point_.mu[i] / point_.y[i]);
+      scale_[i] = 1.0 / std::sqrt(matrix_[i * static_cast<std::size_t>(stride_) + i] + own);
+      factor_[i * m_ + i] = own;
+    }
+    for (std::size_t i = 0; i < m_; ++i) {
+      for (std::size_t k = i; k < m_; ++k) {
+        factor_[i * m_ + k] += matrix_[i * static_cast<std::size_t>(stride_) + k];
+        factor_[i * m_ + k] *= scale_[i] * scale_[k];
+      }
+      factor_[i * m_ + i] += raise;
+    }
+    int info = 0;
+    dpotrf_("L", &m, factor_.data(), &m, &info);
+    if (info != 0) continue;
+    if (has_z_) {
+      solved_a_ = rows_.a;
+      backsolve(solved_a_);
+    }
+    return true;
+  }
+  return false;
+}
+
+void RowModel::backsolve(std::vector<double>& vector) const {
+  const auto m = static_cast<int>(m_);
+  const int one = 1;
+  int info = 0;
+  for (std::size_t i = 0; i < m_; ++i) vector[i] *= scale_[i];
+  dpotrs_("L", &m, &one, factor_.data(), &m, vector.data(), &m, &info);
+  for (std::size_t i = 0; i < m_; ++i) vector[i] *= scale_[i];
+}
+
+// Newton's direction to where all products are `target`, with the products of the predictor's changes taken away.
+void RowModel::set_direction(double target, const Point* second_order, Point& direction) const {
+  const auto wanted = [target](double first, double second, double first_change, double second_change) {
+    return target - first * second - first_change * second_change;
+  };
+  const Point zero(m_);
+  const Point& before = second_order == nullptr ? zero : *second_order;
+  std::vector<double> slack_wanted(m_), mu_wanted(m_);
+  for (std::size_t i = 0; i < m_; ++i) {
+    slack_wanted[i] = wanted(point_.lambda[i], point_.slack[i], before.lambda[i], before.slack[i]);
+    mu_wanted[i] = rows_.c[i] > 0.0 ? wanted(point_.y[i], point_.mu[i], before.y[i], before.mu[i]) : 0.0;
+    const double shift = mu_wanted[i] / point_.y[i] - elastic_[i];
+    direction.lambda[i] =
+        row_[i] + slack_wanted[i] / point_.lambda[i] - shift / (rows_.d[i] + point_.mu[i] / point_.y[i]);
+  }
+  backsolve(direction.lambda);
+  if (has_z_) {
+    const double z_wanted = wanted(point_.z, point_.zeta, before.z, before.zeta);
+    direction.z = (dot(rows_.a, direction.lambda) - pull_ + z_wanted / point_.z) /
+                  (dot(rows_.a, solved_a_) + point_.zeta / point_.z);
+    for (std::size_t i = 0; i < m_; ++i) direction.lambda[i] -= solved_a_[i] * direction.z;
+    direction.zeta = (z_wanted - point_.zeta * direction.z) / point_.z;
+  }
+  for (std::size_t i = 0; i < m_; ++i) {
+    const double shift = mu_wanted[i] / point_.y[i] - elastic_[i];
+    direction.y[i] = (direction.lambda[i] + shift) / (rows_.d[i] + point_.mu[i] / point_.y[i]);
+    direction.mu[i] = (mu_wanted[i] - point_.mu[i] * direction.y[i]) / point_.y[i];
+    direction.slack[i] = (slack_wanted[i] - point_.slack[i] * direction.lambda[i]) / point_.lambda[i];
+  }
+}
+
+double RowModel::largest_step(const Point& direction) {
+  double rate = 0.0;
+  point_.visit(direction, [&rate](double value, double change) {
+    if (change < 0.0) rate = std::max(rate, -change / value);
+  });
+  return rate > 1.0 ? 1.0 / rate : 1.0;
+}
+
+MmaMultipliers RowModel::solve() {
+  MmaMultipliers result;
+  if (m_ == 0) {
+    result.converged = true;
+    return result;
+  }
+  double size = 1e-8;
+  for (const double value : right_) size = std::max(size, std::abs(value));
+  start();
+  for (int step = 0;; ++step) {
+    set_residuals();
+    const double mean = mean_product(nullptr, 0.0);
+    if (std::getenv("DBGQ")) std::printf("          q %d residual %g mean %g\n", step, largest_residual(), mean);
+    result.converged = largest_residual() <= 1e-12 * size && mean <= tolerance * size;
+    if (result.converged || step == step_limit || !factorize()) break;
+    set_direction(0.0, nullptr, predictor_);
+    const double reached = mean_product(&predictor_, largest_step(predictor_)) / mean;
+    set_direction(std::pow(std::max(reached, 0.0), 3) * mean, &predictor_, direction_);
+    const double t = std::min(1.0, to_the_boundary * largest_step(direction_));
+    point_.visit(direction_, [t](double& value, double change) { value += t * change; });
+  }
+  result.lambda = point_.lambda;
+  result.y = point_.y;
+  result.z = point_.z;
+  return result;
+}
+
+}  // namespace
+
+MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t stride, std::span<const double> right,
+                               const MmaRows& rows) {
+  return RowModel(matrix, stride, right, rows).solve();
+}
+
+}  // namespace fabseq
