@@ -18,7 +18,8 @@ from matplotlib import image as matplotlib_image
 
 LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
-PLATE_COLOUR = (0.62, 0.64, 0.67)
+PLATE_COLOUR = (0.84, 0.85, 0.87)
+MOST_ELEMENTS_WITH_EDGES = 48  # along the longest side; finer grids would turn grey
 VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
 
 
@@ -55,7 +56,7 @@ def surface(present):
     node_numbers = np.arange(np.prod(np.array(shape) + 1)).reshape(np.array(shape) + 1)
     if present.ndim == 2:
         y, x = np.nonzero(present)
-        corners = [node_numbers[y + b, x + a] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        corners = [node_numbers[y + b, x + a] for a, b in ((0, 0), (0, 1), (1, 1), (1, 0))]
         return np.stack(corners, axis=1), elements[y, x]
     padded = np.pad(present, 1)
     quads, owners = [], []
@@ -72,6 +73,8 @@ def surface(present):
                 corner[first] += a
                 corner[second] += b
                 corners.append(node_numbers[tuple(corner)])
+            if (side == 1) == (axis != 1):  # anticlockwise seen from outside
+                corners.reverse()
             quads.append(np.stack(corners, axis=1))
             owners.append(elements[tuple(at)])
     return np.concatenate(quads), np.concatenate(owners)
@@ -105,7 +108,6 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
     """
     from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
     from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
-    from vtkmodules.vtkRenderingCore import vtkLightKit
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     points = part.nodes if offset is None else part.nodes + offset
@@ -118,7 +120,7 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
     if marked is not None and len(marked):
         add_dots(renderer, part, points[marked])
     if part.dimension == 3:
-        vtkLightKit().AddLightsToRenderer(renderer)
+        add_light(renderer)
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(8)
     aim_camera(renderer, part, points if frame is None else frame, pixels)
@@ -165,8 +167,8 @@ def add_actor(renderer, data):
     actor = vtkActor()
     actor.SetMapper(mapper)
     actor.GetProperty().SetInterpolationToFlat()
-    actor.GetProperty().SetAmbient(0.18)
-    actor.GetProperty().SetDiffuse(0.9)
+    actor.GetProperty().SetAmbient(0.45)
+    actor.GetProperty().SetDiffuse(0.55)
     renderer.AddActor(actor)
     return actor
 
@@ -182,13 +184,28 @@ def add_surface(renderer, part, points, face_colours, node_colours):
     actor = add_actor(renderer, data)
     actor.GetMapper().SetResolveCoincidentTopologyToPolygonOffset()
     unlit_if_flat(actor, part)
+    if max(part.density.shape) > MOST_ELEMENTS_WITH_EDGES:
+        return
     edges = add_actor(renderer, poly_data(points, part.faces))
     edges.GetProperty().SetRepresentationToWireframe()
     edges.GetProperty().SetColor(0, 0, 0)
     edges.GetProperty().SetLighting(False)
-    edges.GetProperty().SetLineWidth(1.0)
-    # Fine grids get fainter lines, or they would grey the colours.
-    edges.GetProperty().SetOpacity(0.22 * min(1.0, 30.0 / max(part.density.shape)))
+    edges.GetProperty().SetLineWidth(2.0)
+    edges.GetProperty().SetOpacity(0.10)
+
+
+def add_light(renderer):
+    """One far lamp such that top, front and right faces of a voxel each have their own, bright shade."""
+    from vtkmodules.vtkRenderingCore import vtkLight
+
+    toward_lamp = np.array((0.40, -0.75, 1.0))
+    light = vtkLight()
+    light.SetLightTypeToSceneLight()
+    light.SetPositional(False)
+    light.SetPosition(*toward_lamp)
+    light.SetFocalPoint(0.0, 0.0, 0.0)
+    light.SetIntensity(np.linalg.norm(toward_lamp))
+    renderer.AddLight(light)
 
 
 def unlit_if_flat(actor, part):
@@ -200,6 +217,8 @@ def add_ghost(renderer, part):
     actor = add_actor(renderer, poly_data(part.nodes - ([0, 0, 1e-3 * max(part.size)] if part.dimension == 2 else 0), part.faces))
     actor.GetProperty().SetColor(0.55, 0.58, 0.62)
     actor.GetProperty().SetOpacity(0.16 if part.dimension == 3 else 0.35)
+    if part.dimension == 3:
+        actor.GetProperty().FrontfaceCullingOn()  # only its far side, or it would veil the displaced part
     unlit_if_flat(actor, part)
 
 

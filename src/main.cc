@@ -4,7 +4,8 @@
 ///     minimize    sum of weighted terms of the displacement u and the layers' uniformity
 ///     subject to  bounds on the thickness (or volume) of each layer
 ///
-///     design --Sequence--> pseudo-time --Layers--> densities --Process--> displacements --Responses--> values
+///     design --Sequence--> pseudo-time --Layers--> densities --Process--> displacements --Responses-->
+///     values
 ///            <-----------------------------------  gradients  <-------------------------------------
 ///
 /// 1 pseudo-time from the design by a heat problem                     (docs/formulation.md 2)
@@ -48,7 +49,8 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
 template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const Config& config = setup.config;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, config.solver.tolerance), config.solver.tolerance, timer);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, config.solver.tolerance), config.solver.tolerance,
+                         timer);
   Problem<Dim> problem(setup);
   const Continuation continuation(config.projection, setup.first_beta(), setup.last_beta(), config.optimizer);
   std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
@@ -82,8 +84,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
     }
     output.finish(end, final_reports(setup, problem, pipeline, best), best);
   } catch (const NumericalError& error) {
-    output.checkpoint(iteration, continuation.beta(iteration), design);
-    output.fail({"failed", error.what(), end.iterations});
+    output.fail({"failed", error.what(), end.iterations}, continuation.beta(iteration), design);
     throw;
   }
 }
@@ -93,11 +94,16 @@ void run_task(const CommandLine& command_line, const Config& config) {
   PhaseTimer timer;
   const Setup<Dim> setup(PETSC_COMM_WORLD, config);
   switch (command_line.task) {
-    case Task::optimize: return optimize(command_line, setup, timer);
-    case Task::simulate: return run_simulate(command_line, setup, timer);
-    case Task::evaluate: return run_evaluate(command_line, setup, timer);
-    case Task::check_gradients: return run_check_gradients(command_line, setup, timer);
-    case Task::check: return run_check(setup);
+    case Task::optimize:
+      return optimize(command_line, setup, timer);
+    case Task::simulate:
+      return run_simulate(command_line, setup, timer);
+    case Task::evaluate:
+      return run_evaluate(command_line, setup, timer);
+    case Task::check_gradients:
+      return run_check_gradients(command_line, setup, timer);
+    case Task::check:
+      return run_check(setup);
   }
 }
 

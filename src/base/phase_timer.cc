@@ -4,9 +4,9 @@
 #include "fabseq/base/petsc.h"
 
 #include <mpi.h>
-#include <sys/resource.h>
 
 #include <string>
+#include <sys/resource.h>
 
 namespace fabseq {
 

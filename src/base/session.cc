@@ -13,8 +13,8 @@ namespace fabseq {
 namespace {
 
 /// Keeps PETSc from printing a trace; check() puts the message into the exception instead.
-PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType,
-                                   const char*, void*) {
+PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
+                                   PetscErrorType, const char*, void*) {
   return code;
 }
 
@@ -56,7 +56,8 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   pointers.push_back(nullptr);
   int count = static_cast<int>(copies.size());
   char** arguments = pointers.data();
-  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0) return static_cast<int>(ExitStatus::numerical_failure);
+  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
+    return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
   const int status = guarded(program);
   (void)PetscPopErrorHandler();

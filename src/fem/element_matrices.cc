@@ -36,7 +36,8 @@ struct ShapeFunctions {
 template <int Dim>
 Point<Dim> gauss_point(int index) {
   Point<Dim> point{};
-  for (int axis = 0; axis < Dim; ++axis) point[axis] = (((index >> axis) & 1) != 0 ? 1.0 : -1.0) / std::sqrt(3.0);
+  for (int axis = 0; axis < Dim; ++axis)
+    point[axis] = (((index >> axis) & 1) != 0 ? 1.0 : -1.0) / std::sqrt(3.0);
   return point;
 }
 
@@ -47,7 +48,8 @@ SquareMatrix<voigt_size<Dim>> elasticity_matrix(double poisson) {
   constexpr int size = voigt_size<Dim>;
   SquareMatrix<size> matrix{};
   const double shear = 0.5 / (1.0 + poisson);
-  const double lame = Dim == 2 ? poisson / (1.0 - poisson * poisson) : poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+  const double lame =
+      Dim == 2 ? poisson / (1.0 - poisson * poisson) : poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
   for (int i = 0; i < Dim; ++i) {
     for (int j = 0; j < Dim; ++j) matrix[i * size + j] = lame;
     matrix[i * size + i] += 2.0 * shear;
@@ -85,13 +87,15 @@ ElementMatrices<Dim>::ElementMatrices(const Point<Dim>& spacing, double thicknes
         consistent_mass_[i * corners + j] += weight * shape.value[i] * shape.value[j];
         lumped_mass_[i * corners + i] += weight * shape.value[i] * shape.value[j];
         for (int axis = 0; axis < Dim; ++axis)
-          conductivity_[i * corners + j] += weight * shape.gradient[i * Dim + axis] * shape.gradient[j * Dim + axis];
+          conductivity_[i * corners + j] +=
+              weight * shape.gradient[i * Dim + axis] * shape.gradient[j * Dim + axis];
       }
     const StrainMatrix strain = strain_matrix(shape.gradient);
     StrainMatrix stress{};
     for (int r = 0; r < voigt_size<Dim>; ++r)
       for (int s = 0; s < voigt_size<Dim>; ++s)
-        for (int j = 0; j < unknowns; ++j) stress[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
+        for (int j = 0; j < unknowns; ++j)
+          stress[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
     for (int i = 0; i < unknowns; ++i)
       for (int j = 0; j < unknowns; ++j)
         for (int r = 0; r < voigt_size<Dim>; ++r)
@@ -109,7 +113,8 @@ std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::stress(std::span<const
 }
 
 template <int Dim>
-std::array<double, ElementMatrices<Dim>::unknowns> ElementMatrices<Dim>::strain_load(std::span<const double> strain) const {
+std::array<double, ElementMatrices<Dim>::unknowns> ElementMatrices<Dim>::strain_load(
+    std::span<const double> strain) const {
   // The mean of B over a box element is B at its centre.
   const auto constant_stress = stress(strain);
   const StrainMatrix mean = strain_matrix(center_gradient_);
@@ -120,7 +125,8 @@ std::array<double, ElementMatrices<Dim>::unknowns> ElementMatrices<Dim>::strain_
 }
 
 template <int Dim>
-std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::center_stress(std::span<const double, unknowns> displacement) const {
+std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::center_stress(
+    std::span<const double, unknowns> displacement) const {
   const StrainMatrix matrix = strain_matrix(center_gradient_);
   std::array<double, voigt_size<Dim>> strain{};
   for (int r = 0; r < voigt_size<Dim>; ++r)

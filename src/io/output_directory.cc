@@ -20,10 +20,14 @@ namespace fs = std::filesystem;
 constexpr std::string_view mark_of_a_run = "config.json";
 /// What else a run writes (docs/users-guide.md, output directory), and the two files by which a user talks to
 /// it.
-constexpr std::array<std::string_view, 12> files_of_a_run = {
-    "history.jsonl",     "result.h5",    "result.xdmf",          "summary.json",
-    "evaluation.json",   "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5",
-    "checkpoint/newest", "stop",         "output_now",           mark_of_a_run};
+constexpr std::array<std::string_view, 15> files_of_a_run = {"history.jsonl",        "result.h5",
+                                                             "result.xdmf",          "summary.json",
+                                                             "evaluation.json",      "gradients.h5",
+                                                             "checkpoint/slot_0.h5", "checkpoint/slot_1.h5",
+                                                             "checkpoint/newest",    "stop",
+                                                             "output_now",           "gradient_check.csv",
+                                                             "gradient_check.json",  "gradient_check.svg",
+                                                             mark_of_a_run};
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
   throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);

@@ -19,7 +19,9 @@ class StepDown {
         start_(std::tanh(beta * time_point)),
         scale_(1.0 / (start_ + std::tanh(beta * (1.0 - time_point)))) {}
 
-  double value(double time) const { return 1.0 - (start_ + std::tanh(beta_ * (time - time_point_))) * scale_; }
+  double value(double time) const {
+    return 1.0 - (start_ + std::tanh(beta_ * (time - time_point_))) * scale_;
+  }
   double derivative(double time) const {
     const double hyperbolic = std::tanh(beta_ * (time - time_point_));
     return -beta_ * (1.0 - hyperbolic * hyperbolic) * scale_;
@@ -68,8 +70,8 @@ void CurvedLayers::pull_back(std::span<const double> time, const DensityDerivati
     if (stage.empty() && ends.empty() && begins.empty()) continue;
     const StepDown step(time_points_[j + 1], beta_);
     for (std::size_t e = 0; e < density_.size(); ++e) {
-      const double weight =
-          (stage.empty() ? 0.0 : stage[e]) + (ends.empty() ? 0.0 : ends[e]) - (begins.empty() ? 0.0 : begins[e]);
+      const double weight = (stage.empty() ? 0.0 : stage[e]) + (ends.empty() ? 0.0 : ends[e]) -
+                            (begins.empty() ? 0.0 : begins[e]);
       if (weight != 0.0) d_time[e] += weight * density_[e] * step.derivative(time[e]);
     }
   }

@@ -2,7 +2,8 @@
 
 namespace fabseq {
 
-void BestIterate::offer(int iteration, double beta, const ProblemValues& values, const std::vector<double>& design) {
+void BestIterate::offer(int iteration, double beta, const ProblemValues& values,
+                        const std::vector<double>& design) {
   const bool now_feasible = values.worst_constraint <= 0.0;
   const bool better = iteration_ == 0 || beta != beta_ ||
                       (now_feasible && (!feasible() || values.merit < merit_)) ||

@@ -10,8 +10,8 @@ namespace fabseq {
 
 namespace {
 
-/// Bytes an unknown of an assembled elastic system with its preconditioner, and seconds a solve and unknown on one core of the
-/// reference path: measured, docs/performance.md.
+/// Bytes an unknown of an assembled elastic system with its preconditioner, and seconds a solve and unknown
+/// on one core of the reference path: measured, docs/performance.md.
 constexpr double bytes_per_unknown = 3000.0;
 constexpr double seconds_per_unknown = 6e-5;
 
@@ -46,8 +46,9 @@ void print_cost(const Setup<Dim>& setup) {
                         static_cast<double>(setup.part.count()) * layers * 16.0 * 4.0;
   const int ranks = size_of(setup.grid.comm());
   print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", unknowns, layers);
-  print_line("estimate (reference path, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations", ranks, memory / 1e9,
-             2.0 * layers * unknowns * seconds_per_unknown / ranks, setup.config.optimizer.max_iterations);
+  print_line("estimate (reference path, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations", ranks,
+             memory / 1e9, 2.0 * layers * unknowns * seconds_per_unknown / ranks,
+             setup.config.optimizer.max_iterations);
 }
 
 }  // namespace
@@ -59,16 +60,18 @@ void run_check(const Setup<Dim>& setup) {
   print("config " + setup.config.name);
   print_line("part: %lld elements of %lld (fill %.4f), volume %.6g", static_cast<long long>(part.count()),
              static_cast<long long>(setup.grid.all_elements().count()),
-             static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()), part.volume());
+             static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
+             part.volume());
   print("bounding box " + place<Dim>(part.lower()) + " to " + place<Dim>(part.upper()));
   print_line("pieces: %zu", part.pieces().size());
   for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
     const Piece<Dim>& piece = part.pieces()[i];
-    print("  " + std::to_string(piece.elements) + " elements in " + place<Dim>(piece.min) + " to " + place<Dim>(piece.max) +
-          (piece.touches_plate ? ", on the plate" : ", not on the plate"));
+    print("  " + std::to_string(piece.elements) + " elements in " + place<Dim>(piece.min) + " to " +
+          place<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
   }
   print_line("plate contact: %lld elements", static_cast<long long>(part.plate_contact()));
-  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), geodesic_height(part, distance));
+  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
+             geodesic_height(part, distance));
   print_line("layers: %d curved, %d planar in the baseline", setup.layer_count, setup.baseline_layers);
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");

@@ -14,7 +14,10 @@ constexpr double free_share = 0.4;
 
 Continuation::Continuation(const ProjectionSettings& projection, double first_beta, double last_beta,
                            const OptimizerSettings& optimizer)
-    : projection_(projection), first_beta_(first_beta), last_beta_(std::max(first_beta, last_beta)), optimizer_(optimizer) {}
+    : projection_(projection),
+      first_beta_(first_beta),
+      last_beta_(std::max(first_beta, last_beta)),
+      optimizer_(optimizer) {}
 
 double Continuation::beta(int iteration) const {
   double beta = first_beta_;
@@ -23,7 +26,9 @@ double Continuation::beta(int iteration) const {
   return beta;
 }
 
-bool Continuation::at_last_beta(int iteration) const { return beta(iteration) == beta(optimizer_.max_iterations); }
+bool Continuation::at_last_beta(int iteration) const {
+  return beta(iteration) == beta(optimizer_.max_iterations);
+}
 
 double Continuation::move_limit(int iteration) const {
   const double progress = static_cast<double>(iteration) / optimizer_.max_iterations;

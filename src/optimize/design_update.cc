@@ -20,10 +20,12 @@ MmaSettings mma_settings(const OptimizerSettings& settings) {
 
 }  // namespace
 
-DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, std::size_t variables, const OptimizerSettings& settings)
+DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, std::size_t variables,
+                           const OptimizerSettings& settings)
     : comm_(comm), space_(space), mma_(comm, variables, mma_settings(settings)) {}
 
-StepReport DesignUpdate::update(std::vector<double>& design, const ProblemGradients& gradients, double move_limit) {
+StepReport DesignUpdate::update(std::vector<double>& design, const ProblemGradients& gradients,
+                                double move_limit) {
   const std::size_t count = design.size();
   std::vector<double> unit(count), slope(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -38,8 +40,8 @@ StepReport DesignUpdate::update(std::vector<double>& design, const ProblemGradie
 
   const std::vector<double> lower(count, 0.0), upper(count, 1.0), before = unit;
   StepReport report;
-  report.mma = mma_.update(unit, objective, gradients.constraint_values, constraints, lower, upper, move_limit,
-                           MmaRows::constraints(static_cast<int>(constraints.size())));
+  report.mma = mma_.update(unit, objective, gradients.constraint_values, constraints, lower, upper,
+                           move_limit, MmaRows::constraints(static_cast<int>(constraints.size())));
   for (std::size_t i = 0; i < count; ++i) {
     report.change = std::max(report.change, std::abs(unit[i] - before[i]));
     design[i] = space_.from_unit(unit[i]);

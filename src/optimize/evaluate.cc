@@ -12,7 +12,8 @@ namespace fabseq {
 double evaluation_tolerance(const Config& config) { return std::min(config.solver.tolerance, 1e-9); }
 
 template <int Dim>
-std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence, const CommandLine& command_line) {
+std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
+                                    const CommandLine& command_line) {
   if (!command_line.design_file || !sequence.has_design()) return sequence.initial_design();
   std::vector<double> design = setup.part.restrict_to_part(
       read_element_field(setup.grid, *command_line.design_file, "design", "-design", "its dataset"));
@@ -20,10 +21,12 @@ std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>
   constexpr double rounding = 1e-9;
   bool outside = false;
   for (const double value : design)
-    outside = outside || !(value >= space.lower * (1.0 - rounding) && value <= space.upper * (1.0 + rounding));
+    outside =
+        outside || !(value >= space.lower * (1.0 - rounding) && value <= space.upper * (1.0 + rounding));
   if (any(setup.grid.comm(), outside))
-    throw InputError("-design: " + *command_line.design_file + " has values outside the bounds " + Json(space.lower).dump() +
-                     " to " + Json(space.upper).dump() + " of /sequence/bounds on the part's elements");
+    throw InputError("-design: " + *command_line.design_file + " has values outside the bounds " +
+                     Json(space.lower).dump() + " to " + Json(space.upper).dump() +
+                     " of /sequence/bounds on the part's elements");
   return design;
 }
 
@@ -47,8 +50,8 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory(setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name),
-                                  command_line.overwrite);
+  const OutputDirectory directory(
+      setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name), command_line.overwrite);
   directory.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
 
   const bool binary = setup.config.projection.binary || setup.config.sequence.type == SequenceType::planar;
@@ -59,11 +62,11 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
 
   Hdf5Writer file(setup.grid.comm(), directory.file("gradients.h5"));
   for (std::size_t row = 0; pipeline.sequence().has_design() && row < rows.size(); ++row) {
-    const std::vector<double> gradient =
-        setup.part.expand(gradients[row]);
+    const std::vector<double> gradient = setup.part.expand(gradients[row]);
     FieldSet<Dim> fields;
     fields.grid = &setup.grid;
-    fields.add_elements(problem.component_name(rows[row][0].response, rows[row][0].component) + "/design", gradient);
+    fields.add_elements(problem.component_name(rows[row][0].response, rows[row][0].component) + "/design",
+                        gradient);
     file.template write_fields<Dim>(fields);
   }
   file.close();
@@ -74,12 +77,14 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
              Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}}));
   directory.write("evaluation.json", record.dump(2) + "\n");
   for (const Json& response : report.block.at("responses").items())
-    print(response.at("name").string() + " (" + response.at("type").string() + "): " + response.at("value").dump());
+    print(response.at("name").string() + " (" + response.at("type").string() +
+          "): " + response.at("value").dump());
   print("values and gradients in " + directory.path());
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                     \
-  template std::vector<double> starting_design<Dim>(const Setup<Dim>&, const Sequence<Dim>&, const CommandLine&);   \
+#define FABSEQ_INSTANTIATE(Dim)                                                              \
+  template std::vector<double> starting_design<Dim>(const Setup<Dim>&, const Sequence<Dim>&, \
+                                                    const CommandLine&);                     \
   template void run_evaluate<Dim>(const CommandLine&, const Setup<Dim>&, PhaseTimer&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

@@ -36,7 +36,8 @@ std::vector<double> direction(const Part<Dim>& part) {
 std::vector<double> moved(const std::vector<double>& design, const std::vector<double>& along, double step,
                           const DesignSpace& space) {
   std::vector<double> result(design.size());
-  for (std::size_t i = 0; i < design.size(); ++i) result[i] = space.from_unit(space.to_unit(design[i]) + step * along[i]);
+  for (std::size_t i = 0; i < design.size(); ++i)
+    result[i] = space.from_unit(space.to_unit(design[i]) + step * along[i]);
   return result;
 }
 
@@ -56,8 +57,8 @@ std::string GradientCheck::csv() const {
   text << "name,type,value,adjoint,step,difference,relative_error\n";
   for (const GradientError& error : errors)
     for (std::size_t s = 0; s < steps.size(); ++s)
-      text << error.name << ',' << error.type << ',' << error.value << ',' << error.adjoint << ',' << steps[s] << ','
-           << error.differences[s] << ',' << error.relative[s] << '\n';
+      text << error.name << ',' << error.type << ',' << error.value << ',' << error.adjoint << ',' << steps[s]
+           << ',' << error.differences[s] << ',' << error.relative[s] << '\n';
   return text.str();
 }
 
@@ -97,7 +98,8 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     double product = 0.0;
-    for (std::size_t i = 0; i < design.size(); ++i) product += gradients[row][i] * space.slope(design[i]) * along[i];
+    for (std::size_t i = 0; i < design.size(); ++i)
+      product += gradients[row][i] * space.slope(design[i]) * along[i];
     check.errors[row].adjoint = sum(setup.grid.comm(), product);
   }
   for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) {
@@ -116,7 +118,8 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
 
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, gradient_check_tolerance), gradient_check_tolerance, timer);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, gradient_check_tolerance), gradient_check_tolerance,
+                         timer);
   Problem<Dim> problem(setup);
   if (!pipeline.sequence().has_design()) {
     print("this sequence has no design variables: there are no gradients to check");
@@ -126,8 +129,8 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   // Steps must not end on a bound: the design keeps a tenth of the range from both.
   const DesignSpace space = pipeline.sequence().space();
   for (double& value : design) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
-  const OutputDirectory directory(setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name),
-                                  command_line.overwrite);
+  const OutputDirectory directory(
+      setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name), command_line.overwrite);
   directory.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
@@ -136,8 +139,8 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print("component             type                     adjoint   best relative error");
   for (const GradientError& error : check.errors) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-18s %14.6e   %.1e", error.name.c_str(), error.type.c_str(), error.adjoint,
-                  error.best());
+    std::snprintf(line, sizeof line, "%-20s  %-18s %14.6e   %.1e", error.name.c_str(), error.type.c_str(),
+                  error.adjoint, error.best());
     print(line);
   }
   char line[80];
@@ -145,8 +148,10 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print(line + directory.path());
 }
 
-template GradientCheck check_gradients<2>(const Setup<2>&, Problem<2>&, Pipeline<2>&, const std::vector<double>&);
-template GradientCheck check_gradients<3>(const Setup<3>&, Problem<3>&, Pipeline<3>&, const std::vector<double>&);
+template GradientCheck check_gradients<2>(const Setup<2>&, Problem<2>&, Pipeline<2>&,
+                                          const std::vector<double>&);
+template GradientCheck check_gradients<3>(const Setup<3>&, Problem<3>&, Pipeline<3>&,
+                                          const std::vector<double>&);
 template void run_check_gradients<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
 template void run_check_gradients<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
 

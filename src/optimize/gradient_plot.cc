@@ -23,18 +23,21 @@ struct Frame {
   }
 };
 
-constexpr std::array<const char*, 6> colors = {"#1b6ca8", "#d1495b", "#2e933c", "#8a5fbf", "#c77d0a", "#444444"};
+constexpr std::array<const char*, 6> colors = {"#1b6ca8", "#d1495b", "#2e933c",
+                                               "#8a5fbf", "#c77d0a", "#444444"};
 
 void draw_axes(std::ostringstream& text, const Frame& frame) {
-  text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left << "' height='"
-       << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
+  text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
+       << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
   for (int decade = static_cast<int>(frame.first_step); decade <= frame.last_step; ++decade)
-    text << "<text x='" << frame.x(std::pow(10.0, decade)) << "' y='" << frame.bottom + 18 << "' text-anchor='middle'>1e"
-         << decade << "</text>\n";
+    text << "<text x='" << frame.x(std::pow(10.0, decade)) << "' y='" << frame.bottom + 18
+         << "' text-anchor='middle'>1e" << decade << "</text>\n";
   for (int decade = static_cast<int>(frame.lowest); decade <= frame.highest; decade += 2) {
     const double y = frame.y(std::pow(10.0, decade));
-    text << "<text x='" << frame.left - 8 << "' y='" << y + 4 << "' text-anchor='end'>1e" << decade << "</text>\n";
-    text << "<line x1='" << frame.left << "' x2='" << frame.right << "' y1='" << y << "' y2='" << y << "' stroke='#eee'/>\n";
+    text << "<text x='" << frame.left - 8 << "' y='" << y + 4 << "' text-anchor='end'>1e" << decade
+         << "</text>\n";
+    text << "<line x1='" << frame.left << "' x2='" << frame.right << "' y1='" << y << "' y2='" << y
+         << "' stroke='#eee'/>\n";
   }
   text << "<text x='" << 0.5 * (frame.left + frame.right) << "' y='" << frame.bottom + 40
        << "' text-anchor='middle'>step, fraction of the variable's range</text>\n"
@@ -55,12 +58,14 @@ std::string GradientCheck::svg(const std::string& title) const {
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const char* color = colors[i % colors.size()];
     const char* dashes = i / colors.size() % 2 == 0 ? "none" : "5,3";
-    text << "<polyline fill='none' stroke='" << color << "' stroke-dasharray='" << dashes << "' stroke-width='1.5' points='";
-    for (std::size_t s = 0; s < steps.size(); ++s) text << frame.x(steps[s]) << ',' << frame.y(errors[i].relative[s]) << ' ';
+    text << "<polyline fill='none' stroke='" << color << "' stroke-dasharray='" << dashes
+         << "' stroke-width='1.5' points='";
+    for (std::size_t s = 0; s < steps.size(); ++s)
+      text << frame.x(steps[s]) << ',' << frame.y(errors[i].relative[s]) << ' ';
     const double y = frame.top + 12.0 + 18.0 * static_cast<double>(i);
     text << "'/>\n<line x1='580' x2='604' y1='" << y - 4 << "' y2='" << y - 4 << "' stroke='" << color
-         << "' stroke-dasharray='" << dashes << "' stroke-width='2'/>\n<text x='610' y='" << y << "'>" << errors[i].name << " "
-         << errors[i].type << "</text>\n";
+         << "' stroke-dasharray='" << dashes << "' stroke-width='2'/>\n<text x='610' y='" << y << "'>"
+         << errors[i].name << " " << errors[i].type << "</text>\n";
   }
   text << "</svg>\n";
   return text.str();

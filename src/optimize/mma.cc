@@ -60,7 +60,8 @@ MmaRows MmaRows::constraints(int m) {
 }
 
 Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(comm), settings_(settings) {
-  for (auto* vector : {&state_.low, &state_.upp, &state_.previous, &state_.before_previous}) vector->assign(local, 0.0);
+  for (auto* vector : {&state_.low, &state_.upp, &state_.previous, &state_.before_previous})
+    vector->assign(local, 0.0);
 }
 
 void Mma::restore(MmaState state) {
@@ -72,16 +73,19 @@ void Mma::restore(MmaState state) {
 }
 
 // Svanberg's rule: away from a variable that keeps its direction, closer to one that oscillates.
-void Mma::move_asymptotes(std::span<const double> x, std::span<const double> lower, std::span<const double> upper) {
+void Mma::move_asymptotes(std::span<const double> x, std::span<const double> lower,
+                          std::span<const double> upper) {
   for (std::size_t j = 0; j < x.size(); ++j) {
     const double range = upper[j] - lower[j];
     double below = settings_.asymptote_initial * range, above = below;
     if (state_.iteration >= 2) {
-      const double step = x[j] - state_.previous[j], step_before = state_.previous[j] - state_.before_previous[j];
+      const double step = x[j] - state_.previous[j],
+                   step_before = state_.previous[j] - state_.before_previous[j];
       double factor = 1.0;
       // The direction of a step that is only rounding must not decide anything.
       if (std::min(std::abs(step), std::abs(step_before)) > still * range) {
-        factor = (step > 0.0) == (step_before > 0.0) ? settings_.asymptote_increase : settings_.asymptote_decrease;
+        factor =
+            (step > 0.0) == (step_before > 0.0) ? settings_.asymptote_increase : settings_.asymptote_decrease;
       }
       below = factor * (state_.previous[j] - state_.low[j]);
       above = factor * (state_.upp[j] - state_.previous[j]);
@@ -92,9 +96,10 @@ void Mma::move_asymptotes(std::span<const double> x, std::span<const double> low
   }
 }
 
-MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gradient, std::span<const double> values,
-                      std::span<const std::vector<double>> gradients, std::span<const double> lower,
-                      std::span<const double> upper, double move_limit, const MmaRows& rows) {
+MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gradient,
+                      std::span<const double> values, std::span<const std::vector<double>> gradients,
+                      std::span<const double> lower, std::span<const double> upper, double move_limit,
+                      const MmaRows& rows) {
   const std::size_t n = state_.low.size();
   check_sizes(n, x, objective_gradient, values, gradients, lower, upper, rows);
   check_numbers(comm_, x, values, lower, upper);

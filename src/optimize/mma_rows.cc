@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstdio>
+#include <cstdlib>
 
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dpotrs_(const char* uplo, const int* n, const int* nrhs, const double* a, const int* lda, double* b,
              const int* ldb, int* info);
-void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda, const double* x,
-            const int* incx, const double* beta, double* y, const int* incy);
+void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
+            const double* x, const int* incx, const double* beta, double* y, const int* incy);
 }
 
 namespace fabseq {
@@ -21,7 +21,8 @@ constexpr int step_limit = 100;
 constexpr double tolerance = 1e-14;        // of the mean product and the residuals, over the size of the data
 constexpr double to_the_boundary = 0.995;  // fraction of the way
 
-// Everything that must stay positive, and its directions: row i has lambda, s, y, mu = c + d y - lambda; then z, zeta.
+// Everything that must stay positive, and its directions: row i has lambda, s, y, mu = c + d y - lambda; then
+// z, zeta.
 struct Point {
   std::vector<double> lambda, slack, y, mu;
   double z = 0.0, zeta = 0.0;
@@ -49,9 +50,19 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 class RowModel {
  public:
-  RowModel(std::span<const double> matrix, std::size_t stride, std::span<const double> right, const MmaRows& rows)
-      : m_(right.size()), matrix_(matrix), stride_(static_cast<int>(stride)), right_(right), rows_(rows), point_(m_),
-        predictor_(m_), direction_(m_), row_(m_), elastic_(m_), scale_(m_) {
+  RowModel(std::span<const double> matrix, std::size_t stride, std::span<const double> right,
+           const MmaRows& rows)
+      : m_(right.size()),
+        matrix_(matrix),
+        stride_(static_cast<int>(stride)),
+        right_(right),
+        rows_(rows),
+        point_(m_),
+        predictor_(m_),
+        direction_(m_),
+        row_(m_),
+        elastic_(m_),
+        scale_(m_) {
     has_z_ = std::any_of(rows.a.begin(), rows.a.end(), [](double a) { return a != 0.0; });
   }
 
@@ -121,7 +132,8 @@ double RowModel::largest_residual() const {
 }
 
 double RowModel::mean_product(const Point* direction, double t) const {
-  const auto product = [t, direction](double first, double second, double first_change, double second_change) {
+  const auto product = [t, direction](double first, double second, double first_change,
+                                      double second_change) {
     return direction == nullptr ? first * second : (first + t * first_change) * (second + t * second_change);
   };
   const Point& d = direction == nullptr ? point_ : *direction;
@@ -133,8 +145,8 @@ double RowModel::mean_product(const Point* direction, double t) const {
   return sum / static_cast<double>(2 * m_ + (has_z_ ? 1 : 0));
 }
 
-// Cholesky factors of H + s / lambda + 1 / (d + mu / y) with unit diagonal; should rounding have made it indefinite, with
-// the diagonal raised.
+// Cholesky factors of H + s / lambda + 1 / (d + mu / y) with unit diagonal; should rounding have made it
+// indefinite, with the diagonal raised.
 bool RowModel::factorize() {
   const auto m = static_cast<int>(m_);
   for (double raise = 0.0; raise < 1.0; raise = std::max(1e-14, 100.0 * raise)) {
@@ -172,7 +184,8 @@ void RowModel::backsolve(std::vector<double>& vector) const {
   for (std::size_t i = 0; i < m_; ++i) vector[i] *= scale_[i];
 }
 
-// Newton's direction to where all products are `target`, with the products of the predictor's changes taken away.
+// Newton's direction to where all products are `target`, with the products of the predictor's changes taken
+// away.
 void RowModel::set_direction(double target, const Point* second_order, Point& direction) const {
   const auto wanted = [target](double first, double second, double first_change, double second_change) {
     return target - first * second - first_change * second_change;
@@ -223,7 +236,8 @@ MmaMultipliers RowModel::solve() {
   for (int step = 0;; ++step) {
     set_residuals();
     const double mean = mean_product(nullptr, 0.0);
-    if (std::getenv("DBGQ")) std::printf("          q %d residual %g mean %g\n", step, largest_residual(), mean);
+    if (std::getenv("DBGQ"))
+      std::printf("          q %d residual %g mean %g\n", step, largest_residual(), mean);
     result.converged = largest_residual() <= 1e-12 * size && mean <= tolerance * size;
     if (result.converged || step == step_limit || !factorize()) break;
     set_direction(0.0, nullptr, predictor_);
@@ -240,8 +254,8 @@ MmaMultipliers RowModel::solve() {
 
 }  // namespace
 
-MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t stride, std::span<const double> right,
-                               const MmaRows& rows) {
+MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t stride,
+                               std::span<const double> right, const MmaRows& rows) {
   return RowModel(matrix, stride, right, rows).solve();
 }
 

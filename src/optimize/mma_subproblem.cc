@@ -24,8 +24,14 @@ const int step_limit = 200, cut_limit = 20;
 class Solver {
  public:
   Solver(MPI_Comm comm, MmaVariables& variables, std::span<const double> values, const MmaRows& rows)
-      : comm_(comm), variables_(variables), values_(values), rows_(rows), m_(values.size()), lambda_(m_),
-        direction_(m_), function_(m_) {}
+      : comm_(comm),
+        variables_(variables),
+        values_(values),
+        rows_(rows),
+        m_(values.size()),
+        lambda_(m_),
+        direction_(m_),
+        function_(m_) {}
 
   MmaReport solve();
 
@@ -44,7 +50,7 @@ class Solver {
   std::span<const double> values_;
   const MmaRows& rows_;
   std::size_t m_;
-  double barrier_ = first_barrier;
+  double barrier_ = first_barrier, keep_ = P("KEEP", 0.01);
   std::vector<double> lambda_, direction_, function_;
   MmaMultipliers model_;
 };
@@ -82,7 +88,7 @@ void Solver::set_direction(const std::vector<double>& matrix) {
   const int one = 1;
   const double plus = 1.0;
   std::vector<double> right = function_, from(m_), step(m_);
-  static const double keep = P("KEEP", 0.01);
+  const double keep = keep_;
   MmaRows shifted = rows_;
   for (std::size_t i = 0; i < m_; ++i) {
     from[i] = keep * lambda_[i];
@@ -119,9 +125,12 @@ MmaReport Solver::solve() {
   while (m_ > 0) {
     std::vector<double> matrix = sums->schur;
     const std::vector<double> lambda = lambda_, base = function_;
-    double before = 0.0, t = 1.0; bool first = true; double after1 = 0, rbase = residual();
+    double before = 0.0, t = 1.0;
+    bool first = true;
+    double after1 = 0, rbase = residual();
     for (int cut = 0;; ++cut) {
-      function_ = base; lambda_ = lambda;
+      function_ = base;
+      lambda_ = lambda;
       set_direction(matrix);
       before = ascent();
       variables_.set_direction(direction_);
@@ -129,24 +138,36 @@ MmaReport Solver::solve() {
       sums = &variables_.evaluate(t, barrier_);
       set_function(*sums);
       const double after = ascent();
-      if (std::getenv("DBG")) std::printf("%d barrier %g t %g ascent %g to %g residual %g\n", report.newton_steps, barrier_, t, before, after, residual());
+      if (std::getenv("DBG"))
+        std::printf("%d barrier %g t %g ascent %g to %g residual %g\n", report.newton_steps, barrier_, t,
+                    before, after, residual());
       if (after >= -overshoot * std::abs(before) || cut == cut_limit || residual() <= 1e-9) break;
       first = false;
-      if (stale) { t = 0.0; lambda_ = lambda; sums = &variables_.evaluate(0, barrier_); set_function(*sums); break; }
-      static const double mode = P("MODE", 0);
-      if (mode == 0) t *= std::clamp(before / (before - after), 0.1, 0.7);
-      else if (mode == 1) { for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] += sums->schur[i]; }
-      else {
-      std::vector<double> u(m_);
-      double dd = 0.0;
-      for (std::size_t i = 0; i < m_; ++i) {
-        double hd = 0.0;
-        for (std::size_t k = 0; k < m_; ++k) hd += matrix[std::min(i, k) * (m_ + 1) + std::max(i, k)] * direction_[k];
-        u[i] = base[i] - function_[i] - hd;
-        dd += u[i] * direction_[i];
+      if (stale) {
+        t = 0.0;
+        lambda_ = lambda;
+        sums = &variables_.evaluate(0, barrier_);
+        set_function(*sums);
+        break;
       }
-      if (!(dd > 0)) std::printf("dd %g\n", dd);
-      for (std::size_t i = 0; i < m_; ++i) for (std::size_t k = i; k < m_; ++k) matrix[i * (m_ + 1) + k] += u[i] * u[k] / dd;
+      static const double mode = P("MODE", 0);
+      if (mode == 0)
+        t *= std::clamp(before / (before - after), 0.1, 0.7);
+      else if (mode == 1) {
+        for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] += sums->schur[i];
+      } else {
+        std::vector<double> u(m_);
+        double dd = 0.0;
+        for (std::size_t i = 0; i < m_; ++i) {
+          double hd = 0.0;
+          for (std::size_t k = 0; k < m_; ++k)
+            hd += matrix[std::min(i, k) * (m_ + 1) + std::max(i, k)] * direction_[k];
+          u[i] = base[i] - function_[i] - hd;
+          dd += u[i] * direction_[i];
+        }
+        if (!(dd > 0)) std::printf("dd %g\n", dd);
+        for (std::size_t i = 0; i < m_; ++i)
+          for (std::size_t k = i; k < m_; ++k) matrix[i * (m_ + 1) + k] += u[i] * u[k] / dd;
       }
     }
     stale = false;
@@ -155,19 +176,28 @@ MmaReport Solver::solve() {
     report.kkt_residual = residual();
     if (barrier_ <= final_barrier && report.kkt_residual <= 1e-9) break;
     if (report.newton_steps == step_limit) throw NumericalError("MMA: the subproblem does not converge");
+    static const double kmin = P("KEEP", 0.01), kmax = P("KMAX", 0.9);
+    if (P("RE",0) == 0) keep_ = first ? std::max(kmin, keep_ * keep_) : std::min(kmax, std::sqrt(keep_));
+    else if (first) keep_ =  std::max(kmin, keep_ * keep_);
     static const double lowc = P("LC", 1e9);
-    after1 = ascent(); (void)rbase;
+    after1 = ascent();
+    (void)rbase;
     if (t > 0.9 && first && std::abs(after1) <= lowc * std::abs(before)) {
-      static const double fac = P("FAC", 0.1), ex=P("EX",1.5); 
+      static const double fac = P("FAC", 0.1), ex = P("EX", 1.5);
       const double old = barrier_;
-      barrier_ = std::max(final_barrier, std::min(fac * barrier_, std::pow(barrier_, ex))); 
-      stale = barrier_ != old; variables_.scale_ = variables_.free_ > 0 ? sums->slope / variables_.free_ : 1.0;
-      if (P("PRED",1)) for (std::size_t i = 0; i < m_; ++i) function_[i] += (barrier_ - old) * (sums->wall[i] + sums->schur[i * (m_ + 1) + m_]);
+      barrier_ = std::max(final_barrier, std::min(fac * barrier_, std::pow(barrier_, ex)));
+      stale = barrier_ != old;
+      variables_.scale_ = variables_.free_ > 0 ? sums->slope / variables_.free_ : 1.0;
+      if (P("PRED", 1))
+        for (std::size_t i = 0; i < m_; ++i)
+          function_[i] += (barrier_ - old) * (sums->wall[i] + sums->schur[i * (m_ + 1) + m_]);
     }
   }
   if (m_ == 0) variables_.evaluate(0.0, final_barrier);
   report.multipliers = lambda_;
-  for (std::size_t i = 0; i < m_; ++i) report.largest_violation = std::max(report.largest_violation, rows_.d[i] > 0.0 ? elastic(i) : model_.y[i]);
+  for (std::size_t i = 0; i < m_; ++i)
+    report.largest_violation =
+        std::max(report.largest_violation, rows_.d[i] > 0.0 ? elastic(i) : model_.y[i]);
   return report;
 }
 

@@ -13,35 +13,42 @@ namespace fabseq {
 
 namespace {
 
-constexpr double bulge_factor = 0.501;     // half of 1.001 + 0.001 (Svanberg 2007)
-constexpr double step_tolerance = 1e-14;   // of a variable's own equation, in v
+constexpr double bulge_factor = 0.501;    // half of 1.001 + 0.001 (Svanberg 2007)
+constexpr double step_tolerance = 1e-14;  // of a variable's own equation, in v
 constexpr int step_iterations = 60;
 
 }  // namespace
 
 MmaBox::MmaBox(std::size_t local)
-    : width(local), upper_distance(local, 2.0), lower_distance(local, 2.0), alpha(local, -1.0), beta(local, 1.0),
+    : width(local),
+      upper_distance(local, 2.0),
+      lower_distance(local, 2.0),
+      alpha(local, -1.0),
+      beta(local, 1.0),
       curvature(local, 1.0) {}
 
 // A block of variables and, at their minimizers, what the rows need of them.
 struct MmaVariables::Block {
   std::size_t count = 0;
   BlockArray upper, lower, alpha, beta, curvature, v;
-  BlockArray ratio;                                     // S / (2 T), from -1 to 1: it alone decides v
-  BlockArray width, inverse, share;                     // width, 1 / T, barrier of this variable
-  BlockArray even, bulge;                               // e and 0.501 h
-  BlockArray even_slope, bulge_slope, curvature_slope;  // derivatives of e, 0.501 h, curvature h, over sqrt(D)
-  BlockArray kappa;                                     // -d2psi/(dv dbarrier), over sqrt(D)
-  BlockArray wall;                                      // 0.501 dh/dbarrier
-  double curvature_change = 0.0, curvature_wall = 0.0;  // sums of curvature h and its derivative, the same for all rows
+  BlockArray ratio;                  // S / (2 T), from -1 to 1: it alone decides v
+  BlockArray width, inverse, share;  // width, 1 / T, barrier of this variable
+  BlockArray even, bulge;            // e and 0.501 h
+  BlockArray even_slope, bulge_slope,
+      curvature_slope;  // derivatives of e, 0.501 h, curvature h, over sqrt(D)
+  BlockArray kappa;     // -d2psi/(dv dbarrier), over sqrt(D)
+  BlockArray wall;      // 0.501 dh/dbarrier
+  double curvature_change = 0.0,
+         curvature_wall = 0.0;  // sums of curvature h and its derivative, the same for all rows
 
   void minimize();
   double approach();
   void expand(double barrier);
 };
 
-// One step of all variables to their minimizer: what is left after taking away the barrier of the nearer bound is taken
-// as linear, and the quadratic equation for the distance from this bound solved. Returns the largest step.
+// One step of all variables to their minimizer: what is left after taking away the barrier of the nearer
+// bound is taken as linear, and the quadratic equation for the distance from this bound solved. Returns the
+// largest step.
 double MmaVariables::Block::approach() {
   BlockArray step{};
   for (std::size_t k = 0; k < count; ++k) {
@@ -76,8 +83,9 @@ void MmaVariables::Block::expand(double barrier) {
     const double a = v[k] * above, da = above * above;
     const double b = v[k] * below, db = below * below;
     const double up = 1.0 / (v[k] - alpha[k]), down = 1.0 / (beta[k] - v[k]);
-    const double diagonal = 2.0 * ((1.0 + ratio[k]) * da * above / upper[k] + (1.0 - ratio[k]) * db * below / lower[k]) +
-                            share[k] * (up * up + down * down);
+    const double diagonal =
+        2.0 * ((1.0 + ratio[k]) * da * above / upper[k] + (1.0 - ratio[k]) * db * below / lower[k]) +
+        share[k] * (up * up + down * down);
     const double root = std::sqrt(width[k] * inverse[k] / diagonal);
     const double slope = da - db - barrier * (up - down);
     even_slope[k] = 0.5 * (da + db) * root;
@@ -100,7 +108,8 @@ void MmaVariables::Block::expand(double barrier) {
 MmaVariables::MmaVariables(MPI_Comm comm, const MmaBox& box, std::span<const double> objective_gradient,
                            std::span<const std::vector<double>> gradients)
     : comm_(comm), box_(box), objective_gradient_(objective_gradient), gradients_(gradients) {
-  for (auto* vector : {&v_, &plain_, &curved_, &plain_direction_, &curved_direction_}) vector->assign(box.size(), 0.0);
+  for (auto* vector : {&v_, &plain_, &curved_, &plain_direction_, &curved_direction_})
+    vector->assign(box.size(), 0.0);
   const std::size_t rows = gradients.size() + 1;
   scaled_rows_.resize(block_size * rows);
   sums_.schur.resize(rows * rows);
@@ -111,11 +120,16 @@ MmaVariables::MmaVariables(MPI_Comm comm, const MmaBox& box, std::span<const dou
 bool MmaVariables::start(std::span<const double> lambda) {
   combine(lambda, 1.0, plain_, curved_);
   for (std::size_t j = 0; j < box_.size(); ++j) v_[j] = 0.5 * (box_.alpha[j] + box_.beta[j]);
-  const bool finite = std::all_of(curved_.begin(), curved_.end(), [](double value) { return std::isfinite(value); });
+  const bool finite =
+      std::all_of(curved_.begin(), curved_.end(), [](double value) { return std::isfinite(value); });
   double tot[3] = {0, 0, finite ? 0. : 1.};
-  for (std::size_t j = 0; j < box_.size(); ++j) { tot[0] += box_.width[j] * curved_[j]; tot[1] += box_.width[j] > 0; }
+  for (std::size_t j = 0; j < box_.size(); ++j) {
+    tot[0] += box_.width[j] * curved_[j];
+    tot[1] += box_.width[j] > 0;
+  }
   sum_in_place(comm_, tot);
-  scale_ = tot[1] > 0 ? tot[0] / tot[1] : 1.0; free_ = tot[1];
+  scale_ = tot[1] > 0 ? tot[0] / tot[1] : 1.0;
+  free_ = tot[1];
   return tot[2] == 0.0;
 }
 
@@ -130,8 +144,8 @@ void MmaVariables::advance(double t) {
   }
 }
 
-// S and T for multipliers `lambda` and that of the objective; block by block, so that the sums stay in the cache while
-// the rows stream by.
+// S and T for multipliers `lambda` and that of the objective; block by block, so that the sums stay in the
+// cache while the rows stream by.
 void MmaVariables::combine(std::span<const double> lambda, double objective, std::vector<double>& plain,
                            std::vector<double>& curved) const {
   double weight = objective;
@@ -188,8 +202,11 @@ void MmaVariables::load(std::size_t begin, double t, double barrier, Block& bloc
     block.ratio[k] = std::clamp(0.5 * (plain_[j] + t * plain_direction_[j]) / curved, -1.0, 1.0);
     block.inverse[k] = 1.0 / curved;
     block.width[k] = box_.width[j];
-    static const double ab = std::getenv("AB") ? atof(std::getenv("AB")) : 1.0, ax = std::getenv("AX") ? atof(std::getenv("AX")) : 1.0;
-    block.share[k] = barrier + (box_.width[j] > 0.0 ? ab * std::pow(barrier, ax) * scale_ * block.inverse[k] / box_.width[j] : 0.0);
+    static const double ab = std::getenv("AB") ? atof(std::getenv("AB")) : 1.0,
+                        ax = std::getenv("AX") ? atof(std::getenv("AX")) : 1.0;
+    block.share[k] =
+        barrier +
+        (box_.width[j] > 0.0 ? ab * std::pow(barrier, ax) * scale_ * block.inverse[k] / box_.width[j] : 0.0);
     sums_.slope += box_.width[j] * curved;
     block.upper[k] = box_.upper_distance[j];
     block.lower[k] = box_.lower_distance[j];

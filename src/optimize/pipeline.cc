@@ -15,7 +15,8 @@ namespace {
 constexpr double smallest_tolerance = 1e-13;
 
 template <int Dim>
-std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& setup, const ElasticModel<Dim>& model,
+std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& setup,
+                                                              const ElasticModel<Dim>& model,
                                                               double tolerance) {
   return std::make_unique<ReferenceElasticity<Dim>>(setup.grid, model.domain, model.element.stiffness(),
                                                     elasticity_solver_settings(setup.config, tolerance));
@@ -38,12 +39,15 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
     case SequenceType::planar:
       return std::make_unique<GivenSequence<Dim>>(planar_time(setup.part, settings.direction));
     case SequenceType::file:
-      return std::make_unique<GivenSequence<Dim>>(time_from_file(setup.part, settings.file, settings.dataset));
-    default: break;
+      return std::make_unique<GivenSequence<Dim>>(
+          time_from_file(setup.part, settings.file, settings.dataset));
+    default:
+      break;
   }
   const auto target = setup.config.target_thickness();
   const double gradient = target ? 1.0 / (setup.layer_count * *target) : 0.0;
-  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, heat_solver_settings(setup.config, tolerance));
+  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient,
+                                             heat_solver_settings(setup.config, tolerance));
 }
 
 template <int Dim>
@@ -52,7 +56,8 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup) {
 }
 
 template <int Dim>
-Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance, PhaseTimer& timer)
+Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance,
+                        PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
       sequence_(std::move(sequence)),
@@ -80,8 +85,8 @@ PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers
 }
 
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
-                                                       const PipelineState<Dim>& state) {
+std::vector<std::vector<double>> Pipeline<Dim>::values(
+    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state) {
   const auto scope = timer_.enter(Phase::responses);
   std::vector<std::vector<double>> result;
   for (const auto& response : responses) result.push_back(response->values(state));
@@ -89,9 +94,9 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(const std::vector<std::un
 }
 
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
-                                                          const PipelineState<Dim>& state,
-                                                          const std::vector<GradientRow>& rows) {
+std::vector<std::vector<double>> Pipeline<Dim>::gradients(
+    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
+    const std::vector<GradientRow>& rows) {
   std::vector<PipelineAdjoint<Dim>> adjoints = explicit_derivatives(responses, state, rows);
   pull_back_process(state, adjoints);
   const std::vector<TimeDerivatives> times = pull_back_layers(state, adjoints);
@@ -117,7 +122,8 @@ std::vector<PipelineAdjoint<Dim>> Pipeline<Dim>::explicit_derivatives(
 }
 
 template <int Dim>
-void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints) {
+void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state,
+                                      std::vector<PipelineAdjoint<Dim>>& adjoints) {
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> rows;
   std::vector<DensityDerivatives*> derivatives;

@@ -19,7 +19,8 @@ Problem<Dim>::Problem(const Setup<Dim>& setup)
     : terms_(setup.config.objective), margin_(setup.config.optimizer.constraint_margin) {
   const ResponseContext<Dim> context = setup.context();
   for (const ObjectiveTerm& term : terms_) responses_.push_back(make_objective<Dim>(term, context));
-  for (const ConstraintTerm& term : setup.config.constraints) responses_.push_back(make_constraint<Dim>(term, context));
+  for (const ConstraintTerm& term : setup.config.constraints)
+    responses_.push_back(make_constraint<Dim>(term, context));
 }
 
 /// Factor of each term: its value becomes `normalize` at the first iteration, or at every one.
@@ -37,7 +38,8 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   auto all = pipeline.values(responses_, state);
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
-      if (!std::isfinite(all[r][c])) throw NumericalError(component_name(r, c) + " (" + responses_[r]->type() + ") is not finite");
+      if (!std::isfinite(all[r][c]))
+        throw NumericalError(component_name(r, c) + " (" + responses_[r]->type() + ") is not finite");
   ProblemValues result;
   const auto split = all.begin() + static_cast<std::ptrdiff_t>(terms_.size());
   result.objective.assign(all.begin(), split);
@@ -58,7 +60,8 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {
     const auto& values = result.constraints[i];
     for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(values.size()), 1.0))
-      result.worst_constraint = std::max(result.worst_constraint, row.sign * (values[row.component] - row.bound));
+      result.worst_constraint =
+          std::max(result.worst_constraint, row.sign * (values[row.component] - row.bound));
   }
   return result;
 }
@@ -66,7 +69,8 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
 template <int Dim>
 ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                                          const ProblemValues& values) const {
-  // One row for the whole objective and one for each constrained component, which its upper and lower bound share.
+  // One row for the whole objective and one for each constrained component, which its upper and lower bound
+  // share.
   const std::vector<double> factors = term_factors(values.objective);
   std::vector<GradientRow> rows(1);
   for (std::size_t i = 0; i < terms_.size(); ++i)
@@ -83,7 +87,8 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
     const auto& components = values.constraints[i];
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
+    for (const ConstraintRow& row :
+         responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
       result.constraint_values.push_back(row.sign * (components[row.component] - row.bound));
       auto& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
       for (double& entry : gradient) entry *= row.sign;
@@ -103,7 +108,8 @@ Json Problem<Dim>::describe(const std::vector<std::vector<double>>& values) cons
   Json result = Json::array();
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.append(Json::object({{"name", component_name(r, c)}, {"type", responses_[r]->type()}, {"value", values[r][c]}}));
+      result.append(Json::object(
+          {{"name", component_name(r, c)}, {"type", responses_[r]->type()}, {"value", values[r][c]}}));
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include "fabseq/optimize/run_output.h"
 
+#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/checkpoint.h"
@@ -36,7 +37,8 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
       progress_(setup.grid.comm()),
       start_(MPI_Wtime()),
       iteration_start_(start_) {
-  directory_.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
+  directory_.write("config.json",
+                   config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
 }
 
 template <int Dim>
@@ -44,21 +46,23 @@ void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& sol
   baseline_ = std::move(report);
   print(solver);
   char line[160];
-  std::snprintf(line, sizeof line, "planar baseline: %d layers, first objective term %.4e", setup_.baseline_layers,
-                baseline_.first_objective());
+  std::snprintf(line, sizeof line, "planar baseline: %d layers, first objective term %.4e",
+                setup_.baseline_layers, baseline_.first_objective());
   print(line);
   timer_.reset();
   iteration_start_ = MPI_Wtime();
 }
 
 template <int Dim>
-void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                               Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const std::vector<double>& design) {
+void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& values,
+                               const StepReport& step, Pipeline<Dim>& pipeline,
+                               const PipelineState<Dim>& state, const std::vector<double>& design) {
   {
     const auto scope = timer_.enter(Phase::output);
     const OutputSettings& due = setup_.config.output;
     if (due.every > 0 && iteration % due.every == 0) dump_fields(iteration, state, design);
-    if (due.checkpoint_every > 0 && iteration % due.checkpoint_every == 0) checkpoint(iteration, beta, design);
+    if (due.checkpoint_every > 0 && iteration % due.checkpoint_every == 0)
+      write_design_checkpoint(iteration, beta, design);
   }
   const double now = MPI_Wtime();
   const double total = now - iteration_start_;
@@ -79,8 +83,9 @@ void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& 
 }
 
 template <int Dim>
-void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                                   const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, double total) {
+void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValues& values,
+                                   const StepReport& step, const Pipeline<Dim>& pipeline,
+                                   const PipelineState<Dim>& state, double total) {
   const SolverIterations& solves = pipeline.iterations();
   Json objective = Json::array();
   for (const auto& value : values.objective) objective.append(value[0]);
@@ -94,7 +99,8 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
        {"change", step.change},
        {"merit", values.merit},
        {"interior_minima", count_interior_minima<Dim>(setup_.part, state.time.time)},
-       {"temperature_range", std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature}},
+       {"temperature_range",
+        std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature}},
        {"optimizer", Json::object({{"newton_steps", step.mma.newton_steps},
                                    {"residual", step.mma.kkt_residual},
                                    {"relaxation", step.mma.largest_violation}})},
@@ -105,7 +111,8 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
 }
 
 template <int Dim>
-void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state, const std::vector<double>& design) {
+void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
+                                 const std::vector<double>& design) {
   const std::vector<double> time = setup_.part.expand(state.time.time);
   const std::vector<double> layer = setup_.part.expand(layer_index(state.time.time, state.layers.count()));
   const std::vector<double> design_field = setup_.part.expand(design);
@@ -124,12 +131,13 @@ void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
 }
 
 template <int Dim>
-void RunOutput<Dim>::checkpoint(int iteration, double beta, const std::vector<double>& design) {
+void RunOutput<Dim>::write_design_checkpoint(int iteration, double beta, const std::vector<double>& design) {
   const std::vector<double> field = setup_.part.expand(design);
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("design", field);
-  write_checkpoint(directory_, fields, Json::object({{"iteration", iteration}, {"beta", beta}, {"name", setup_.config.name}}));
+  write_checkpoint(directory_, fields,
+                   Json::object({{"iteration", iteration}, {"beta", beta}, {"name", setup_.config.name}}));
 }
 
 template <int Dim>
@@ -150,11 +158,16 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
 }
 
 template <int Dim>
-void RunOutput<Dim>::fail(const RunEnd& end) {
+void RunOutput<Dim>::fail(const RunEnd& end, double beta, const std::vector<double>& design) {
   progress_.finish();
-  Json record = summary(end);
-  record.set("baseline", baseline_.block);
-  directory_.write("summary.json", record.dump(2) + "\n");
+  try {
+    write_design_checkpoint(end.iterations + 1, beta, design);
+    Json record = summary(end);
+    record.set("baseline", baseline_.block);
+    directory_.write("summary.json", record.dump(2) + "\n");
+  } catch (const OutputError& error) {
+    warn(error.what());
+  }
 }
 
 template <int Dim>

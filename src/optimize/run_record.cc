@@ -24,7 +24,8 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
 
 Json seconds_record(const std::array<double, phase_count>& phases, double total) {
   Json record = Json::object();
-  for (int phase = 0; phase < phase_count; ++phase) record.set(std::string(phase_names[phase]), phases[phase]);
+  for (int phase = 0; phase < phase_count; ++phase)
+    record.set(std::string(phase_names[phase]), phases[phase]);
   record.set("total", total);
   return record;
 }

@@ -48,8 +48,8 @@ void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& p
 }
 
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                    const PipelineState<Dim>& state) {
+SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
   SequenceReport<Dim> report;
   report.values = pipeline.values(problem.responses(), state);
   report.block = Json::object({{"responses", problem.describe(report.values)},
@@ -73,7 +73,9 @@ int used_layers(const Json& block) {
 
 template struct SequenceReport<2>;
 template struct SequenceReport<3>;
-template SequenceReport<2> report_sequence<2>(const Setup<2>&, const Problem<2>&, Pipeline<2>&, const PipelineState<2>&);
-template SequenceReport<3> report_sequence<3>(const Setup<3>&, const Problem<3>&, Pipeline<3>&, const PipelineState<3>&);
+template SequenceReport<2> report_sequence<2>(const Setup<2>&, const Problem<2>&, Pipeline<2>&,
+                                              const PipelineState<2>&);
+template SequenceReport<3> report_sequence<3>(const Setup<3>&, const Problem<3>&, Pipeline<3>&,
+                                              const PipelineState<3>&);
 
 }  // namespace fabseq

@@ -24,12 +24,14 @@ std::vector<double> increment_norms(const ProcessSimulation<Dim>& process, int l
 
 /// Displacement after every layer, as stages/displacement.
 template <int Dim>
-void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimulation<Dim>& process, int layers) {
+void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimulation<Dim>& process,
+                  int layers) {
   std::vector<double> displacement(static_cast<std::size_t>(setup.grid.owned_nodes().count()) * Dim, 0.0);
   for (int j = 0; j < layers; ++j) {
     const std::vector<double> increment = process.increment(j);
     for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += increment[i];
-    file.template write_stage<Dim>(setup.grid, {"stages/displacement", true, Dim, displacement, true}, j, layers);
+    file.template write_stage<Dim>(setup.grid, {"stages/displacement", true, Dim, displacement, true}, j,
+                                   layers);
   }
 }
 
@@ -42,16 +44,16 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory(setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name),
-                                  command_line.overwrite);
+  const OutputDirectory directory(
+      setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name), command_line.overwrite);
   directory.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
 
   const bool binary = setup.config.projection.binary || setup.config.sequence.type == SequenceType::planar;
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), binary);
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
-  const std::vector<double> release =
-      release_displacement(pipeline.process(), state.layers, elasticity_solver_settings(setup.config, tolerance));
+  const std::vector<double> release = release_displacement(
+      pipeline.process(), state.layers, elasticity_solver_settings(setup.config, tolerance));
   const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
@@ -83,7 +85,8 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +
         report.block.at("displacement").at("rms").dump());
   for (const Json& response : report.block.at("responses").items())
-    print(response.at("name").string() + " (" + response.at("type").string() + "): " + response.at("value").dump());
+    print(response.at("name").string() + " (" + response.at("type").string() +
+          "): " + response.at("value").dump());
   print("results in " + directory.path());
 }
 

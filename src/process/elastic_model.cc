@@ -7,7 +7,8 @@
 namespace fabseq {
 
 template <int Dim>
-ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const MaterialSettings& material_, const ProcessSettings& settings_)
+ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const MaterialSettings& material_,
+                                const ProcessSettings& settings_)
     : part(part_),
       material(material_),
       settings(settings_),
@@ -16,8 +17,9 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const MaterialSettings& 
   const Grid<Dim>& grid = part.grid();
   domain.components = Dim;
   if (settings.void_model == VoidModel::quiet) {
-    grid.owned_elements().for_each(
-        [&](const Index<Dim>& index, std::int64_t) { domain.first_corners.push_back(grid.first_corner(index)); });
+    grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
+      domain.first_corners.push_back(grid.first_corner(index));
+    });
     part_position = part.elements();
   } else {
     domain.first_corners = part.first_corners();

@@ -14,25 +14,29 @@ namespace {
 void require_convergence(const SolveReport& report, int layer, const char* what) {
   if (report.converged && std::isfinite(report.residual)) return;
   std::ostringstream text;
-  text << "layer " << layer + 1 << ": the elastic " << what << " solve did not converge: " << report.iterations
-       << " iterations, relative preconditioned residual " << report.residual << " (" << report.reason << ')';
+  text << "layer " << layer + 1 << ": the elastic " << what
+       << " solve did not converge: " << report.iterations << " iterations, relative preconditioned residual "
+       << report.residual << " (" << report.reason << ')';
   throw NumericalError(text.str());
 }
 
 }  // namespace
 
 template <int Dim>
-ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver)
+ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
+                                          std::unique_ptr<ElasticitySolver<Dim>> solver)
     : model_(model), solver_(std::move(solver)) {}
 
 template <int Dim>
-void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, int first, int lanes, bool changed) {
+void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, int first, int lanes,
+                                           bool changed) {
   // Elements outside the part, where the model has any, carry the least stiffness.
   std::vector<double> stiffness(model_.domain.first_corners.size() * lanes, model_.settings.min_stiffness);
   for (int lane = 0; lane < lanes; ++lane) {
     const auto& stage = densities.stage[first + lane];
     for (std::size_t e = 0; e < stage.size(); ++e)
-      stiffness[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane] = model_.stiffness(stage[e]);
+      stiffness[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane] =
+          model_.stiffness(stage[e]);
   }
   solver_->set_operators(first, lanes, stiffness, changed);
 }
@@ -105,7 +109,8 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
     for (std::size_t row = 0; row < rows.size(); ++row) {
       for (int lane = 0; lane < lanes; ++lane) {
         require_convergence(reports[row][lane], first + lane, "adjoint");
-        adjoint_iterations_[first + lane] = std::max(adjoint_iterations_[first + lane], reports[row][lane].iterations);
+        adjoint_iterations_[first + lane] =
+            std::max(adjoint_iterations_[first + lane], reports[row][lane].iterations);
       }
       add_derivatives(densities, first, increments, adjoint[row], *derivatives[row]);
     }
@@ -113,8 +118,9 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
-                                             const LaneVector& adjoints, DensityDerivatives& derivatives) const {
+void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, int first,
+                                             const LaneVector& increments, const LaneVector& adjoints,
+                                             DensityDerivatives& derivatives) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const int lanes = increments.lanes;

@@ -7,8 +7,8 @@
 #include <memory>
 #include <sstream>
 
-extern "C" void dposv_(const char* uplo, const int* n, const int* nrhs, double* a, const int* lda, double* b, const int* ldb,
-                       int* info);
+extern "C" void dposv_(const char* uplo, const int* n, const int* nrhs, double* a, const int* lda, double* b,
+                       const int* ldb, int* info);
 
 namespace fabseq {
 
@@ -36,12 +36,14 @@ std::vector<int> plate_nodes(const ElasticModel<Dim>& model) {
 template <int Dim, class Measure>
 Index<Dim> farthest_node(const Grid<Dim>& grid, const std::vector<int>& nodes, Measure&& measure) {
   double largest = -1.0;
-  for (const int node : nodes) largest = std::max(largest, measure(grid.node_position(grid.owned_nodes().index(node))));
+  for (const int node : nodes)
+    largest = std::max(largest, measure(grid.node_position(grid.owned_nodes().index(node))));
   largest = max(grid.comm(), largest);
   std::int64_t number = grid.all_nodes().count();
   for (const int node : nodes) {
     const Index<Dim> index = grid.owned_nodes().index(node);
-    if (measure(grid.node_position(index)) >= largest * (1.0 - 1e-12)) number = std::min(number, grid.all_nodes().offset(index));
+    if (measure(grid.node_position(index)) >= largest * (1.0 - 1e-12))
+      number = std::min(number, grid.all_nodes().offset(index));
   }
   return grid.all_nodes().index(min(grid.comm(), number));
 }
@@ -89,7 +91,8 @@ std::vector<char> statically_determinate_supports(const Grid<Dim>& grid, const s
   };
   const Index<Dim> a = farthest_node(grid, nodes, [](const Point<Dim>&) { return 1.0; });
   const Point<Dim> origin = grid.node_position(a);
-  const Index<Dim> b = farthest_node(grid, nodes, [&](const Point<Dim>& x) { return length(difference(x, origin)); });
+  const Index<Dim> b =
+      farthest_node(grid, nodes, [&](const Point<Dim>& x) { return length(difference(x, origin)); });
   const Point<Dim> edge = difference(grid.node_position(b), origin);
   for (int axis = 0; axis < Dim; ++axis) fix(a, axis);
   for (int axis = 0; axis < Dim; ++axis)
@@ -98,20 +101,23 @@ std::vector<char> statically_determinate_supports(const Grid<Dim>& grid, const s
   if constexpr (Dim == 3) {
     const auto cross = [&](const Point<3>& x) {
       const Point<3> e = difference(x, origin);
-      return Point<3>{edge[1] * e[2] - edge[2] * e[1], edge[2] * e[0] - edge[0] * e[2], edge[0] * e[1] - edge[1] * e[0]};
+      return Point<3>{edge[1] * e[2] - edge[2] * e[1], edge[2] * e[0] - edge[0] * e[2],
+                      edge[0] * e[1] - edge[1] * e[0]};
     };
     const Index<3> c = farthest_node(grid, nodes, [&](const Point<3>& x) { return length(cross(x)); });
     const Point<3> moment = cross(grid.node_position(c));
     held = held && length(moment) > 1e-9 * length(edge) * length(edge);
     fix(c, largest_component(moment));
   }
-  if (!held) throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
+  if (!held)
+    throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
   return fixed;
 }
 
 /// Takes the least-squares rigid motion of the plate's nodes out of `displacement`.
 template <int Dim>
-void remove_rigid_motion(const Grid<Dim>& grid, const std::vector<int>& nodes, std::vector<double>& displacement) {
+void remove_rigid_motion(const Grid<Dim>& grid, const std::vector<int>& nodes,
+                         std::vector<double>& displacement) {
   constexpr int modes = Dim + rotation_count<Dim>;
   std::vector<double> center(Dim + 1, 0.0);
   for (const int node : nodes) {
@@ -142,7 +148,8 @@ void remove_rigid_motion(const Grid<Dim>& grid, const std::vector<int>& nodes, s
   const int one = 1, size = modes;
   int info = 0;
   dposv_("L", &size, &one, normal.data(), &size, normal.data() + modes * modes, &size, &info);
-  if (info != 0) throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
+  if (info != 0)
+    throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     for (int k = 0; k < modes; ++k)
       for (int axis = 0; axis < Dim; ++axis)
@@ -153,7 +160,8 @@ void remove_rigid_motion(const Grid<Dim>& grid, const std::vector<int>& nodes, s
 }  // namespace
 
 template <int Dim>
-std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulation, const LayerDensities& densities,
+std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulation,
+                                         const LayerDensities& densities,
                                          const AssembledSolverSettings& solver) {
   const ElasticModel<Dim>& model = simulation.model();
   const Grid<Dim>& grid = model.part.grid();
@@ -164,7 +172,8 @@ std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulatio
   AssembledSystem<Dim> system(domain, numbering, solver);
   std::vector<double> stiffness(domain.first_corners.size(), model.settings.min_stiffness);
   const auto& finished = densities.stage.back();
-  for (std::size_t e = 0; e < finished.size(); ++e) stiffness[model.part_position[e]] = model.stiffness(finished[e]);
+  for (std::size_t e = 0; e < finished.size(); ++e)
+    stiffness[model.part_position[e]] = model.stiffness(finished[e]);
   system.assemble({{model.element.stiffness(), stiffness}});
 
   std::vector<double> load = plate_reactions(simulation, densities);
@@ -173,7 +182,8 @@ std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulatio
   const SolveReport report = system.solve(load, displacement);
   if (!report.converged) {
     std::ostringstream text;
-    text << "the release solve did not converge: " << report.iterations << " iterations, residual " << report.residual << " (" << report.reason << ')';
+    text << "the release solve did not converge: " << report.iterations << " iterations, residual "
+         << report.residual << " (" << report.reason << ')';
     throw NumericalError(text.str());
   }
   remove_rigid_motion(grid, nodes, displacement);

@@ -12,7 +12,8 @@ void for_each_element(const ProcessSimulation<Dim>& simulation, int layer, Funct
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim);
   grid.exchange(Dim).to_ghosted(simulation.increment(layer), ghosted);
   std::vector<int> part_element(model.domain.first_corners.size(), -1);
-  for (std::size_t e = 0; e < model.part_position.size(); ++e) part_element[model.part_position[e]] = static_cast<int>(e);
+  for (std::size_t e = 0; e < model.part_position.size(); ++e)
+    part_element[model.part_position[e]] = static_cast<int>(e);
   std::array<double, element_unknowns<Dim>> displacement{};
   for (std::size_t element = 0; element < part_element.size(); ++element) {
     for (int i = 0; i < element_unknowns<Dim>; ++i) {
@@ -26,11 +27,13 @@ void for_each_element(const ProcessSimulation<Dim>& simulation, int layer, Funct
 }  // namespace
 
 template <int Dim>
-std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation, const LayerDensities& densities) {
+std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
+                                    const LayerDensities& densities) {
   const ElasticModel<Dim>& model = simulation.model();
   const auto strain_stress = model.element.stress(model.material.inherent_strain);
   const bool whole_box = model.domain.first_corners.size() != model.part.first_corners().size();
-  std::vector<double> stress(static_cast<std::size_t>(model.part.grid().owned_elements().count()) * voigt_size<Dim>, 0.0);
+  std::vector<double> stress(
+      static_cast<std::size_t>(model.part.grid().owned_elements().count()) * voigt_size<Dim>, 0.0);
   for (int layer = 0; layer < densities.count(); ++layer)
     for_each_element(simulation, layer, [&](std::size_t element, const auto& displacement, int part_element) {
       const double stage = part_element < 0 ? 0.0 : densities.stage[layer][part_element];
@@ -39,13 +42,15 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation, co
       const std::size_t position = whole_box ? element : model.part.elements()[element];
       for (int c = 0; c < voigt_size<Dim>; ++c)
         stress[position * voigt_size<Dim> + c] +=
-            model.material.young * (model.stiffness(stage) * elastic[c] - model.load(added) * strain_stress[c]);
+            model.material.young *
+            (model.stiffness(stage) * elastic[c] - model.load(added) * strain_stress[c]);
     });
   return stress;
 }
 
 template <int Dim>
-std::vector<double> plate_reactions(const ProcessSimulation<Dim>& simulation, const LayerDensities& densities) {
+std::vector<double> plate_reactions(const ProcessSimulation<Dim>& simulation,
+                                    const LayerDensities& densities) {
   constexpr int unknowns = element_unknowns<Dim>;
   const ElasticModel<Dim>& model = simulation.model();
   const Grid<Dim>& grid = model.part.grid();
@@ -70,8 +75,8 @@ std::vector<double> plate_reactions(const ProcessSimulation<Dim>& simulation, co
   return reactions;
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                \
-  template std::vector<double> residual_stress<Dim>(const ProcessSimulation<Dim>&, const LayerDensities&);     \
+#define FABSEQ_INSTANTIATE(Dim)                                                                            \
+  template std::vector<double> residual_stress<Dim>(const ProcessSimulation<Dim>&, const LayerDensities&); \
   template std::vector<double> plate_reactions<Dim>(const ProcessSimulation<Dim>&, const LayerDensities&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

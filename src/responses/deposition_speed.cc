@@ -24,7 +24,8 @@ class DepositionSpeed : public Response<Dim> {
 
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    auto& d_stage = DensityDerivatives::touch(adjoint.densities.stage[component], state.layers.stage[component].size());
+    auto& d_stage =
+        DensityDerivatives::touch(adjoint.densities.stage[component], state.layers.stage[component].size());
     for (double& derivative : d_stage) derivative += weight * volume_fraction();
   }
 

@@ -17,7 +17,9 @@ template <int Dim>
 class Displacement : public Response<Dim> {
  public:
   Displacement(const Part<Dim>& part, const NodeSet& nodes, bool mean)
-      : comm_(part.grid().comm()), nodes_(nodes), factor_(mean ? 1.0 / static_cast<double>(nodes.count) : 1.0) {}
+      : comm_(part.grid().comm()),
+        nodes_(nodes),
+        factor_(mean ? 1.0 / static_cast<double>(nodes.count) : 1.0) {}
 
   std::string type() const override { return "distortion"; }
 
@@ -31,7 +33,8 @@ class Displacement : public Response<Dim> {
     return {factor_ * sum(comm_, square)};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
     auto& derivative = touch_displacement(state, adjoint);
     for (const int node : nodes_.owned)
       for (int axis = 0; axis < Dim; ++axis) {
@@ -49,7 +52,8 @@ class Displacement : public Response<Dim> {
 template <int Dim>
 class Flatness : public Response<Dim> {
  public:
-  Flatness(const Part<Dim>& part, const NodeSet& nodes, int axis) : comm_(part.grid().comm()), nodes_(nodes), axis_(axis) {}
+  Flatness(const Part<Dim>& part, const NodeSet& nodes, int axis)
+      : comm_(part.grid().comm()), nodes_(nodes), axis_(axis) {}
 
   std::string type() const override { return "distortion"; }
 
@@ -63,7 +67,8 @@ class Flatness : public Response<Dim> {
     return {sum(comm_, square) / static_cast<double>(nodes_.count)};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
     // The mean's own derivative drops out: deviations sum to zero.
     const double average = mean(state);
     auto& derivative = touch_displacement(state, adjoint);
@@ -101,11 +106,13 @@ class Layerwise : public Response<Dim> {
     return {sum(comm_, square)};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
     auto& derivative = adjoint.process.increments;
     for (std::size_t batch = 0; batch < state.process.increments.size(); ++batch) {
       const LaneVector& increments = state.process.increments[batch];
-      if (derivative.size() <= batch) derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
+      if (derivative.size() <= batch)
+        derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
       for (std::size_t i = 0; i < increments.values.size(); ++i)
         derivative[batch].values[i] += 2.0 * weight * increments.values[i];
     }
@@ -118,12 +125,14 @@ class Layerwise : public Response<Dim> {
 }  // namespace
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes, bool mean) {
+std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes,
+                                                            bool mean) {
   return std::make_unique<Displacement<Dim>>(part, nodes, mean);
 }
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes, int axis) {
+std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes,
+                                                        int axis) {
   return std::make_unique<Flatness<Dim>>(part, nodes, axis);
 }
 
@@ -132,9 +141,11 @@ std::unique_ptr<Response<Dim>> make_layerwise_distortion(const Part<Dim>& part) 
   return std::make_unique<Layerwise<Dim>>(part);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                          \
-  template std::unique_ptr<Response<Dim>> make_displacement_distortion<Dim>(const Part<Dim>&, const NodeSet&, bool);     \
-  template std::unique_ptr<Response<Dim>> make_flatness_distortion<Dim>(const Part<Dim>&, const NodeSet&, int);          \
+#define FABSEQ_INSTANTIATE(Dim)                                                                           \
+  template std::unique_ptr<Response<Dim>> make_displacement_distortion<Dim>(const Part<Dim>&,             \
+                                                                            const NodeSet&, bool);        \
+  template std::unique_ptr<Response<Dim>> make_flatness_distortion<Dim>(const Part<Dim>&, const NodeSet&, \
+                                                                        int);                             \
   template std::unique_ptr<Response<Dim>> make_layerwise_distortion<Dim>(const Part<Dim>&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

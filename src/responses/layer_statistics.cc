@@ -11,14 +11,17 @@ double LayerStatistics::coefficient_of_variation(int layer) const {
   return std::sqrt(std::max(deviation[layer], 0.0) / weight[layer]) / mean[layer];
 }
 
-double gradient_regularization(double characteristic_length) { return 1e-9 / (characteristic_length * characteristic_length); }
+double gradient_regularization(double characteristic_length) {
+  return 1e-9 / (characteristic_length * characteristic_length);
+}
 
 template <int Dim>
 std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double characteristic_length) {
   std::vector<double> result(time.gradient.size() / Dim);
   for (std::size_t e = 0; e < result.size(); ++e) {
     double square = gradient_regularization(characteristic_length);
-    for (int axis = 0; axis < Dim; ++axis) square += time.gradient[e * Dim + axis] * time.gradient[e * Dim + axis];
+    for (int axis = 0; axis < Dim; ++axis)
+      square += time.gradient[e * Dim + axis] * time.gradient[e * Dim + axis];
     result[e] = std::sqrt(square);
   }
   return result;
@@ -31,7 +34,8 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
   const bool defined = sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
   const int count = layers.count();
-  std::vector<double> sums(3 * static_cast<std::size_t>(count), 0.0);  // weight, floorless weight, weighted magnitude
+  std::vector<double> sums(3 * static_cast<std::size_t>(count),
+                           0.0);  // weight, floorless weight, weighted magnitude
   for (int j = 0; j < count; ++j)
     for (std::size_t e = 0; e < layers.layer[j].size(); ++e) {
       const double density = layers.layer[j][e];
@@ -53,7 +57,8 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
   if (!defined) return result;
   for (int j = 0; j < count; ++j)
     for (std::size_t e = 0; e < magnitude.size(); ++e)
-      result.deviation[j] += (layers.layer[j][e] + layer_density_floor) * std::pow(magnitude[e] - result.mean[j], 2);
+      result.deviation[j] +=
+          (layers.layer[j][e] + layer_density_floor) * std::pow(magnitude[e] - result.mean[j], 2);
   sum_in_place(comm, result.deviation);
   return result;
 }
@@ -68,11 +73,11 @@ void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector
       d_gradient[e * Dim + axis] += d_magnitude[e] * state.time.gradient[e * Dim + axis] / magnitude[e];
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                        \
-  template std::vector<double> gradient_magnitude<Dim>(const PseudoTime<Dim>&, double);                                \
-  template LayerStatistics layer_statistics<Dim>(const ResponseContext<Dim>&, const PseudoTime<Dim>&,                  \
-                                                 const LayerDensities&);                                               \
-  template void add_magnitude_derivative<Dim>(const PipelineState<Dim>&, const std::vector<double>&,                   \
+#define FABSEQ_INSTANTIATE(Dim)                                                                       \
+  template std::vector<double> gradient_magnitude<Dim>(const PseudoTime<Dim>&, double);               \
+  template LayerStatistics layer_statistics<Dim>(const ResponseContext<Dim>&, const PseudoTime<Dim>&, \
+                                                 const LayerDensities&);                              \
+  template void add_magnitude_derivative<Dim>(const PipelineState<Dim>&, const std::vector<double>&,  \
                                               const std::vector<double>&, PipelineAdjoint<Dim>&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

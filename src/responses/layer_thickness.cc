@@ -26,7 +26,8 @@ class LayerThickness : public Response<Dim> {
     const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
     const double mean = statistics.mean[component];
-    const double factor = -weight * statistics.thickness[component] / (target_ * mean * statistics.weight[component]);
+    const double factor =
+        -weight * statistics.thickness[component] / (target_ * mean * statistics.weight[component]);
     auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
@@ -53,7 +54,8 @@ class LayerThickness : public Response<Dim> {
 }  // namespace
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target, double tolerance) {
+std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target,
+                                                    double tolerance) {
   return std::make_unique<LayerThickness<Dim>>(context, target, tolerance);
 }
 

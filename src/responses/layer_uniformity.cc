@@ -11,8 +11,9 @@ namespace {
 /// Layers with less than this fraction of the mean volume V*/N do not count in the variance.
 constexpr double empty_layer_fraction = 1e-6;
 
-/// L = sum_j F_j(D_j, W_j, m_j) with D_j = sum_e w_e (M_e - m_j)^2, W_j = sum_e w_e, w = drho + floor. The mean's derivative
-/// drops out of D_j, since deviations from it sum to zero; what remains for a form are the three partial derivatives of F_j.
+/// L = sum_j F_j(D_j, W_j, m_j) with D_j = sum_e w_e (M_e - m_j)^2, W_j = sum_e w_e, w = drho + floor. The
+/// mean's derivative drops out of D_j, since deviations from it sum to zero; what remains for a form are the
+/// three partial derivatives of F_j.
 struct Partials {
   double deviation = 0.0, weight = 0.0, mean = 0.0;
 };
@@ -24,7 +25,8 @@ class Uniformity : public Response<Dim> {
 
   std::string type() const override { return "layer_uniformity"; }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
     const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
     std::vector<double> d_magnitude(magnitude.size(), 0.0);
@@ -59,7 +61,8 @@ class SumOfSquares : public Uniformity<Dim> {
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double total = 0.0;
-    for (const double deviation : layer_statistics(this->context(), state.time, state.layers).deviation) total += deviation;
+    for (const double deviation : layer_statistics(this->context(), state.time, state.layers).deviation)
+      total += deviation;
     return {total};
   }
 
@@ -87,7 +90,8 @@ class Variance : public Uniformity<Dim> {
     const double mean = statistics.mean[layer];
     const double weight = statistics.weight[layer];
     const double factor = 1.0 / (filled_layers(statistics) * mean * mean * weight);
-    return {factor, -factor * statistics.deviation[layer] / weight, -2.0 * factor * statistics.deviation[layer] / mean};
+    return {factor, -factor * statistics.deviation[layer] / weight,
+            -2.0 * factor * statistics.deviation[layer] / mean};
   }
 
  private:
@@ -97,7 +101,8 @@ class Variance : public Uniformity<Dim> {
   }
   int filled_layers(const LayerStatistics& statistics) const {
     int count = 0;
-    for (std::size_t j = 0; j < statistics.volume.size(); ++j) count += is_empty(statistics, static_cast<int>(j)) ? 0 : 1;
+    for (std::size_t j = 0; j < statistics.volume.size(); ++j)
+      count += is_empty(statistics, static_cast<int>(j)) ? 0 : 1;
     return count;
   }
 };
@@ -114,8 +119,8 @@ std::unique_ptr<Response<Dim>> make_variance_uniformity(const ResponseContext<Di
   return std::make_unique<Variance<Dim>>(context);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                       \
-  template std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity<Dim>(const ResponseContext<Dim>&);           \
+#define FABSEQ_INSTANTIATE(Dim)                                                                             \
+  template std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity<Dim>(const ResponseContext<Dim>&); \
   template std::unique_ptr<Response<Dim>> make_variance_uniformity<Dim>(const ResponseContext<Dim>&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

@@ -21,12 +21,19 @@ const std::map<std::string, Maker<ObjectiveTerm, Dim>>& objectives() {
   using Context = ResponseContext<Dim>;
   static const std::map<std::string, Maker<Term, Dim>> makers = {
       {"distortion displacement",
-       [](const Term& t, const Context& c) { return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean); }},
+       [](const Term& t, const Context& c) {
+         return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean);
+       }},
       {"distortion flatness",
-       [](const Term& t, const Context& c) { return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis); }},
-      {"distortion layerwise", [](const Term&, const Context& c) { return make_layerwise_distortion(c.part); }},
-      {"layer_uniformity sum_of_squares", [](const Term&, const Context& c) { return make_sum_of_squares_uniformity(c); }},
-      {"layer_uniformity variance", [](const Term&, const Context& c) { return make_variance_uniformity(c); }},
+       [](const Term& t, const Context& c) {
+         return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis);
+       }},
+      {"distortion layerwise",
+       [](const Term&, const Context& c) { return make_layerwise_distortion(c.part); }},
+      {"layer_uniformity sum_of_squares",
+       [](const Term&, const Context& c) { return make_sum_of_squares_uniformity(c); }},
+      {"layer_uniformity variance",
+       [](const Term&, const Context& c) { return make_variance_uniformity(c); }},
   };
   return makers;
 }
@@ -36,7 +43,8 @@ const std::map<std::string, Maker<ConstraintTerm, Dim>>& constraints() {
   using Term = ConstraintTerm;
   using Context = ResponseContext<Dim>;
   static const std::map<std::string, Maker<Term, Dim>> makers = {
-      {"layer_thickness", [](const Term& t, const Context& c) { return make_layer_thickness(c, t.target, t.tolerance); }},
+      {"layer_thickness",
+       [](const Term& t, const Context& c) { return make_layer_thickness(c, t.target, t.tolerance); }},
       {"deposition_speed", [](const Term& t, const Context& c) { return make_deposition_speed(c, t.slack); }},
   };
   return makers;
@@ -52,18 +60,22 @@ const typename Makers::mapped_type& look_up(const Makers& makers, const std::str
 }  // namespace
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_objective(const ObjectiveTerm& term, const ResponseContext<Dim>& context) {
+std::unique_ptr<Response<Dim>> make_objective(const ObjectiveTerm& term,
+                                              const ResponseContext<Dim>& context) {
   return look_up(objectives<Dim>(), term.type + " " + term.measure + term.form)(term, context);
 }
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term, const ResponseContext<Dim>& context) {
+std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term,
+                                               const ResponseContext<Dim>& context) {
   return look_up(constraints<Dim>(), term.type)(term, context);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                                    \
-  template std::unique_ptr<Response<Dim>> make_objective<Dim>(const ObjectiveTerm&, const ResponseContext<Dim>&);  \
-  template std::unique_ptr<Response<Dim>> make_constraint<Dim>(const ConstraintTerm&, const ResponseContext<Dim>&);
+#define FABSEQ_INSTANTIATE(Dim)                                                             \
+  template std::unique_ptr<Response<Dim>> make_objective<Dim>(const ObjectiveTerm&,         \
+                                                              const ResponseContext<Dim>&); \
+  template std::unique_ptr<Response<Dim>> make_constraint<Dim>(const ConstraintTerm&,       \
+                                                               const ResponseContext<Dim>&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)
 #undef FABSEQ_INSTANTIATE

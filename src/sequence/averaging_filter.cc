@@ -51,8 +51,9 @@ std::vector<double> AveragingFilter<Dim>::apply(std::span<const double> part_fie
   if (!halo_) return result;
   const std::vector<double> values = halo_->gather(part_.expand(part_field));
   std::fill(result.begin(), result.end(), 0.0);
-  for_each_neighbour(
-      [&](std::size_t e, std::int64_t position, double weight) { result[e] += weight / row_sum_[e] * values[position]; });
+  for_each_neighbour([&](std::size_t e, std::int64_t position, double weight) {
+    result[e] += weight / row_sum_[e] * values[position];
+  });
   return result;
 }
 
@@ -60,8 +61,9 @@ template <int Dim>
 std::vector<double> AveragingFilter<Dim>::apply_transpose(std::span<const double> part_field) const {
   if (!halo_) return {part_field.begin(), part_field.end()};
   std::vector<double> values(in_part_.size(), 0.0);
-  for_each_neighbour(
-      [&](std::size_t e, std::int64_t position, double weight) { values[position] += weight / row_sum_[e] * part_field[e]; });
+  for_each_neighbour([&](std::size_t e, std::int64_t position, double weight) {
+    values[position] += weight / row_sum_[e] * part_field[e];
+  });
   return part_.restrict_to_part(halo_->scatter_add(values));
 }
 

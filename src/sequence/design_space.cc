@@ -6,7 +6,8 @@
 namespace fabseq {
 
 double DesignSpace::to_unit(double design) const {
-  const double unit = logarithmic ? std::log(design / lower) / std::log(upper / lower) : (design - lower) / (upper - lower);
+  const double unit =
+      logarithmic ? std::log(design / lower) / std::log(upper / lower) : (design - lower) / (upper - lower);
   return std::clamp(unit, 0.0, 1.0);
 }
 

@@ -108,10 +108,10 @@ std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double
   return sum(grid.comm(), minima);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                              \
-  template PseudoTime<Dim> planar_time<Dim>(const Part<Dim>&, std::vector<double>);                          \
-  template double planar_height<Dim>(const Part<Dim>&, std::vector<double>);                                 \
-  template PseudoTime<Dim> time_from_file<Dim>(const Part<Dim>&, const std::string&, const std::string&);    \
+#define FABSEQ_INSTANTIATE(Dim)                                                                           \
+  template PseudoTime<Dim> planar_time<Dim>(const Part<Dim>&, std::vector<double>);                       \
+  template double planar_height<Dim>(const Part<Dim>&, std::vector<double>);                              \
+  template PseudoTime<Dim> time_from_file<Dim>(const Part<Dim>&, const std::string&, const std::string&); \
   template std::int64_t count_interior_minima<Dim>(const Part<Dim>&, std::span<const double>);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

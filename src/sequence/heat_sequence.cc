@@ -16,7 +16,8 @@ namespace {
 void require_convergence(const SolveReport& report, const char* what) {
   if (report.converged) return;
   std::ostringstream text;
-  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual << " (" << report.reason << ')';
+  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
+       << " (" << report.reason << ')';
   throw NumericalError(text.str());
 }
 
@@ -26,8 +27,8 @@ constexpr double temperature_tolerance = 1e-9;
 }  // namespace
 
 template <int Dim>
-HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
-                                const AssembledSolverSettings& solver)
+HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
+                                double target_gradient, const AssembledSolverSettings& solver)
     : part_(part),
       settings_(settings),
       target_gradient_(target_gradient),
@@ -43,8 +44,9 @@ template <int Dim>
 SystemDomain HeatSequence<Dim>::make_domain() const {
   const Grid<Dim>& grid = part_.grid();
   SystemDomain domain;
-  grid.owned_elements().for_each(
-      [&](const Index<Dim>& element, std::int64_t) { domain.first_corners.push_back(grid.first_corner(element)); });
+  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t) {
+    domain.first_corners.push_back(grid.first_corner(element));
+  });
   domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     domain.fixed[offset] = part_.on_plate(node) && part_.touched_nodes()[offset] != 0 ? 1 : 0;
@@ -68,7 +70,8 @@ template <int Dim>
 std::vector<double> HeatSequence<Dim>::initial_design() const {
   const std::size_t count = variables();
   if (settings_.initial) return std::vector<double>(count, *settings_.initial);
-  // Along a path of constant |grad T| = g the equation gives kappa = alpha / (2 g^2) (T^2 - T_end^2), formulation 2.1.
+  // Along a path of constant |grad T| = g the equation gives kappa = alpha / (2 g^2) (T^2 - T_end^2),
+  // formulation 2.1.
   const std::vector<double> distance = geodesic_distance(part_);
   double farthest = 0.0;
   for (const double s : distance) farthest = std::max(farthest, s);
@@ -78,7 +81,8 @@ std::vector<double> HeatSequence<Dim>::initial_design() const {
   std::vector<double> design(count);
   for (std::size_t e = 0; e < count; ++e) {
     const double temperature = std::max(0.0, 1.0 - gradient * distance[e]);
-    const double diffusivity = reaction_ / (2.0 * gradient * gradient) * (temperature * temperature - end * end);
+    const double diffusivity =
+        reaction_ / (2.0 * gradient * gradient) * (temperature * temperature - end * end);
     design[e] = std::clamp(diffusivity, settings_.min_diffusivity, settings_.max_diffusivity);
   }
   return design;
@@ -151,12 +155,14 @@ void HeatSequence<Dim>::derive_time() {
                       time_.highest_temperature <= 1.0 + temperature_tolerance;
   if (!inside && was_inside) {
     std::ostringstream text;
-    text << "the virtual temperature leaves [0, 1]: " << time_.lowest_temperature << " to " << time_.highest_temperature;
+    text << "the virtual temperature leaves [0, 1]: " << time_.lowest_temperature << " to "
+         << time_.highest_temperature;
     warn(text.str());
   }
 }
 
-/// Right-hand side of the adjoint, K_T lambda = -dJ/dT, with t = 1 - G T and grad t = -grad T (formulation 8).
+/// Right-hand side of the adjoint, K_T lambda = -dJ/dT, with t = 1 - G T and grad t = -grad T (formulation
+/// 8).
 template <int Dim>
 std::vector<double> HeatSequence<Dim>::adjoint_load(const TimeDerivatives& row) const {
   const Grid<Dim>& grid = part_.grid();

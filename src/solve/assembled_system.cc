@@ -17,8 +17,9 @@ constexpr PetscInt coarsest_limit = 4000;
 constexpr std::int64_t coarsest_nodes = 400;
 /// Couplings weaker than this are dropped from GAMG's graph.
 constexpr double gamg_threshold = 0.01;
-/// Estimated largest eigenvalues are enlarged by this factor, not by PETSc's 1.1: where stiffness jumps by nine decades the
-/// estimate can fall short by more than that, and the smoother, and with it the preconditioner, becomes indefinite.
+/// Estimated largest eigenvalues are enlarged by this factor, not by PETSc's 1.1: where stiffness jumps by
+/// nine decades the estimate can fall short by more than that, and the smoother, and with it the
+/// preconditioner, becomes indefinite.
 constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
 
 /// Sets a PETSc option unless the user did. Asking for it marks it as read.
@@ -32,7 +33,8 @@ void set_default_option(const std::string& name, const char* value) {
 }  // namespace
 
 template <int Dim>
-AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain, std::shared_ptr<const UnknownNumbering<Dim>> numbering,
+AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
+                                      std::shared_ptr<const UnknownNumbering<Dim>> numbering,
                                       const AssembledSolverSettings& settings)
     : domain_(domain), numbering_(std::move(numbering)), settings_(settings), method_(settings.method) {
   if (method_ == ReferenceMethod::automatic) method_ = preferred_method(*numbering_);
@@ -47,7 +49,8 @@ ReferenceMethod AssembledSystem<Dim>::preferred_method(const UnknownNumbering<Di
   if (interpolations.empty()) return ReferenceMethod::gamg;
   PetscInt coarsest = 0;
   check(MatGetSize(interpolations.back(), nullptr, &coarsest));
-  return coarsest <= coarsest_limit * numbering.components() ? ReferenceMethod::multigrid : ReferenceMethod::gamg;
+  return coarsest <= coarsest_limit * numbering.components() ? ReferenceMethod::multigrid
+                                                             : ReferenceMethod::gamg;
 }
 
 template <int Dim>
@@ -63,12 +66,15 @@ void AssembledSystem<Dim>::create_matrix() {
     IndexBox<Dim> neighbours;
     for (int axis = 0; axis < Dim; ++axis) {
       neighbours.start[axis] = std::max(node[axis] - 1, 0);
-      neighbours.size[axis] = std::min(node[axis] + 1, grid.domain().elements[axis]) + 1 - neighbours.start[axis];
+      neighbours.size[axis] =
+          std::min(node[axis] + 1, grid.domain().elements[axis]) + 1 - neighbours.start[axis];
     }
     neighbours.for_each([&](const Index<Dim>& neighbour, std::int64_t) {
       const PetscInt number = numbering_->numbers()[grid.ghosted_nodes().offset(neighbour)];
-      if (number >= first && number < first + rows) ++own[row];
-      else if (number >= 0) ++other[row];
+      if (number >= first && number < first + rows)
+        ++own[row];
+      else if (number >= 0)
+        ++other[row];
     });
   }
   check(MatCreate(grid.comm(), matrix_.receive()));
@@ -92,11 +98,17 @@ void AssembledSystem<Dim>::create_solver() {
   PC pc = nullptr;
   check(KSPGetPC(solver_, &pc));
   if (method_ != ReferenceMethod::direct)
-    set_default_option("-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig", chebyshev_transform);
+    set_default_option("-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig",
+                       chebyshev_transform);
   switch (method_) {
-    case ReferenceMethod::multigrid: set_up_multigrid(pc); break;
-    case ReferenceMethod::direct: set_up_direct(pc); break;
-    default: set_up_gamg(pc);
+    case ReferenceMethod::multigrid:
+      set_up_multigrid(pc);
+      break;
+    case ReferenceMethod::direct:
+      set_up_direct(pc);
+      break;
+    default:
+      set_up_gamg(pc);
   }
   check(KSPSetFromOptions(solver_));
 }
@@ -148,8 +160,8 @@ void AssembledSystem<Dim>::set_up_multigrid(PC pc) {
     check(KSPGetPC(smoother, &jacobi));
     check(PCSetType(jacobi, PCJACOBI));
   }
-  // The coarsest level keeps PCMG's default, a (redundant) LU factorization with a shift: coarse nodes beside a thin wall may
-  // depend on each other.
+  // The coarsest level keeps PCMG's default, a (redundant) LU factorization with a shift: coarse nodes beside
+  // a thin wall may depend on each other.
 }
 
 template <int Dim>
@@ -180,12 +192,14 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
     // Negative numbers, the nodes that are no unknowns, are skipped by PETSc.
     for (int corner = 0; corner < corners; ++corner)
       nodes[corner] = numbering_->numbers()[domain_.first_corners[element] + grid.corner_offsets()[corner]];
-    check(MatSetValuesBlocked(matrix_, corners, nodes.data(), corners, nodes.data(), element_matrix.data(), ADD_VALUES));
+    check(MatSetValuesBlocked(matrix_, corners, nodes.data(), corners, nodes.data(), element_matrix.data(),
+                              ADD_VALUES));
   }
   check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
   const auto& fixed = numbering_->fixed_rows();
-  check(MatZeroRowsColumns(matrix_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+  check(
+      MatZeroRowsColumns(matrix_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
   // GAMG cannot change the sizes of its levels in place.
   if (method_ == ReferenceMethod::gamg) create_solver();
   check(KSPSetUp(solver_));
@@ -218,7 +232,8 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   const PetscScalar* result = nullptr;
   check(VecGetArrayRead(solution_, &result));
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int c = 0; c < block; ++c) solution[static_cast<std::size_t>(nodes[i]) * block + c] = result[i * block + c];
+    for (int c = 0; c < block; ++c)
+      solution[static_cast<std::size_t>(nodes[i]) * block + c] = result[i * block + c];
   check(VecRestoreArrayRead(solution_, &result));
   return report;
 }
@@ -240,8 +255,8 @@ SolveReport AssembledSystem<Dim>::last_report() const {
   return report;
 }
 
-/// Dropping weak couplings and smoothing the aggregates make GAMG faster, but in some graded layers the preconditioner is then
-/// not definite. Plain aggregates of the whole graph are slower and safe.
+/// Dropping weak couplings and smoothing the aggregates make GAMG faster, but in some graded layers the
+/// preconditioner is then not definite. Plain aggregates of the whole graph are slower and safe.
 template <int Dim>
 bool AssembledSystem<Dim>::relax_gamg() {
   if (method_ != ReferenceMethod::gamg || gamg_relaxed_) return false;

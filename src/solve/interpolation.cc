@@ -31,11 +31,12 @@ DmHandle make_level_dm(const Grid<Dim>& grid, const Level<Dim>& level) {
   const auto& r = level.node_ranges;
   const auto none = DM_BOUNDARY_NONE;
   if constexpr (Dim == 2)
-    check(DMDACreate2d(grid.comm(), none, none, DMDA_STENCIL_BOX, level.elements[0] + 1, level.elements[1] + 1, p[0], p[1],
-                       1, 1, r[0].data(), r[1].data(), dm.receive()));
+    check(DMDACreate2d(grid.comm(), none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
+                       level.elements[1] + 1, p[0], p[1], 1, 1, r[0].data(), r[1].data(), dm.receive()));
   else
-    check(DMDACreate3d(grid.comm(), none, none, none, DMDA_STENCIL_BOX, level.elements[0] + 1, level.elements[1] + 1,
-                       level.elements[2] + 1, p[0], p[1], p[2], 1, 1, r[0].data(), r[1].data(), r[2].data(), dm.receive()));
+    check(DMDACreate3d(grid.comm(), none, none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
+                       level.elements[1] + 1, level.elements[2] + 1, p[0], p[1], p[2], 1, 1, r[0].data(),
+                       r[1].data(), r[2].data(), dm.receive()));
   check(DMSetUp(dm));
   return dm;
 }
@@ -101,8 +102,9 @@ void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& 
   std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
   std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));
   for (const int offset : fine.unknowns)
-    for_each_parent<Dim>(fine.owned.index(offset),
-                         [&](const Index<Dim>& parent, double) { ghosted[coarse.ghosted.offset(parent)] += 1.0; });
+    for_each_parent<Dim>(fine.owned.index(offset), [&](const Index<Dim>& parent, double) {
+      ghosted[coarse.ghosted.offset(parent)] += 1.0;
+    });
   coarse.exchange->add_to_owned(ghosted, owned);
   for (std::size_t i = 0; i < owned.size(); ++i)
     if (owned[i] > 0.0) coarse.unknowns.push_back(static_cast<int>(i));
@@ -115,7 +117,8 @@ void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& 
 }
 
 template <int Dim>
-MatHandle interpolation(const Grid<Dim>& grid, int components, const Level<Dim>& fine, const Level<Dim>& coarse) {
+MatHandle interpolation(const Grid<Dim>& grid, int components, const Level<Dim>& fine,
+                        const Level<Dim>& coarse) {
   MatHandle matrix;
   const auto rows = static_cast<PetscInt>(fine.unknowns.size()) * components;
   const auto columns = static_cast<PetscInt>(coarse.unknowns.size()) * components;

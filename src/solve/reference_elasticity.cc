@@ -24,7 +24,8 @@ ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const Syste
 }
 
 template <int Dim>
-void ReferenceElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) {
+void ReferenceElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness,
+                                             bool changed) {
   first_layer_ = first_layer;
   lanes_ = lanes;
   coefficients_.assign(stiffness.begin(), stiffness.end());
@@ -65,9 +66,10 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
 template <int Dim>
 std::string ReferenceElasticity<Dim>::description() const {
   const auto unknowns = numbering_->count() * Dim;
-  const char* name = settings_.method == ReferenceMethod::direct      ? "CG + Cholesky (MUMPS)"
-                     : settings_.method == ReferenceMethod::multigrid ? "CG + geometric multigrid (Galerkin, Chebyshev/Jacobi)"
-                                                                      : "CG + GAMG (rigid-body modes, threshold 0.01)";
+  const char* name = settings_.method == ReferenceMethod::direct ? "CG + Cholesky (MUMPS)"
+                     : settings_.method == ReferenceMethod::multigrid
+                         ? "CG + geometric multigrid (Galerkin, Chebyshev/Jacobi)"
+                         : "CG + GAMG (rigid-body modes, threshold 0.01)";
   return std::string("reference path: ") + name + ", " + std::to_string(unknowns) + " unknowns a layer" +
          (keep_ ? ", systems kept" : "");
 }

@@ -2,9 +2,9 @@
 
 usage: xvfb-run -a pvpython read_xdmf.py FILE.xdmf [FILE.xdmf ...]
 
-All files must hold the same grid and the same arrays, value by value. An array `node_position` must equal the coordinates
-of ParaView's own points, an array `cell_position` those of its cell centres (2D: x and y): so axes, order, spacing and offsets are
-right. Exit status 0 if everything agrees.
+All files must hold the same grid and the same arrays, value by value. An array `node_position` must equal the
+coordinates of ParaView's own points, an array `cell_position` those of its cell centres (2D: x and y): so axes,
+order, spacing and offsets are right. Exit status 0 if everything agrees.
 """
 import os
 import sys
@@ -34,7 +34,8 @@ def read(path):
     for center, data in (("Cell", grid.GetCellData()), ("Node", grid.GetPointData())):
         for i in range(data.GetNumberOfArrays()):
             arrays[center, data.GetArrayName(i)] = np.array(vtk_to_numpy(data.GetArray(i)))
-    return grid.GetDimensions(), grid.GetBounds(), arrays, {key: np.array(value) for key, value in places.items()}
+    places = {key: np.array(value) for key, value in places.items()}
+    return grid.GetDimensions(), grid.GetBounds(), arrays, places
 
 
 def check(condition, message):
@@ -52,7 +53,7 @@ def main():
             check((center, name) in arrays, f"{path}: no {center} array {name}")
             found = arrays[center, name]
             expected = places[center][:, : found.shape[1]]
-            check(found.shape == expected.shape, f"{path}: {name} has shape {found.shape}, not {expected.shape}")
+            check(found.shape == expected.shape, f"{path}: {name} has shape {found.shape}")
             check(np.allclose(found, expected, rtol=1e-12, atol=1e-12), f"{path}: {name} is out of place")
         if first is None:
             first = (dimensions, bounds, arrays)
@@ -60,7 +61,8 @@ def main():
         check(arrays.keys() == first[2].keys(), f"{path}: other arrays: {sorted(arrays)}")
         for key, values in arrays.items():
             check(np.array_equal(values, first[2][key]), f"{path}: other values of {key}")
-        print(path, dimensions, bounds, {name: (center, a.shape, str(a.dtype)) for (center, name), a in arrays.items()})
+        kinds = {name: (center, values.shape, str(values.dtype)) for (center, name), values in arrays.items()}
+        print(path, dimensions, bounds, kinds)
 
 
 main()

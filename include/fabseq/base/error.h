@@ -1,5 +1,6 @@
 /// \file
-/// Errors that end the program, each with the exit status users and job scripts rely on (docs/users-guide.md).
+/// Errors that end the program, each with the exit status users and job scripts rely on
+/// (docs/users-guide.md).
 #pragma once
 
 #include <stdexcept>
@@ -10,7 +11,8 @@ namespace fabseq {
 /// What `main` returns.
 enum class ExitStatus { done = 0, bad_input = 2, numerical_failure = 3, stopped = 4, output_failure = 5 };
 
-/// Base of all errors of fabseq. Thrown on every rank of the world with the same text unless `LocalError` says otherwise.
+/// Base of all errors of fabseq. Thrown on every rank of the world with the same text unless `LocalError`
+/// says otherwise.
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}
@@ -20,8 +22,8 @@ class Error : public std::runtime_error {
   ExitStatus status_;
 };
 
-/// The user's config, command line or files are wrong; thrown before anything is written. `message` is one line that
-/// names the key (JSON pointer), what was found and what is allowed.
+/// The user's config, command line or files are wrong; thrown before anything is written. `message` is one
+/// line that names the key (JSON pointer), what was found and what is allowed.
 class InputError : public Error {
  public:
   explicit InputError(const std::string& message) : Error(ExitStatus::bad_input, message) {}

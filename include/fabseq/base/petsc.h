@@ -12,8 +12,9 @@ namespace fabseq {
 /// Throws NumericalError with PETSc's own message where `code` is not 0. Wrap every PETSc call in it.
 void check(PetscErrorCode code);
 
-/// Sole owner of a PETSc object; destroyed with the handle (collective on the object's communicator, like PETSc's own
-/// Destroy, so handles must die in the same order on all ranks). Converts to the raw object for PETSc calls.
+/// Sole owner of a PETSc object; destroyed with the handle (collective on the object's communicator, like
+/// PETSc's own Destroy, so handles must die in the same order on all ranks). Converts to the raw object for
+/// PETSc calls.
 template <class Object, PetscErrorCode (*Destroy)(Object*)>
 class PetscHandle {
  public:
@@ -29,7 +30,9 @@ class PetscHandle {
   PetscHandle& operator=(const PetscHandle&) = delete;
   ~PetscHandle() { reset(); }
 
-  operator Object() const { return object_; }  // NOLINT(google-explicit-constructor): PETSc calls take the object
+  operator Object() const {
+    return object_;
+  }  // NOLINT(google-explicit-constructor): PETSc calls take the object
   explicit operator bool() const { return object_ != nullptr; }
   /// For PETSc's Create functions; frees what the handle held before.
   Object* receive() {

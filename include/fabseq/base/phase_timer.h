@@ -11,8 +11,8 @@ namespace fabseq {
 
 enum class Phase { heat, layers, primal, adjoint, responses, optimizer, output };
 constexpr int phase_count = 7;
-constexpr std::array<std::string_view, phase_count> phase_names = {"heat",      "layers",    "primal", "adjoint",
-                                                                   "responses", "optimizer", "output"};
+constexpr std::array<std::string_view, phase_count> phase_names = {
+    "heat", "layers", "primal", "adjoint", "responses", "optimizer", "output"};
 
 /// Wall seconds spent in each phase, on this rank; each phase is a PETSc log stage.
 class PhaseTimer {

@@ -10,9 +10,10 @@ namespace fabseq {
 
 /// Runs `program` between PetscInitialize and PetscFinalize and returns the exit status of the process.
 ///
-/// `petsc_arguments`: argv without fabseq's own options, argv[0] first. An Error thrown by `program` is printed once, by
-/// rank 0, as "fabseq: MESSAGE" on stderr, and its status is returned on every rank; any other exception is printed by the
-/// rank that has it and aborts all ranks with status 3. PETSc options that nobody read are reported as warnings.
+/// `petsc_arguments`: argv without fabseq's own options, argv[0] first. An Error thrown by `program` is
+/// printed once, by rank 0, as "fabseq: MESSAGE" on stderr, and its status is returned on every rank; any
+/// other exception is printed by the rank that has it and aborts all ranks with status 3. PETSc options that
+/// nobody read are reported as warnings.
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program);
 
 /// Prints "warning: MESSAGE" on stderr, once (rank 0 of the world).

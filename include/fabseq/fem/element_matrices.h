@@ -1,5 +1,6 @@
 /// \file
-/// Matrices of one box element, Q4 (plane stress) or H8, by full Gauss integration (docs/formulation.md 1, 2.1, 4.1).
+/// Matrices of one box element, Q4 (plane stress) or H8, by full Gauss integration (docs/formulation.md
+/// 1, 2.1, 4.1).
 #pragma once
 
 #include "fabseq/grid/index_box.h"
@@ -10,13 +11,14 @@
 
 namespace fabseq {
 
-/// Entries of a strain or stress in Voigt order: xx,yy,zz,xy,yz,zx in 3D and xx,yy,xy in 2D, engineering shear.
+/// Entries of a strain or stress in Voigt order: xx,yy,zz,xy,yz,zx in 3D and xx,yy,xy in 2D, engineering
+/// shear.
 template <int Dim>
-constexpr int voigt_size = Dim * (Dim + 1) / 2;
+constexpr int voigt_size = Dim*(Dim + 1) / 2;
 
 /// Displacement unknowns of an element; unknown = corner * Dim + component.
 template <int Dim>
-constexpr int element_unknowns = Dim * corner_count<Dim>;
+constexpr int element_unknowns = Dim* corner_count<Dim>;
 
 /// A square matrix, row by row.
 template <int Size>
@@ -44,7 +46,9 @@ class ElementMatrices {
   /// Row sums of the consistent mass on the diagonal.
   const SquareMatrix<corners>& lumped_mass() const { return lumped_mass_; }
   /// Derivatives of the shape functions at the element's centre, [corner][axis], 1/length.
-  const std::array<double, static_cast<std::size_t>(corners) * Dim>& center_gradient() const { return center_gradient_; }
+  const std::array<double, static_cast<std::size_t>(corners) * Dim>& center_gradient() const {
+    return center_gradient_;
+  }
   /// Integral of B^T C strain for unit Young's modulus: the load of an inherent strain (Voigt).
   std::array<double, unknowns> strain_load(std::span<const double> strain) const;
   /// C B(centre) u: stress at the element's centre for unit Young's modulus.
@@ -54,7 +58,8 @@ class ElementMatrices {
 
  private:
   using StrainMatrix = std::array<std::array<double, unknowns>, voigt_size<Dim>>;
-  static StrainMatrix strain_matrix(const std::array<double, static_cast<std::size_t>(corners) * Dim>& gradient);
+  static StrainMatrix strain_matrix(
+      const std::array<double, static_cast<std::size_t>(corners) * Dim>& gradient);
 
   SquareMatrix<voigt_size<Dim>> elasticity_;
   SquareMatrix<unknowns> stiffness_{};

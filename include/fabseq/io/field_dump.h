@@ -9,10 +9,12 @@
 
 namespace fabseq {
 
-/// Writes `fields` to BASE.bin (each field whole, one after the other: little-endian doubles, lexicographic,
-/// x fastest, whatever the number of ranks) by collective MPI-IO with subarray views, and BASE.xdmf, which
-/// ParaView opens. Collective on the grid's communicator. Throws OutputError on all ranks if any write came
-/// back short or failed, naming the file.
+/// Writes `fields` to BASE.bin (each field whole, one after the other: little-endian doubles, or floats for
+/// fields in single precision, lexicographic, x fastest, whatever the number of ranks) by collective MPI-IO
+/// with subarray views, and BASE.xdmf, which ParaView opens (beyond 4 GiB only with its older "XDMF Reader":
+/// the newer ones keep offsets in 32 bits). Both appear under their names when they are whole. Collective on
+/// the grid's communicator. Throws OutputError on all ranks, naming the file, if there is no room for it or
+/// any write came back short or failed.
 template <int Dim>
 void write_field_dump(const FieldSet<Dim>& fields, const std::string& base);
 

@@ -19,7 +19,7 @@ template <int Dim>
 class SlabGather;
 
 /// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are
-/// collective on `comm`; rank 0 writes through the POSIX driver; the outcome of each call is known on all
+/// collective on `comm`; rank 0 writes, with POSIX calls; the outcome of each call is known on all
 /// ranks: OutputError on all of them, naming the file, after which only the destructor may be called. Without
 /// close() nothing is left behind. The ranks of the grids that fields live on must be those of `comm`. Apart
 /// from stages, datasets have an attribute `checksum` (fabseq/io/checksum.h) of their bytes.

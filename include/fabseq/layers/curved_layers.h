@@ -12,16 +12,17 @@ constexpr double layer_density_floor = 1e-9;
 
 /// Densities of all stages and layers on the part elements. Layer j of the text is entry j - 1.
 struct LayerDensities {
-  std::vector<double> time_points;            ///< T_0 = 0 ... T_N = 1
-  std::vector<std::vector<double>> stage;     ///< [layer][part element]: what stands once the layer is built
-  std::vector<std::vector<double>> layer;     ///< [layer][part element]: what the layer adds
+  std::vector<double> time_points;         ///< T_0 = 0 ... T_N = 1
+  std::vector<std::vector<double>> stage;  ///< [layer][part element]: what stands once the layer is built
+  std::vector<std::vector<double>> layer;  ///< [layer][part element]: what the layer adds
 
   int count() const { return static_cast<int>(layer.size()); }
 };
 
 /// A response's derivative with respect to the densities; a layer nobody touched stays empty.
 struct DensityDerivatives {
-  std::vector<std::vector<double>> stage, layer;  ///< like LayerDensities, or empty for a layer without derivative
+  std::vector<std::vector<double>> stage,
+      layer;  ///< like LayerDensities, or empty for a layer without derivative
 
   explicit DensityDerivatives(int layers) : stage(layers), layer(layers) {}
   /// The entries of a layer, zeros at first use.
@@ -34,7 +35,8 @@ struct DensityDerivatives {
 /// Uniform time points and the smooth (or binary) step between stages.
 class CurvedLayers {
  public:
-  /// `density`: of the part elements; not owned, must outlive the object. `binary`: the step function instead of the smooth one.
+  /// `density`: of the part elements; not owned, must outlive the object. `binary`: the step function instead
+  /// of the smooth one.
   CurvedLayers(std::span<const double> density, int count, double beta, bool binary);
 
   int count() const { return static_cast<int>(time_points_.size()) - 1; }
@@ -42,7 +44,8 @@ class CurvedLayers {
   /// Densities for a pseudo-time (part field). Local to the rank.
   LayerDensities densities(std::span<const double> time) const;
   /// Adds the derivative with respect to the pseudo-time to `d_time` (part field). Zero for binary layers.
-  void pull_back(std::span<const double> time, const DensityDerivatives& derivatives, std::span<double> d_time) const;
+  void pull_back(std::span<const double> time, const DensityDerivatives& derivatives,
+                 std::span<double> d_time) const;
 
  private:
   std::span<const double> density_;

@@ -8,8 +8,9 @@
 
 namespace fabseq {
 
-/// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a larger one; among
-/// infeasible ones the smaller violation counts. Local to the rank; ranks agree because values do.
+/// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
+/// larger one; among infeasible ones the smaller violation counts. Local to the rank; ranks agree because
+/// values do.
 class BestIterate {
  public:
   /// Designs at another sharpness cannot be compared: a new `beta` starts over.

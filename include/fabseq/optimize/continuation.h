@@ -1,5 +1,6 @@
 /// \file
-/// What changes with the iteration number alone: the layers' sharpness and the move limit (docs/formulation.md 3.1, 9).
+/// What changes with the iteration number alone: the layers' sharpness and the move limit
+/// (docs/formulation.md 3.1, 9).
 #pragma once
 
 #include "fabseq/io/config.h"
@@ -17,7 +18,8 @@ class Continuation {
   double beta(int iteration) const;
   /// Whether the sharpness will not change any more, in this run of `max_iterations`.
   bool at_last_beta(int iteration) const;
-  /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling geometrically.
+  /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling
+  /// geometrically.
   double move_limit(int iteration) const;
 
  private:

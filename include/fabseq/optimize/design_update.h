@@ -19,7 +19,8 @@ struct StepReport {
 /// Moves a design by the method of moving asymptotes in the unit variable of its DesignSpace. Collective.
 class DesignUpdate {
  public:
-  DesignUpdate(MPI_Comm comm, const DesignSpace& space, std::size_t variables, const OptimizerSettings& settings);
+  DesignUpdate(MPI_Comm comm, const DesignSpace& space, std::size_t variables,
+               const OptimizerSettings& settings);
 
   /// `design` in and out; gradients with respect to the design.
   StepReport update(std::vector<double>& design, const ProblemGradients& gradients, double move_limit);

@@ -13,11 +13,11 @@ namespace fabseq {
 struct GradientError {
   std::string name, type;
   double value = 0.0;
-  double adjoint = 0.0;               ///< directional derivative by the adjoint
-  std::vector<double> differences;    ///< central differences, a step each
-  std::vector<double> relative;       ///< |difference - adjoint| / |adjoint|, a step each
+  double adjoint = 0.0;             ///< directional derivative by the adjoint
+  std::vector<double> differences;  ///< central differences, a step each
+  std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each
 
-  double best() const;                ///< smallest relative error
+  double best() const;  ///< smallest relative error
 };
 
 /// Errors of all components for a list of steps.

@@ -19,7 +19,8 @@ struct MmaSettings {
 };
 
 /// The general form min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), f_i - a_i z - y_i <= 0, y_i, z >= 0.
-/// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c = 0, d = 2.
+/// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c
+/// = 0, d = 2.
 struct MmaRows {
   double a0 = 1.0;
   std::vector<double> a, c, d;  ///< one entry a row
@@ -30,21 +31,21 @@ struct MmaRows {
 /// What an update found out.
 struct MmaReport {
   int newton_steps = 0;
-  double kkt_residual = 0.0;          ///< largest residual of the subproblem's optimality conditions
-  std::vector<double> multipliers;    ///< lambda of each row
-  double largest_violation = 0.0;     ///< largest y_i: how much the convex subproblem had to relax a row
+  double kkt_residual = 0.0;        ///< largest residual of the subproblem's optimality conditions
+  std::vector<double> multipliers;  ///< lambda of each row
+  double largest_violation = 0.0;   ///< largest y_i: how much the convex subproblem had to relax a row
 };
 
-/// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's entries.
-/// Entries follow the variables, so a checkpoint may hand them to other ranks.
+/// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's
+/// entries. Entries follow the variables, so a checkpoint may hand them to other ranks.
 struct MmaState {
   int iteration = 0;  ///< updates so far
   std::vector<double> low, upp, previous, before_previous;
 };
 
-/// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA", 2007;
-/// distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every rank).
-/// The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
+/// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA",
+/// 2007; distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every
+/// rank). The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
 class Mma {
  public:
   /// `local`: number of variables on this rank (may be 0).
@@ -60,15 +61,17 @@ class Mma {
   /// \param objective_gradient df0/dx, this rank's
   /// \param values            f_i, one a row, the same on all ranks
   /// \param gradients         df_i/dx, one vector of this rank's entries a row
-  /// \param lower,upper       bounds of each variable; their distance is the variable's range; a variable with lower = upper stays
-  /// \param move_limit        largest step, fraction of the range
-  /// Throws NumericalError if values or gradients are not finite or the subproblem does not converge.
-  MmaReport update(std::span<double> x, std::span<const double> objective_gradient, std::span<const double> values,
-                   std::span<const std::vector<double>> gradients, std::span<const double> lower,
-                   std::span<const double> upper, double move_limit, const MmaRows& rows);
+  /// \param lower,upper       bounds of each variable; their distance is the variable's range; a variable
+  /// with lower = upper stays \param move_limit        largest step, fraction of the range Throws
+  /// NumericalError if values or gradients are not finite or the subproblem does not converge.
+  MmaReport update(std::span<double> x, std::span<const double> objective_gradient,
+                   std::span<const double> values, std::span<const std::vector<double>> gradients,
+                   std::span<const double> lower, std::span<const double> upper, double move_limit,
+                   const MmaRows& rows);
 
  private:
-  void move_asymptotes(std::span<const double> x, std::span<const double> lower, std::span<const double> upper);
+  void move_asymptotes(std::span<const double> x, std::span<const double> lower,
+                       std::span<const double> upper);
 
   MPI_Comm comm_;
   MmaSettings settings_;

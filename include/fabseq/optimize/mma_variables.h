@@ -11,8 +11,9 @@
 
 namespace fabseq {
 
-/// Where the variables of one update may go, this rank's entries. Lengths are fractions of the variable's step width
-/// `beta - alpha`, so that the subproblem is dimensionless: x = x_k + width * v. A new box holds variables that stay.
+/// Where the variables of one update may go, this rank's entries. Lengths are fractions of the variable's
+/// step width `beta - alpha`, so that the subproblem is dimensionless: x = x_k + width * v. A new box holds
+/// variables that stay.
 struct MmaBox {
   std::vector<double> width;           ///< length of v = 1; 0 for a variable that stays
   std::vector<double> upper_distance;  ///< of the asymptote above x_k
@@ -27,22 +28,24 @@ struct MmaBox {
 /// Sums over all variables of all ranks where the variables minimize the Lagrangian.
 /// G = dg/dv (m rows, n columns); D is the diagonal matrix of the Lagrangian's second derivatives.
 struct MmaSums {
-  std::vector<double> schur;   ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the last row is
-                               ///< what moving v adds to dg/dbarrier
+  std::vector<double> schur;  ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the
+                              ///< last row is what moving v adds to dg/dbarrier
   std::vector<double> change;  ///< g_i(v) - f_i, one a row
-  std::vector<double> wall; double slope = 0;   ///< dg_i/dbarrier at constant v, one a row
+  std::vector<double> wall;
+  double slope = 0;  ///< dg_i/dbarrier at constant v, one a row
 };
 
 /// The variables of the subproblem as functions of the rows' multipliers.
 ///
-/// The approximation of row i around x_k (docs/formulation.md 9): with a = U w v / (U - v), b = L w v / (L + v),
-/// g_i(v) = f_i + sum_j df_ij e_j(v_j) + (0.501 |df_ij| + curvature_j) h_j(v_j), e = (a + b) / 2, h = a - b, which is
-/// Svanberg's sum of p / (upp - x) + q / (x - low) with p = (upp - x_k)^2 (1.001 df+ + 0.001 df- + curvature), q alike.
-/// So the rows enter a variable's equation only through S = sum_i lambda_i df_ij and
+/// The approximation of row i around x_k (docs/formulation.md 9): with a = U w v / (U - v), b = L w v / (L +
+/// v), g_i(v) = f_i + sum_j df_ij e_j(v_j) + (0.501 |df_ij| + curvature_j) h_j(v_j), e = (a + b) / 2, h = a -
+/// b, which is Svanberg's sum of p / (upp - x) + q / (x - low) with p = (upp - x_k)^2 (1.001 df+ + 0.001 df-
+/// + curvature), q alike. So the rows enter a variable's equation only through S = sum_i lambda_i df_ij and
 /// T = sum_i lambda_i (0.501 |df_ij| + curvature_j), the objective with lambda = 1, and no p or q is stored.
 ///
-/// The bounds enter through a barrier in h, -barrier w log(4 (v - alpha) (beta - v)). As every row brings the barrier in
-/// proportion to its gradient, v depends only on S / T, however large the multipliers become, and nothing needs a scale.
+/// The bounds enter through a barrier in h, -barrier w log(4 (v - alpha) (beta - v)). As every row brings the
+/// barrier in proportion to its gradient, v depends only on S / T, however large the multipliers become, and
+/// nothing needs a scale.
 ///
 /// `box` and the gradients are borrowed. Collective: start and evaluate.
 class MmaVariables {
@@ -54,8 +57,8 @@ class MmaVariables {
   bool start(std::span<const double> lambda);
   /// Sets the direction in which the rows' multipliers are about to move.
   void set_direction(std::span<const double> lambda_direction);
-  /// Minimizes the Lagrangian, the rows' multipliers being `t` along the direction, and sums up there. The sums live until
-  /// the next call.
+  /// Minimizes the Lagrangian, the rows' multipliers being `t` along the direction, and sums up there. The
+  /// sums live until the next call.
   const MmaSums& evaluate(double t, double barrier);
   /// The rows' multipliers go `t` along the direction.
   void advance(double t);
@@ -80,9 +83,10 @@ class MmaVariables {
   std::span<const std::vector<double>> gradients_;
 
   std::vector<double> v_, plain_, curved_, plain_direction_, curved_direction_;  // v, S, T, dS, dT
-  std::vector<double> scaled_rows_;                                              // block_size x (m + 1), by columns
+  std::vector<double> scaled_rows_;  // block_size x (m + 1), by columns
   std::vector<double> message_;
   MmaSums sums_;
+
  public:
   double scale_ = 1.0, free_ = 0.0;
 };

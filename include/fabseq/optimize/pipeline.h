@@ -35,28 +35,31 @@ class Pipeline {
   /// \param sequence    where the pseudo-time comes from
   /// \param tolerance   of the elastic solves; heat is solved a thousand times closer
   /// The setup and the timer must outlive the pipeline.
-  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance, PhaseTimer& timer);
+  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance,
+           PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
 
-  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. The state refers to results that stay
-  /// valid until the next run.
+  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. The state refers to
+  /// results that stay valid until the next run.
   PipelineState<Dim> run(std::span<const double> design, int layers, double beta, bool binary);
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                           const PipelineState<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run, this rank's entries.
   std::vector<std::vector<double>> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
-                                             const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
+                                             const PipelineState<Dim>& state,
+                                             const std::vector<GradientRow>& rows);
   const SolverIterations& iterations() const { return iterations_; }
 
  private:
-  std::vector<PipelineAdjoint<Dim>> explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
-                                                         const PipelineState<Dim>& state,
-                                                         const std::vector<GradientRow>& rows);
+  std::vector<PipelineAdjoint<Dim>> explicit_derivatives(
+      const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
+      const std::vector<GradientRow>& rows);
   void pull_back_process(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints);
-  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints);
+  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state,
+                                                std::vector<PipelineAdjoint<Dim>>& adjoints);
 
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
@@ -75,7 +78,8 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);
 
-/// Settings of the reference solvers: elasticity to `tolerance`, heat a thousand times closer (its error enters all others).
+/// Settings of the reference solvers: elasticity to `tolerance`, heat a thousand times closer (its error
+/// enters all others).
 AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance);
 AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance);
 

@@ -13,7 +13,7 @@ namespace fabseq {
 
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  std::vector<double> objective;                 ///< of the scaled objective, with respect to the design, this rank's
+  std::vector<double> objective;  ///< of the scaled objective, with respect to the design, this rank's
   std::vector<double> constraint_values;         ///< f_i <= 0, one a row
   std::vector<std::vector<double>> constraints;  ///< gradient of each row
 };
@@ -23,11 +23,13 @@ struct ProblemValues {
   std::vector<std::vector<double>> objective;    ///< raw value of each term (one component)
   std::vector<std::vector<double>> constraints;  ///< left-hand sides, as the user reads them
   std::vector<double> scaled;                    ///< weight * factor * raw value of each term
-  double merit = 0.0;                            ///< what the optimizer descends: comparable between iterations
-  double worst_constraint = 0.0;                 ///< largest relative violation, negative when all are satisfied; 0 without any
+  double merit = 0.0;  ///< what the optimizer descends: comparable between iterations
+  double worst_constraint =
+      0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
 };
 
-/// The objective terms and constraints of a config. Knows weights, scaling and margins, and nothing of what is measured.
+/// The objective terms and constraints of a config. Knows weights, scaling and margins, and nothing of what
+/// is measured.
 template <int Dim>
 class Problem {
  public:
@@ -37,10 +39,12 @@ class Problem {
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
 
-  /// Values at a state of the pipeline; the first call fixes the factors of terms scaled by `first`. Collective.
+  /// Values at a state of the pipeline; the first call fixes the factors of terms scaled by `first`.
+  /// Collective.
   ProblemValues evaluate(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
   /// Gradients at the state of the last evaluate(). Collective.
-  ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const ProblemValues& values) const;
+  ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                             const ProblemValues& values) const;
 
   /// Name, type and value of every component, as in evaluation.json: objective_0, constraint_0_0, ...
   Json describe(const std::vector<std::vector<double>>& values) const;

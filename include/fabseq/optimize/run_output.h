@@ -35,7 +35,8 @@ struct FinalReports {
   std::int64_t interior_minima = 0;
 };
 
-/// Writer of an optimization's files. All calls are collective; OutputError on all ranks if something cannot be written.
+/// Writer of an optimization's files. All calls are collective; OutputError on all ranks if something cannot
+/// be written.
 template <int Dim>
 class RunOutput {
  public:
@@ -46,20 +47,21 @@ class RunOutput {
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport<Dim> report, const std::string& solver);
   /// One iteration: history, progress line, field dump and checkpoint when they are due.
-  void iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step, Pipeline<Dim>& pipeline,
-                 const PipelineState<Dim>& state, const std::vector<double>& design);
-  /// A checkpoint of the design about to be evaluated in `iteration`.
-  void checkpoint(int iteration, double beta, const std::vector<double>& design);
+  void iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
+                 Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const std::vector<double>& design);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
   void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
-  /// summary.json of a run that failed.
-  void fail(const RunEnd& end);
+  /// What is left of a run that failed: a checkpoint of the design that could not be evaluated, and
+  /// summary.json. If these cannot be written, that is a warning: the failure itself is what the user has to
+  /// know.
+  void fail(const RunEnd& end, double beta, const std::vector<double>& design);
 
  private:
   void write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
                      const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, double total);
   void dump_fields(int iteration, const PipelineState<Dim>& state, const std::vector<double>& design);
   void write_result(const FinalReports<Dim>& reports, const BestIterate& best);
+  void write_design_checkpoint(int iteration, double beta, const std::vector<double>& design);
   Json summary(const RunEnd& end) const;
   void print_table(const FinalReports<Dim>& reports, const Json& summary) const;
 

@@ -13,12 +13,13 @@ namespace fabseq {
 /// Numbers and fields of a sequence, copied out of the pipeline.
 template <int Dim>
 struct SequenceReport {
-  std::vector<std::vector<double>> values;        ///< of each response
-  Json block;                                     ///< responses, layers, displacement: the blocks of summary.json
-  std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
+  std::vector<std::vector<double>> values;  ///< of each response
+  Json block;                               ///< responses, layers, displacement: the blocks of summary.json
+  std::vector<double> time, layer;          ///< on the owned elements, 0 outside the part
   std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
 
-  /// Adds time, layer, displacement and, if there is one, temperature to a set, names prefixed. The report must outlive it.
+  /// Adds time, layer, displacement and, if there is one, temperature to a set, names prefixed. The report
+  /// must outlive it.
   void add_fields(FieldSet<Dim>& fields, const std::string& prefix) const;
   /// First objective term.
   double first_objective() const { return values.empty() ? 0.0 : values[0][0]; }
@@ -26,8 +27,8 @@ struct SequenceReport {
 
 /// Reports the state of a pipeline's last run. Collective.
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                    const PipelineState<Dim>& state);
+SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
 /// Number of layers that hold more than a trace of the part's volume.
 int used_layers(const Json& block);

@@ -14,8 +14,9 @@
 
 namespace fabseq {
 
-/// Grid, part and node sets of a config, with what "auto" stands for. Collective construction; cannot be copied or moved, since
-/// its members refer to each other. Throws InputError for anything wrong with part, plate or node sets.
+/// Grid, part and node sets of a config, with what "auto" stands for. Collective construction; cannot be
+/// copied or moved, since its members refer to each other. Throws InputError for anything wrong with part,
+/// plate or node sets.
 template <int Dim>
 class Setup {
  public:

@@ -1,5 +1,6 @@
 /// \file
-/// What the elastic solves of a part have in common: elements, supports, element matrices (docs/formulation.md 4.1).
+/// What the elastic solves of a part have in common: elements, supports, element matrices
+/// (docs/formulation.md 4.1).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -12,8 +13,8 @@
 
 namespace fabseq {
 
-/// The elements of the mechanical model: the part's, or all of the box where the void is quiet; supported on the plate's face.
-/// Works with unit Young's modulus: displacements do not depend on it.
+/// The elements of the mechanical model: the part's, or all of the box where the void is quiet; supported on
+/// the plate's face. Works with unit Young's modulus: displacements do not depend on it.
 template <int Dim>
 struct ElasticModel {
   /// The part must outlive the model.
@@ -23,9 +24,10 @@ struct ElasticModel {
   MaterialSettings material;
   ProcessSettings settings;
   ElementMatrices<Dim> element;
-  std::array<double, element_unknowns<Dim>> strain_load;  ///< load of the inherent strain in a full element, unit modulus
-  SystemDomain domain;                                    ///< elements of the model; plate nodes fixed
-  std::vector<int> part_position;                         ///< index in domain.first_corners of each part element
+  std::array<double, element_unknowns<Dim>>
+      strain_load;                 ///< load of the inherent strain in a full element, unit modulus
+  SystemDomain domain;             ///< elements of the model; plate nodes fixed
+  std::vector<int> part_position;  ///< index in domain.first_corners of each part element
 
   /// Stiffness factor of an element with this stage density.
   double stiffness(double stage_density) const;

@@ -20,7 +20,8 @@ struct ProcessResult {
   std::vector<int> iterations;         ///< of each layer's solve
 };
 
-/// One row of adjoints: derivative of a functional with respect to the displacements in, with respect to the densities out.
+/// One row of adjoints: derivative of a functional with respect to the displacements in, with respect to the
+/// densities out.
 struct ProcessAdjoint {
   std::vector<double> displacement;    ///< dJ/du, [owned node][component]; empty: zero
   std::vector<LaneVector> increments;  ///< dJ/d(increment of a layer) on top, like ProcessResult; empty: zero
@@ -30,8 +31,8 @@ struct ProcessAdjoint {
 ///
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
-/// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1)
-/// lambda^T f_0. Collective on the grid's communicator.
+/// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
+/// drho^(q-1) lambda^T f_0. Collective on the grid's communicator.
 template <int Dim>
 class ProcessSimulation {
  public:
@@ -41,10 +42,11 @@ class ProcessSimulation {
   /// The model must outlive the simulation.
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver);
 
-  /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming the layer if one does not
-  /// converge.
+  /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming the layer
+  /// if one does not converge.
   const ProcessResult& simulate(const LayerDensities& densities);
-  /// Adds the derivatives of several functionals at the last simulated densities; rows solved together share the systems.
+  /// Adds the derivatives of several functionals at the last simulated densities; rows solved together share
+  /// the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
                  std::span<DensityDerivatives* const> derivatives);
   /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.
@@ -57,8 +59,8 @@ class ProcessSimulation {
  private:
   void set_operators(const LayerDensities& densities, int first, int lanes, bool changed);
   LaneVector loads(const LayerDensities& densities, int first, int lanes) const;
-  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments, const LaneVector& adjoints,
-                       DensityDerivatives& derivatives) const;
+  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
+                       const LaneVector& adjoints, DensityDerivatives& derivatives) const;
 
   const ElasticModel<Dim>& model_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;

@@ -10,11 +10,13 @@ namespace fabseq {
 
 /// `displacement`: sum over the set's nodes of |u|^2 (or its mean).
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes, bool mean);
+std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes,
+                                                            bool mean);
 
 /// `flatness` along an axis: mean over the set's nodes of (u_a - mean of u_a)^2.
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes, int axis);
+std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes,
+                                                        int axis);
 
 /// `layerwise`: sum over layers and all nodes of |increment|^2.
 template <int Dim>

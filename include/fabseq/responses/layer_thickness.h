@@ -10,6 +10,7 @@ namespace fabseq {
 
 /// Components d_j / target, each between 1 - tolerance and 1 + tolerance.
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target, double tolerance);
+std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target,
+                                                    double tolerance);
 
 }  // namespace fabseq

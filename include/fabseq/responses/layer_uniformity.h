@@ -12,7 +12,8 @@ namespace fabseq {
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity(const ResponseContext<Dim>& context);
 
-/// `variance`: mean over the layers that are not empty of the squared coefficient of variation; free of scales.
+/// `variance`: mean over the layers that are not empty of the squared coefficient of variation; free of
+/// scales.
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_variance_uniformity(const ResponseContext<Dim>& context);
 

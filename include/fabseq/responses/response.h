@@ -47,8 +47,8 @@ struct ConstraintRow {
   double bound = 0.0;
 };
 
-/// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are collective on the
-/// grid's communicator unless they say otherwise.
+/// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are
+/// collective on the grid's communicator unless they say otherwise.
 template <int Dim>
 class Response {
  public:
@@ -61,8 +61,8 @@ class Response {
   /// Adds weight * d(component) to the adjoint of each stage the component looks at.
   virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                               PipelineAdjoint<Dim>& adjoint) const = 0;
-  /// As a constraint: the rows for the optimizer, allowed ranges shrunk to `margin` times their width; margin 1 is the user's
-  /// constraint. Empty for responses that are objectives. Not collective.
+  /// As a constraint: the rows for the optimizer, allowed ranges shrunk to `margin` times their width; margin
+  /// 1 is the user's constraint. Empty for responses that are objectives. Not collective.
   virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
 };
 
@@ -70,6 +70,7 @@ class Response {
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_objective(const ObjectiveTerm& term, const ResponseContext<Dim>& context);
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term, const ResponseContext<Dim>& context);
+std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term,
+                                               const ResponseContext<Dim>& context);
 
 }  // namespace fabseq

@@ -11,7 +11,8 @@
 
 namespace fabseq {
 
-/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance. Radius 0: the identity.
+/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance. Radius
+/// 0: the identity.
 template <int Dim>
 class AveragingFilter {
  public:

@@ -1,5 +1,6 @@
 /// \file
-/// Sequences without design variables: planar layers and a pseudo-time from a file (docs/formulation.md 3.3, 3.1).
+/// Sequences without design variables: planar layers and a pseudo-time from a file
+/// (docs/formulation.md 3.3, 3.1).
 #pragma once
 
 #include "fabseq/sequence/sequence.h"
@@ -21,8 +22,8 @@ class GivenSequence : public Sequence<Dim> {
   PseudoTime<Dim> time_;
 };
 
-/// Height of each part element's centre along `direction` (any length; empty: the plate's normal, pointing away from it), 0 at
-/// the lowest and 1 at the highest corner of the part's elements. Collective.
+/// Height of each part element's centre along `direction` (any length; empty: the plate's normal, pointing
+/// away from it), 0 at the lowest and 1 at the highest corner of the part's elements. Collective.
 template <int Dim>
 PseudoTime<Dim> planar_time(const Part<Dim>& part, std::vector<double> direction);
 
@@ -30,13 +31,13 @@ PseudoTime<Dim> planar_time(const Part<Dim>& part, std::vector<double> direction
 template <int Dim>
 double planar_height(const Part<Dim>& part, std::vector<double> direction);
 
-/// Element-wise pseudo-time read from an HDF5 dataset [z][y][x], without gradient. Throws InputError if the file does not fit
-/// the grid or a part element's value is outside [0, 1]. Collective.
+/// Element-wise pseudo-time read from an HDF5 dataset [z][y][x], without gradient. Throws InputError if the
+/// file does not fit the grid or a part element's value is outside [0, 1]. Collective.
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 
-/// Part elements without a face on the plate of which no face neighbour in the part comes earlier: places where a layer would
-/// begin in the air. All ranks; collective.
+/// Part elements without a face on the plate of which no face neighbour in the part comes earlier: places
+/// where a layer would begin in the air. All ranks; collective.
 template <int Dim>
 std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time);
 

@@ -14,18 +14,19 @@
 
 namespace fabseq {
 
-/// Solves div(kappa grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
+/// Solves div(kappa grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void
+/// conducting too:
 ///
 ///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
 ///
-/// The design is kappa on the part elements, before the filter. One assembly and one preconditioner serve the forward solve
-/// and all adjoints of an update.
+/// The design is kappa on the part elements, before the filter. One assembly and one preconditioner serve the
+/// forward solve and all adjoints of an update.
 template <int Dim>
 class HeatSequence : public Sequence<Dim> {
  public:
-  /// \param target_gradient |grad T| the start aims at, 1/length: 1 / (layers * target thickness); 0: 0.95 / largest distance
-  /// Collective. The part must outlive the sequence.
+  /// \param target_gradient |grad T| the start aims at, 1/length: 1 / (layers * target thickness); 0: 0.95 /
+  /// largest distance Collective. The part must outlive the sequence.
   HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
                const AssembledSolverSettings& solver);
 

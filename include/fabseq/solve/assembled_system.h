@@ -19,7 +19,7 @@ struct SolveReport {
   int iterations = 0;
   double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
   bool converged = true;
-  std::string reason;     ///< PETSc's word for how it ended; empty for a zero right-hand side
+  std::string reason;  ///< PETSc's word for how it ended; empty for a zero right-hand side
 };
 
 /// What to solve with.
@@ -30,31 +30,35 @@ struct AssembledSolverSettings {
   std::string options_prefix;  ///< of PETSc options, such as "elasticity_": -elasticity_ksp_monitor
 };
 
-/// A symmetric positive definite system on the nodes of a model: conduction (one component) or elasticity (Dim components).
-/// Prescribed values are zero: a lifted solution is the caller's. Solved by conjugate gradients to a preconditioned residual,
-/// with algebraic multigrid (GAMG, rigid-body or constant near-null space), geometric multigrid with Galerkin coarse operators
-/// and Chebyshev/Jacobi smoothing (as in Aage et al. 2015), or a Cholesky factorization (MUMPS) as preconditioner.
+/// A symmetric positive definite system on the nodes of a model: conduction (one component) or elasticity
+/// (Dim components). Prescribed values are zero: a lifted solution is the caller's. Solved by conjugate
+/// gradients to a preconditioned residual, with algebraic multigrid (GAMG, rigid-body or constant near-null
+/// space), geometric multigrid with Galerkin coarse operators and Chebyshev/Jacobi smoothing (as in Aage et
+/// al. 2015), or a Cholesky factorization (MUMPS) as preconditioner.
 template <int Dim>
 class AssembledSystem {
  public:
-  /// A sum of element matrices: sum over elements of coefficient[element] * matrix. `coefficients` is empty for 1 throughout.
+  /// A sum of element matrices: sum over elements of coefficient[element] * matrix. `coefficients` is empty
+  /// for 1 throughout.
   struct Term {
     std::span<const double> matrix;        ///< (components * corners)^2, row by row
     std::span<const double> coefficients;  ///< one an element of the domain, in its order
   };
 
-  /// Collective. `domain` must outlive the system; `numbering` is shared between systems on the same unknowns.
+  /// Collective. `domain` must outlive the system; `numbering` is shared between systems on the same
+  /// unknowns.
   AssembledSystem(const SystemDomain& domain, std::shared_ptr<const UnknownNumbering<Dim>> numbering,
                   const AssembledSolverSettings& settings);
 
   /// Fills the matrix and sets up the preconditioner. Collective.
   void assemble(std::initializer_list<Term> terms);
-  /// Solves for one right-hand side, [owned node][component]; entries at fixed nodes are ignored and come back 0, as do
-  /// nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw if it does not converge.
+  /// Solves for one right-hand side, [owned node][component]; entries at fixed nodes are ignored and come
+  /// back 0, as do nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw
+  /// if it does not converge.
   SolveReport solve(std::span<const double> load, std::span<double> solution);
 
-  /// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can be coarsened far
-  /// enough, else GAMG. Collective.
+  /// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can
+  /// be coarsened far enough, else GAMG. Collective.
   static ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering);
   /// The method in use, automatic resolved.
   ReferenceMethod method() const { return method_; }

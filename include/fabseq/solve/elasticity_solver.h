@@ -1,5 +1,6 @@
 /// \file
-/// What the process simulation asks of a solver: many elastic systems that differ only in the stiffness of their elements.
+/// What the process simulation asks of a solver: many elastic systems that differ only in the stiffness of
+/// their elements.
 #pragma once
 
 #include "fabseq/solve/assembled_system.h"
@@ -16,13 +17,14 @@ class ElasticitySolver {
  public:
   virtual ~ElasticitySolver() = default;
 
-  /// Makes the systems of layers first .. first + lanes - 1 the current ones. `stiffness` is [element][lane], the factor of
-  /// the unit element stiffness; `changed` is false if these layers had the very same stiffness when they were last set.
-  /// Collective.
+  /// Makes the systems of layers first .. first + lanes - 1 the current ones. `stiffness` is [element][lane],
+  /// the factor of the unit element stiffness; `changed` is false if these layers had the very same stiffness
+  /// when they were last set. Collective.
   virtual void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) = 0;
 
-  /// Solves every lane of the current batch for each of several sets of loads; values at supports are ignored. Returns a report
-  /// a set and lane, [set][lane]. Collective; does not throw if a lane does not converge.
+  /// Solves every lane of the current batch for each of several sets of loads; values at supports are
+  /// ignored. Returns a report a set and lane, [set][lane]. Collective; does not throw if a lane does not
+  /// converge.
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
 

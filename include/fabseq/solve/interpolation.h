@@ -9,10 +9,10 @@
 
 namespace fabseq {
 
-/// Interpolation matrices for PCMG, finest first: entry l maps unknowns of level l + 1 (twice as coarse) to those of level l.
-/// Coarsening goes on while every axis has an even element count, every process keeps a node along every axis, and more than
-/// `coarsest` unknown nodes remain. A coarse node is an unknown if it interpolates to an unknown of the finer level.
-/// Collective. Empty if the grid cannot be coarsened.
+/// Interpolation matrices for PCMG, finest first: entry l maps unknowns of level l + 1 (twice as coarse) to
+/// those of level l. Coarsening goes on while every axis has an even element count, every process keeps a
+/// node along every axis, and more than `coarsest` unknown nodes remain. A coarse node is an unknown if it
+/// interpolates to an unknown of the finer level. Collective. Empty if the grid cannot be coarsened.
 template <int Dim>
 std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& fine, std::int64_t coarsest);
 

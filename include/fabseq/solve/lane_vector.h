@@ -6,7 +6,8 @@
 
 namespace fabseq {
 
-/// Values of `lanes` systems on the owned nodes, [node][component][lane]: what a kernel needs of all systems lies together.
+/// Values of `lanes` systems on the owned nodes, [node][component][lane]: what a kernel needs of all systems
+/// lies together.
 struct LaneVector {
   int nodes = 0;
   int components = 0;

@@ -12,16 +12,19 @@
 
 namespace fabseq {
 
-/// One assembled system a layer, one layer at a time. Systems small enough are kept from the forward to the adjoint solve.
+/// One assembled system a layer, one layer at a time. Systems small enough are kept from the forward to the
+/// adjoint solve.
 template <int Dim>
 class ReferenceElasticity : public ElasticitySolver<Dim> {
  public:
   /// Collective. `domain` must outlive the solver.
-  ReferenceElasticity(const Grid<Dim>& grid, const SystemDomain& domain, const SquareMatrix<element_unknowns<Dim>>& stiffness,
+  ReferenceElasticity(const Grid<Dim>& grid, const SystemDomain& domain,
+                      const SquareMatrix<element_unknowns<Dim>>& stiffness,
                       const AssembledSolverSettings& settings);
 
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
-  std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads, std::span<LaneVector> displacements) override;
+  std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
+                                              std::span<LaneVector> displacements) override;
   std::string description() const override;
 
  private:
@@ -33,9 +36,10 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   AssembledSolverSettings settings_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   int first_layer_ = 0, lanes_ = 0;
-  std::vector<double> coefficients_;                              ///< [element][lane] of the current batch
-  std::map<int, std::unique_ptr<AssembledSystem<Dim>>> systems_;  ///< by layer where kept, else the only one under -1
-  std::map<int, bool> up_to_date_;                                ///< whether a kept layer's system holds its stiffness
+  std::vector<double> coefficients_;  ///< [element][lane] of the current batch
+  std::map<int, std::unique_ptr<AssembledSystem<Dim>>>
+      systems_;                     ///< by layer where kept, else the only one under -1
+  std::map<int, bool> up_to_date_;  ///< whether a kept layer's system holds its stiffness
   bool keep_;
 };
 

@@ -17,8 +17,8 @@ struct SystemDomain {
   std::vector<char> fixed;         ///< 1 where the value is prescribed, [owned node][component]
 };
 
-/// Numbers the free nodes of the model consecutively, rank by rank. Nodes that touch no element of the model, or of which
-/// every component is fixed, are no unknowns. Construction is collective.
+/// Numbers the free nodes of the model consecutively, rank by rank. Nodes that touch no element of the model,
+/// or of which every component is fixed, are no unknowns. Construction is collective.
 template <int Dim>
 class UnknownNumbering {
  public:
@@ -33,7 +33,8 @@ class UnknownNumbering {
   std::int64_t count() const { return count_; }
   /// Number of each node of the ghosted box, -1 where it is no unknown.
   const std::vector<PetscInt>& numbers() const { return numbers_; }
-  /// Fixed components of nodes that are unknowns nevertheless: their rows (number * components + component), this rank's.
+  /// Fixed components of nodes that are unknowns nevertheless: their rows (number * components + component),
+  /// this rank's.
   const std::vector<PetscInt>& fixed_rows() const { return fixed_rows_; }
 
  private:
