@@ -1,11 +1,15 @@
 #!/usr/bin/env bash
-# Sets up, builds, and optimizes the fabrication sequence of a small topology-optimized part on 2 ranks:  bash scripts/demo.sh
-# Leaves demo/overview.png and all results in demo/.
+# Builds the program, optimizes the fabrication sequence of a small part on 2 ranks, prints what it reached beside planar
+# layers, and leaves a picture of it: demo/overview.png.
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-bash "$root/scripts/setup.sh"
-. "$root/scripts/environment.sh"
-cd "$root"
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/environment.sh
+allow_more_ranks_than_cores # a machine with a single core runs it, too
+
+bash scripts/setup.sh
 mpirun -np 2 build/release/fabseq -config configs/demo.json -output demo -overwrite
-xvfb-run -a /usr/bin/python3 scripts/overview.py demo demo/overview.png --table
-echo "picture: $root/demo/overview.png"
+xvfb-run -a /usr/bin/python3 scripts/overview.py demo demo/overview.png --table || {
+  echo "demo.sh: the picture could not be drawn (is xvfb working?); the results are in demo/" >&2
+  exit 1
+}
+echo "picture: $PWD/demo/overview.png"

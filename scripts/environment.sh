@@ -1,5 +1,34 @@
-# Environment of all runs on one machine; sourced by the scripts beside it.
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1  # containers and test machines run as root
-export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1                   # a rank is a core
-export OMPI_MCA_odls_base_sigkill_timeout=60                      # time for a checkpoint when a job is ended
-export OMPI_MCA_rmaps_base_oversubscribe=1                        # two ranks also where there is one core
+# shellcheck shell=bash
+# Environment of all scripts; source it. What is set already stays.
+export OMPI_ALLOW_RUN_AS_ROOT="${OMPI_ALLOW_RUN_AS_ROOT:-1}"
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="${OMPI_ALLOW_RUN_AS_ROOT_CONFIRM:-1}"
+# One thread a rank: the ranks are the parallelism.
+export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
+export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
+# Time to write a checkpoint between a signal to mpirun and the kill of its ranks, in seconds.
+export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-60}"
+
+# More ranks than cores, and several mpirun side by side on the same cores: for tests and for small machines.
+allow_more_ranks_than_cores() {
+  export OMPI_MCA_rmaps_base_oversubscribe="${OMPI_MCA_rmaps_base_oversubscribe:-1}"
+  export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
+}
+
+# Parallel compiler jobs: CMAKE_BUILD_PARALLEL_LEVEL, or else the cores, but no more than memory allows at 2 GB a job.
+compile_jobs() {
+  local cores available limit jobs
+  if [[ -n ${CMAKE_BUILD_PARALLEL_LEVEL:-} ]]; then
+    echo "$CMAKE_BUILD_PARALLEL_LEVEL"
+    return
+  fi
+  cores=$(nproc)
+  available=$(awk '/^MemAvailable:/ {print int($2 / 1024)}' /proc/meminfo)
+  limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)
+  if [[ $limit =~ ^[0-9]+$ ]] && ((limit / 1048576 < available)); then
+    available=$((limit / 1048576))
+  fi
+  jobs=$((available / 2000))
+  ((jobs < cores)) || jobs=$cores
+  ((jobs > 0)) || jobs=1
+  echo "$jobs"
+}

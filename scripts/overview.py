@@ -1,141 +1,169 @@
 #!/usr/bin/python3
-"""One picture of an optimization: OUTPUT_DIRECTORY/overview.png.
+"""One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it got there.
 
-    scripts/overview.py OUTPUT_DIRECTORY [--picture FILE.png] [--charts-only]
+    xvfb-run -a scripts/overview.py OUTPUT_DIR PICTURE.png [--table]
 
-Shows the layers and the distorted shape of the planar and the optimized sequence side by side, how the optimization
-went, and the thickness of the layers. Reads result.h5, summary.json, history.jsonl and config.json. Draws the parts with
-VTK through xvfb-run; where that does not work it says so and draws the charts alone.
+OUTPUT_DIR is the output directory of a run with `-task optimize`; `--table` also prints the main figures.
+A display is needed: xvfb-run makes one.
 """
 
 import argparse
-import json
-import os
-import shutil
-import subprocess
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+import matplotlib
 
-import h5py
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib import colormaps
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib import colormaps, ticker  # noqa: E402
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import render_part
+import render_part  # noqa: E402
+from read_run import Run, RunError  # noqa: E402
 
-INK, SOFT_INK, GRID = "#22262b", "#6b727b", "#e6e8eb"
-OPTIMIZED, PLANAR, ALLOWED, VIOLATED = "#1f6f8b", "#b0762b", "#e3f0ea", "#c2452d"
-DRAWN_DISPLACEMENT = 0.12  # largest drawn displacement, of the box's longest edge
-RENDERING = "FABSEQ_RENDERING"  # set while this program runs again under xvfb-run
-
-
-class Run:
-    """What a finished optimization left in its directory."""
-
-    def __init__(self, directory):
-        self.directory = directory
-        self.summary = self.read_json("summary.json")
-        self.config = self.read_json("config.json")
-        for block in ("optimized", "baseline"):
-            if block not in self.summary:
-                sys.exit(f"overview.py: {directory}/summary.json has no block '{block}': not an optimization's result")
-        with open(os.path.join(directory, "history.jsonl"), encoding="utf-8") as file:
-            self.history = [json.loads(line) for line in file if line.strip()]
-        with h5py.File(os.path.join(directory, "result.h5")) as file:
-            self.part = render_part.VoxelPart(file["density"][:], tuple(self.config["domain"]["size"]),
-                                              self.config.get("build_plate", "z-"))
-            self.layer = {"planar": file["planar/layer"][:], "optimized": file["layer"][:]}
-            self.displacement = {"planar": render_part.node_vectors(self.part, file["planar/displacement"][:]),
-                                 "optimized": render_part.node_vectors(self.part, file["displacement"][:])}
-
-    def read_json(self, name):
-        path = os.path.join(self.directory, name)
-        try:
-            with open(path, encoding="utf-8") as file:
-                return json.load(file)
-        except FileNotFoundError:
-            sys.exit(f"overview.py: {path} is missing: not the directory of a finished run")
-
-    @property
-    def name(self):
-        return self.config.get("name", "part").replace("_", " ")
-
-    def distortion_index(self):
-        """Number of the objective term that the picture is about: the first distortion, or the first term."""
-        terms = [r for r in self.summary["baseline"]["responses"] if r["name"].startswith("objective_")]
-        for index, term in enumerate(terms):
-            if term["type"] == "distortion":
-                return index
-        return 0
-
-    def distortion(self, block):
-        name = f"objective_{self.distortion_index()}"
-        return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == name)
-
-    def factor(self, block):
-        value = self.distortion(block)
-        return self.distortion("baseline") / value if value else float("inf")
-
-    def thickness_constraint(self):
-        return next((c for c in self.config.get("constraints", []) if c["type"] == "layer_thickness"), None)
+WIDTH = 16.0  # inches
+DOTS_PER_INCH = 120
+INK, SOFT_INK, PALE = "#22262b", "#6b727b", "#d5d9de"
+OPTIMIZED, PLANAR, ALLOWED = "#1f6f8b", "#b0762b", "#e3f0ea"
+DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
+MOST_DOTS = 15
 
 
-def three_digits(value):
-    """12.3, 1,234, 0.0123: three significant digits, no exponent for what a reader can take in."""
-    if value == 0 or not np.isfinite(value):
-        return f"{value:g}"
-    if 1e-3 <= abs(value) < 1e6:
-        digits = max(0, 2 - int(np.floor(np.log10(abs(value)))))
-        return f"{value:,.{digits}f}"
-    return f"{value:.2e}"
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", metavar="OUTPUT_DIR")
+    parser.add_argument("picture", metavar="PICTURE.png")
+    parser.add_argument("--table", action="store_true", help="print the main figures")
+    arguments = parser.parse_args()
+    try:
+        run = Run(arguments.directory)
+    except RunError as error:
+        sys.exit(f"overview.py: {error}")
+    draw(run, arguments.picture)
+    if arguments.table:
+        print(table(run))
 
 
-def style():
-    plt.rcParams.update({
-        "font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
-        "axes.edgecolor": "#c5c9ce", "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 13,
-        "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.titlepad": 12, "axes.grid": True,
-        "axes.axisbelow": True, "grid.color": GRID, "grid.linewidth": 0.8, "xtick.color": SOFT_INK,
-        "ytick.color": SOFT_INK, "xtick.labelsize": 10, "ytick.labelsize": 10, "axes.labelsize": 10.5,
-        "legend.frameon": False, "legend.fontsize": 10, "xtick.major.size": 3, "ytick.major.size": 3})
+def draw(run, path):
+    plt.rcParams.update({"font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
+                         "axes.edgecolor": "#c5c9ce", "axes.spines.top": False, "axes.spines.right": False,
+                         "axes.axisbelow": True, "grid.color": "#e6e8eb", "xtick.color": SOFT_INK, "ytick.color": SOFT_INK,
+                         "axes.titlesize": 13, "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.titlepad": 14})
+    pictures = Pictures(run)
+    sheet = Sheet([1.30, 0.55, min(max(0.225 * WIDTH * pictures.aspect, 1.8), 5.5), 1.55, 2.9, 0.75])
+    write_title(sheet, run)
+    draw_pictures(sheet, run, pictures)
+    charts = [plot_distortion, plot_violation, plot_layers] if run.config.get("constraints") else [plot_distortion, plot_layers]
+    width = (0.93 - 0.075 * (len(charts) - 1)) / len(charts)
+    for column, plot in enumerate(charts):
+        plot(sheet.axes(0.055 + (width + 0.07) * column, 4, width), run)
+    sheet.figure.savefig(path, dpi=DOTS_PER_INCH)
 
 
-def draw(run, picture, with_parts):
-    style()
-    figure = plt.figure(figsize=(16, 11.2), facecolor="white")
-    headline(figure, run)
-    if with_parts:
-        draw_parts(figure, run)
-        rows = (0.075, 0.235)
-    else:
-        rows = (0.12, 0.60)
-    bottom, height = rows
-    draw_convergence(figure.add_axes([0.065, bottom, 0.25, height]), run)
-    draw_violation(figure.add_axes([0.385, bottom, 0.25, height]), run)
-    draw_thickness(figure.add_axes([0.705, bottom, 0.265, height]), run)
-    figure.savefig(picture, dpi=150)
+class Sheet:
+    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the width."""
+
+    def __init__(self, rows):
+        self.rows = rows
+        self.height = sum(rows)
+        self.figure = plt.figure(figsize=(WIDTH, self.height), dpi=DOTS_PER_INCH, facecolor="white")
+
+    def up(self, row, down):
+        """Height, as a fraction of the figure's, of what lies `down` inches below the upper edge of a row."""
+        return 1.0 - (sum(self.rows[:row]) + down) / self.height
+
+    def axes(self, left, row, width, top=0.0, tall=None):
+        """Axes `top` inches below a row's upper edge, `tall` inches high (default: the rest of the row)."""
+        tall = self.rows[row] - top if tall is None else tall
+        return self.figure.add_axes([left, self.up(row, top + tall), width, tall / self.height])
+
+    def text(self, left, row, down, text, **how):
+        self.figure.text(left, self.up(row, down), text, va="center", **how)
 
 
-def headline(figure, run):
-    summary, blocks = run.summary, {"binary": "sharp layers", "optimized": "smooth layers"}
-    present = [b for b in blocks if b in summary]
-    factor = run.factor(present[0])
-    if factor >= 1:
-        text = f"{run.name}: {three_digits(factor)} times less distortion than planar layers"
-    else:
-        text = f"{run.name}: {three_digits(1 / factor)} times more distortion than planar layers"
-    figure.text(0.035, 0.952, text[0].upper() + text[1:], fontsize=22, fontweight="bold")
-    measures = ", ".join(f"{three_digits(run.distortion(b))} with {blocks[b]}" for b in present)
-    layers = len(summary["optimized"]["layers"])
-    elements = " × ".join(str(n) for n in run.part.density.shape[::-1])
-    figure.text(0.035, 0.922, f"Distortion measure (sum of squared displacements): planar {three_digits(run.distortion('baseline'))},"
-                f" optimized {measures}.   {elements} elements, {layers} layers, {summary['iterations']} iterations"
-                f" in {duration(summary['seconds'].get('total', 0.0))}.", fontsize=11, color=SOFT_INK)
+class Pictures:
+    """The four pictures of the part, all with the same view and the same colours."""
+
+    def __init__(self, run):
+        fields, config = run.fields, run.config
+        self.part = render_part.VoxelPart(fields["density"], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
+        self.layers = [fields["planar/layer"], fields["layer"]]
+        self.displacements = [render_part.node_vectors(self.part, fields[name]) for name in ("planar/displacement", "displacement")]
+        shown = np.unique(self.part.faces)
+        self.lengths = [np.linalg.norm(displacement, axis=1) for displacement in self.displacements]
+        self.largest_each = [length[shown].max() for length in self.lengths]
+        self.largest = max(self.largest_each)
+        self.exaggeration = plain_number(DRAWN_DISPLACEMENT * max(self.part.size) / (self.largest or 1.0))
+        self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown] for u in self.displacements])
+        self.measured = spread(self.part.nodes, run.measured_nodes(), MOST_DOTS)
+        self.images = crop_together(self.render())
+        self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
+
+    def render(self):
+        images = [render_part.render(self.part, frame=self.frame,
+                                     face_colours=render_part.layer_colours(self.part, layer, int(layer.max())))
+                  for layer in self.layers]
+        for displacement, length in zip(self.displacements, self.lengths):
+            colours = render_part.scalar_colours(length, self.largest, render_part.DISPLACEMENT_COLOURS)
+            images.append(render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True,
+                                             offset=self.exaggeration * displacement, marked=self.measured))
+        return images
+
+
+def plain_number(value):
+    """The largest 1, 2, 3 or 5 times a power of ten up to `value`."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return max(step for step in (1.0, 2.0, 3.0, 5.0) if step * power <= value * (1 + 1e-9)) * power
+
+
+def spread(points, chosen, most):
+    """At most `most` of the nodes `chosen`, far from each other."""
+    if len(chosen) <= most:
+        return chosen
+    picked = [0]
+    distance = np.full(len(chosen), np.inf)
+    while len(picked) < most:
+        distance = np.minimum(distance, np.linalg.norm(points[chosen] - points[chosen[picked[-1]]], axis=1))
+        picked.append(int(distance.argmax()))
+    return chosen[picked]
+
+
+def crop_together(images, margin=12):
+    """The images without the white rim that all of them have."""
+    used = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
+    rows, columns = np.nonzero(used.any(axis=1))[0], np.nonzero(used.any(axis=0))[0]
+    top, left = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
+    return [image[top:rows[-1] + margin, left:columns[-1] + margin] for image in images]
+
+
+def write_title(sheet, run):
+    planar, optimized, binary = (run.distortion(block) for block in ("baseline", "optimized", "binary"))
+    name = run.name.replace("_", " ")
+    sheet.text(0.03, 0, 0.48, f"{name[:1].upper()}{name[1:]}: distortion {compared(planar, optimized)} than with planar layers",
+               fontsize=22, weight="bold")
+    how = dict(fontsize=11.5, color=SOFT_INK)
+    sheet.text(0.03, 0, 0.90, f"Distortion ({run.measure()}): planar {number(planar)}, optimized {number(optimized)}; "
+               f"cut into sharp layers {number(binary)} ({compared(planar, binary)}).", **how)
+    built = int((run.fields["density"] > 0).sum())
+    unmet = "" if run.summary.get("feasible", True) else "  Not all constraints are satisfied."
+    sheet.text(0.03, 0, 1.15, f"{built:,} elements, {len(run.layers('optimized'))} layers, {run.summary['iterations']} iterations in "
+               f"{duration(run.summary['seconds']['total'])}.{unmet}", **how)
+
+
+def compared(planar, other):
+    return f"{factor(planar / other)} times smaller" if other <= planar else f"{factor(other / planar)} times larger"
+
+
+def factor(value):
+    """As many digits as mean something: 1.3, 41, 1,060."""
+    return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
+
+
+def number(value):
+    """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
+    if value == 0 or 1e-2 <= abs(value) < 1e4:
+        return f"{value:.3g}"
+    mantissa, exponent = f"{value:.2e}".split("e")
+    return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def duration(seconds):
@@ -144,162 +172,129 @@ def duration(seconds):
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
-def draw_parts(figure, run):
-    """Upper half: layers (left pair) and exaggerated distortion (right pair), all four in the same view."""
-    part = run.part
-    used = np.unique(part.faces)
-    length = {kind: np.linalg.norm(vectors, axis=1) for kind, vectors in run.displacement.items()}
-    largest = max(length[kind][used].max() for kind in length)
-    exaggeration = round_number(DRAWN_DISPLACEMENT * max(part.size) / largest) if largest > 0 else 1.0
-    displaced = {kind: exaggeration * vectors for kind, vectors in run.displacement.items()}
-    frame = np.vstack([part.nodes[used]] + [part.nodes[used] + displaced[kind][used] for kind in displaced])
-
-    top, height, width = 0.455, 0.38, 0.225
-    lefts = {("layer", "planar"): 0.030, ("layer", "optimized"): 0.262, ("shape", "planar"): 0.518, ("shape", "optimized"): 0.750}
-    pixels = (int(16 * width * 300), int(11.2 * height * 300))
-    for (what, kind), left in lefts.items():
-        if what == "layer":
-            colours = render_part.layer_colours(part, run.layer[kind], run.layer[kind].max())
-            image = render_part.render(part, face_colours=colours, frame=frame, pixels=pixels)
-            label = f"{kind}, {used_layers(run.layer[kind])} layers"
-        else:
-            colours = render_part.scalar_colours(length[kind], largest, render_part.DISPLACEMENT_COLOURS)
-            image = render_part.render(part, node_colours=colours, offset=displaced[kind], ghost=True, frame=frame, pixels=pixels)
-            label = f"{kind}, largest displacement {three_digits(length[kind][used].max())}"
-        axes = figure.add_axes([left, top, width, height])
-        axes.imshow(image, interpolation="antialiased")
+def draw_pictures(sheet, run, pictures):
+    lefts, width = (0.025, 0.260, 0.515, 0.750), 0.225
+    labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in (("planar", "baseline"), ("optimized", "optimized"))]
+    labels += [f"{kind}, displacement up to {number(length)}" for kind, length in zip(("planar", "optimized"), pictures.largest_each)]
+    for left, image, label, colour in zip(lefts, pictures.images, labels, (PLANAR, OPTIMIZED, PLANAR, OPTIMIZED)):
+        axes = sheet.axes(left, 2, width)
+        axes.imshow(image)
         axes.set_axis_off()
-        figure.text(left + width / 2, top - 0.006, label, ha="center", va="top", fontsize=11,
-                    color=PLANAR if kind == "planar" else OPTIMIZED, fontweight="bold")
-    heading = dict(fontsize=13, fontweight="bold", va="bottom")
-    figure.text(0.035, 0.857, "Layers, in the order they are built", **heading)
-    figure.text(0.523, 0.857, f"Distorted shape, displacement drawn {exaggeration:g} times larger", **heading)
-    scale(figure, [0.170, 0.405, 0.180, 0.012], render_part.LAYER_COLOURS, "built first", "built last")
-    scale(figure, [0.658, 0.405, 0.180, 0.012], render_part.DISPLACEMENT_COLOURS, "0", three_digits(largest),
-          "displacement")
+        sheet.text(left + width / 2, 3, 0.18, label, ha="center", weight="bold", color=colour)
+    sheet.text(0.03, 1, 0.20, "Layers, in the order they are built", fontsize=13, weight="bold")
+    sheet.text(0.515, 1, 0.20, f"Distorted shape, drawn {pictures.exaggeration:g} times larger", fontsize=13, weight="bold")
+    notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
+    sheet.text(0.975, 1, 0.20, "     ".join(notes), ha="right", fontsize=10.5, color=SOFT_INK)
+    legend(sheet, 0.165, render_part.LAYER_COLOURS, "built first", "built last")
+    legend(sheet, 0.655, render_part.DISPLACEMENT_COLOURS, "displacement  0", number(pictures.largest))
 
 
-def used_layers(layer):
-    return len(np.unique(layer[layer > 0]))
+def legend(sheet, left, colours, low, high):
+    axes = sheet.axes(left, 3, 0.18, top=0.52, tall=0.14)
+    axes.imshow(np.linspace(0, 1, 256)[None, :], aspect="auto", cmap=colours)
+    axes.set_axis_off()
+    sheet.text(left - 0.006, 3, 0.59, low, ha="right", fontsize=10.5, color=SOFT_INK)
+    sheet.text(left + 0.186, 3, 0.59, high, ha="left", fontsize=10.5, color=SOFT_INK)
 
 
-def round_number(value):
-    """The largest 1, 2 or 5 times a power of ten that is not above `value`."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(m * power for m in (1, 2, 5) if m * power <= value * (1 + 1e-12)))
-
-
-def scale(figure, place, colours, low, high, title=""):
-    axes = figure.add_axes(place)
-    bar = figure.colorbar(ScalarMappable(Normalize(0, 1), colormaps[colours]), cax=axes, orientation="horizontal")
-    bar.set_ticks([])
-    bar.outline.set_visible(False)
-    axes.grid(False)
-    text = dict(transform=axes.transAxes, fontsize=10, color=SOFT_INK, va="center")
-    axes.text(-0.03, 0.5, low, ha="right", **text)
-    axes.text(1.03, 0.5, high, ha="left", **text)
-    if title:
-        axes.text(0.5, -1.2, title, ha="center", **text)
-
-
-def draw_convergence(axes, run):
-    index, planar = run.distortion_index(), run.distortion("baseline")
-    values = np.array([entry["objective"][index] for entry in run.history]) / planar
-    iterations = [entry["iteration"] for entry in run.history]
-    axes.axhline(1.0, color=PLANAR, linewidth=1.2)
-    axes.semilogy(iterations, values, color=OPTIMIZED, linewidth=2.0)
-    axes.set_title("Distortion relative to planar")
-    axes.set_xlabel("iteration")
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-    low, high = min(values.min(), 1.0), max(values.max(), 1.0)
-    axes.set_ylim(low / 1.8, high * 2.5)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}" if v >= 1e-4 else f"{v:.0e}"))
-    axes.yaxis.set_minor_formatter(lambda v, _: "")
-    axes.annotate("planar", (1.0, 1.0), xycoords=("axes fraction", "data"), xytext=(0, 4), textcoords="offset points",
-                  ha="right", color=PLANAR, fontsize=10)
-
-
-def draw_violation(axes, run):
-    iterations = [entry["iteration"] for entry in run.history]
-    worst = [entry.get("worst_constraint") for entry in run.history]
-    axes.set_title("Worst constraint violation")
-    axes.set_xlabel("iteration")
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-    if not any(isinstance(value, (int, float)) for value in worst):
-        axes.set_axis_off()
-        axes.text(0.5, 0.5, "no constraints", transform=axes.transAxes, ha="center", color=SOFT_INK)
-        return
-    percent = np.array([np.nan if value is None else 100.0 * value for value in worst])
-    axes.plot(iterations, percent, color=VIOLATED, linewidth=2.0)
-    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
-    low, high = min(-1.0, 1.3 * np.nanmin(percent)), max(10.0, 1.8 * np.nanmax(percent))
+def plot_distortion(axes, run):
+    planar = run.distortion("baseline")
+    iterations = iterations_of(run)
+    values = run.distortion_history() / planar
+    axes.axhline(1.0, color=PLANAR, linewidth=1.4)
+    axes.semilogy(iterations, values, color=OPTIMIZED, linewidth=2)
+    low, high = min(values.min(), 1.0) / 1.8, max(values.max(), 1.0) * 2.5
     axes.set_ylim(low, high)
-    axes.axhspan(low, 0.0, color=ALLOWED, zorder=0)
-    axes.axhline(0.0, color="#7fa893", linewidth=1.0)
-    decades = [10.0**k for k in range(0, 7) if 10.0**k <= high]
-    axes.set_yticks([-d for d in decades if -d >= low][::-1] + [0.0] + decades)
-    axes.set_yticks([], minor=True)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g} %"))
-    axes.text(0.99, 0.0, "satisfied", transform=axes.get_yaxis_transform(), ha="right", va="top", color="#4f7d66", fontsize=10)
+    axes.yaxis.set_major_locator(ticker.LogLocator(subs=(1.0,) if high / low > 50 else (1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(ticker.NullFormatter())
+    axes.text(1.0, 1.0, "planar = 1", transform=axes.get_yaxis_transform(), ha="right", va="top" if values[-1] > 1 else "bottom",
+              color=PLANAR)
+    chosen = iterations == run.summary.get("best_iteration")
+    axes.plot(iterations[chosen], values[chosen], "o", color=OPTIMIZED, markersize=8, markeredgecolor="white", clip_on=False, zorder=5)
+    finish_over_iterations(axes, iterations, "Distortion relative to planar", "dot: the result" if chosen.any() else "")
 
 
-def draw_thickness(axes, run):
-    thickness = [row["thickness"] for row in run.summary["optimized"]["layers"]]
-    numbers = np.arange(1, len(thickness) + 1)
-    heights = np.array([np.nan if value is None else value for value in thickness], dtype=float)
+def plot_violation(axes, run):
+    iterations = iterations_of(run)
+    percent = 100 * np.array([np.nan if line["worst_constraint"] is None else line["worst_constraint"] for line in run.history])
+    axes.plot(iterations, percent, color=OPTIMIZED, linewidth=2)
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
+    largest = np.nanmax(np.append(percent, 1.0))
+    decades = [10.0**k for k in range(9) if 10.0**k < 5 * largest]
+    axes.set_ylim(-10.0, max(5.0, 1.8 * largest))
+    axes.set_yticks([-10, -1, 0] + decades)
+    axes.yaxis.set_minor_locator(ticker.NullLocator())
+    axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g} %"))
+    axes.axhspan(-10, 0, color=ALLOWED, zorder=0)
+    axes.text(0.99, 0.02, "satisfied", transform=axes.transAxes, ha="right", va="bottom", color=SOFT_INK)
+    only_thickness = all(c["type"] == "layer_thickness" for c in run.config["constraints"])
+    finish_over_iterations(axes, iterations, f"Worst violation of {'layer thickness' if only_thickness else 'a constraint'}")
+
+
+def iterations_of(run):
+    return np.array([line["iteration"] for line in run.history])
+
+
+def finish_over_iterations(axes, iterations, title, note=""):
+    axes.set_xlabel("iteration")
+    axes.set_xlim(iterations[0] - 0.5, max(iterations[-1], iterations[0] + 1) + 0.5)
+    axes.xaxis.set_major_locator(ticker.MaxNLocator(6, integer=True))
+    axes.grid(axis="y")
+    heading(axes, title, note)
+
+
+def plot_layers(axes, run):
+    """Thickness of each layer, with its spread inside the layer and the band that is allowed."""
     constraint = run.thickness_constraint()
-    axes.grid(False, axis="x")
-    axes.set_title("Thickness of the layers")
-    axes.set_xlabel("layer")
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
-    axes.set_xlim(0.3, len(thickness) + 0.7)
-    outside = np.zeros(len(thickness), dtype=bool)
-    top = np.nanmax(heights) if np.isfinite(heights).any() else 1.0
+    total = len(run.summary["optimized"]["layers"])
+    unit = constraint["target"] if constraint else 1.0
+    for layer in run.layers("optimized"):
+        if layer["thickness"] is None:
+            continue
+        value, j = layer["thickness"] / unit, layer["number"]
+        spread_inside = value * (layer["cv"] or 0.0)
+        axes.plot([j, j], [value - spread_inside, value + spread_inside], color=PALE, linewidth=3, solid_capstyle="round")
+        axes.plot([j], [value], "o", markersize=9, markeredgecolor="white", zorder=3,
+                  color=colormaps[render_part.LAYER_COLOURS]((j - 0.5) / total))
     if constraint:
-        low, high = (constraint["target"] * (1 + sign * constraint.get("tolerance", 0.1)) for sign in (-1, 1))
-        axes.axhspan(low, high, color=ALLOWED, zorder=0)
-        axes.axhline(constraint["target"], color="#7fa893", linewidth=1.0, zorder=1)
-        axes.text(1.0, 1.0, f"allowed: {three_digits(low)} to {three_digits(high)}", transform=axes.transAxes, ha="right",
-                  va="bottom", color="#4f7d66", fontsize=10)
-        with np.errstate(invalid="ignore"):
-            outside = (heights < low * (1 - 1e-3)) | (heights > high * (1 + 1e-3))
-        top = max(top, high)
-    axes.bar(numbers, heights, width=0.72, color=np.where(outside, VIOLATED, OPTIMIZED), zorder=2)
-    axes.set_ylim(0, 1.12 * top)
-    for number in numbers[~np.isfinite(heights)]:
-        axes.text(number, 0, "–", ha="center", va="bottom", color=SOFT_INK)
+        axes.axhspan(1 - constraint["tolerance"], 1 + constraint["tolerance"], color=ALLOWED, zorder=0)
+        axes.text(0.99, 1 - constraint["tolerance"], "allowed", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=SOFT_INK)
+    axes.set_xlabel("layer")
+    axes.set_xlim(0.3, total + 0.7)
+    axes.xaxis.set_major_locator(ticker.MaxNLocator(8, integer=True))
+    axes.grid(axis="y")
+    heading(axes, "Layer thickness / target" if constraint else "Layer thickness", "bar: spread inside the layer")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("directory")
-    parser.add_argument("--picture", help="file to write (default: overview.png in the directory)")
-    parser.add_argument("--charts-only", action="store_true", help="leave out the pictures of the part")
-    arguments = parser.parse_args()
-    picture = arguments.picture or os.path.join(arguments.directory, "overview.png")
-    run = Run(arguments.directory)
-    if arguments.charts_only:
-        draw(run, picture, with_parts=False)
-    elif os.environ.get(RENDERING):
-        draw(run, picture, with_parts=True)
-    else:
-        problem = draw_under_virtual_display()
-        if problem:
-            print(f"overview.py: the parts cannot be rendered ({problem}); the picture shows the charts alone", file=sys.stderr)
-            draw(run, picture, with_parts=False)
-    print(f"wrote {picture}")
+def heading(axes, title, note=""):
+    axes.set_title(title)
+    axes.text(1.0, 1.0, note, transform=axes.transAxes, ha="right", va="bottom", fontsize=10, color=SOFT_INK)
 
 
-def draw_under_virtual_display():
-    """Runs this program again under xvfb-run, in a process of its own since a missing display ends VTK's. None, or what failed."""
-    if not shutil.which("xvfb-run"):
-        return "xvfb-run is not installed; scripts/setup.sh installs it"
-    command = ["xvfb-run", "-a", "/usr/bin/python3", os.path.abspath(__file__)] + sys.argv[1:]
-    done = subprocess.run(command, env={**os.environ, RENDERING: "1"}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if done.returncode == 0:
-        return None
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
-    return f"exit status {done.returncode}" + (f", {lines[-1].strip()}" if lines else "")
+def table(run):
+    """The main figures of a run, planar beside optimized, as lines of text."""
+    blocks = ("baseline", "optimized", "binary")
+    rows = [("", "planar", "optimized", "cut sharply"),
+            ("distortion", *(f"{run.distortion(block):.3e}" for block in blocks)),
+            ("planar / this", *(factor(run.distortion("baseline") / run.distortion(block)) for block in blocks)),
+            ("largest displacement", *(f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks)),
+            thickness_row(run, blocks),
+            ("layers used", *(str(len(run.layers(block))) for block in blocks))]
+    lines = ["{:<22}{:>14}{:>14}{:>14}".format(*row) for row in rows]
+    lines.append(f"{run.summary['iterations']} iterations, {run.summary['seconds']['total']:.0f} seconds")
+    return "\n".join(lines)
+
+
+def thickness_row(run, blocks):
+    constraint = run.thickness_constraint()
+    unit = constraint["target"] if constraint else 1.0
+
+    def span(block):
+        values = [layer["thickness"] / unit for layer in run.layers(block) if layer["thickness"] is not None]
+        return f"{min(values):.2f} .. {max(values):.2f}" if values else "-"
+
+    return ("thickness / target" if constraint else "thickness", *(span(block) for block in blocks))
 
 
 if __name__ == "__main__":

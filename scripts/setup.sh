@@ -1,29 +1,71 @@
 #!/usr/bin/env bash
-# Installs what is missing from Debian 12 and builds build/release/fabseq:  bash scripts/setup.sh [--ci]
-# --ci: also the tools that check the sources.
+# Installs what is missing (Debian 12; as root or with sudo) and builds the program.
+#
+#   scripts/setup.sh [--ci] [--preset NAME]
+#
+#   --ci           also install what scripts/lint.sh needs
+#   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-packages=(g++ cmake ninja-build pkg-config git petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev nlohmann-json3-dev libgtest-dev
-  libopenblas0-serial liblapack-dev python3-numpy python3-h5py python3-matplotlib python3-paraview xvfb xauth)
-[ "${1:-}" = --ci ] && packages+=(clang-format clang-tidy)
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/environment.sh
 
-missing=()
-for package in "${packages[@]}"; do
-  [ "$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null)" = "install ok installed" ] || missing+=("$package")
+packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev nlohmann-json3-dev
+  libgtest-dev libopenblas0-serial python3-numpy python3-h5py python3-matplotlib python3-paraview xvfb xauth)
+ci_packages=(clang-format clang-tidy)
+preset=release
+while (($#)); do
+  case $1 in
+    --ci) packages+=("${ci_packages[@]}") ;;
+    --preset) preset=${2:?"--preset needs a name"}; shift ;;
+    *) echo "usage: scripts/setup.sh [--ci] [--preset NAME]" >&2; exit 2 ;;
+  esac
+  shift
 done
-if [ ${#missing[@]} -gt 0 ]; then
-  as_root=()
-  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
-  echo "installing ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-fi
 
-# A compiler process takes up to about 1.5 GB.
-memory_jobs=$(awk '/MemAvailable/ {jobs = int($2 / 1500000); print jobs < 1 ? 1 : jobs}' /proc/meminfo)
-jobs=$(nproc)
-[ "$jobs" -le "$memory_jobs" ] || jobs=$memory_jobs
-cd "$root"
-cmake --preset release >build-configure.log 2>&1 || { cat build-configure.log; exit 1; }
-rm -f build-configure.log
-cmake --build --preset release --parallel "$jobs"
+as_root() {
+  if ((EUID == 0)); then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    echo "setup.sh: this needs root, and there is no sudo; run as root: $*" >&2
+    return 1
+  fi
+}
+
+install_missing() {
+  local missing=() package
+  for package in "${packages[@]}"; do
+    [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+  echo "setup.sh: installing ${missing[*]}"
+  as_root apt-get update -qq
+  # --no-remove: rather stop than throw out a package that conflicts, such as python3-vtk9 with python3-paraview.
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove \
+    -o Dpkg::Use-Pty=0 "${missing[@]}" >/dev/null
+}
+
+# PETSc calls the BLAS that Debian's alternatives select; reference BLAS would make it several times slower.
+select_blas() {
+  local architecture library alternative selected wanted
+  architecture=$(g++ -print-multiarch)
+  for library in libblas.so.3 liblapack.so.3; do
+    alternative=$library-$architecture
+    selected=$(readlink -f "/etc/alternatives/$alternative" || true)
+    if [[ $selected != *openblas* ]]; then
+      wanted=$(update-alternatives --list "$alternative" | grep openblas-serial || true)
+      if [[ -n $wanted ]] && as_root update-alternatives --quiet --set "$alternative" "$wanted"; then
+        selected=$wanted
+      else
+        echo "setup.sh: warning: $library is $selected, not OpenBLAS: dense algebra will be slow" >&2
+      fi
+    fi
+    echo "setup.sh: $library is $selected"
+  done
+}
+
+install_missing
+select_blas
+cmake --preset "$preset" --log-level=WARNING
+cmake --build --preset "$preset" --parallel "$(compile_jobs)"

@@ -1,16 +1,21 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs all tests:  bash scripts/test.sh [--sanitizers] [arguments of ctest]
-# --sanitizers: the build with AddressSanitizer and UndefinedBehaviorSanitizer instead of the optimized one.
+# Builds the program and runs its tests.
+#
+#   scripts/test.sh [--sanitizers] [ctest options]     e.g. scripts/test.sh -R grid
+#
+#   --sanitizers  afterwards the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-bash "$root/scripts/setup.sh"
-. "$root/scripts/environment.sh"
-cd "$root"
-preset=release
-if [ "${1:-}" = --sanitizers ]; then
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/environment.sh
+allow_more_ranks_than_cores
+
+presets=(release)
+if [[ ${1:-} == --sanitizers ]]; then
+  presets+=(sanitizers)
   shift
-  preset=sanitizers
-  cmake --preset sanitizers >/dev/null
-  cmake --build --preset sanitizers --parallel "$(nproc)"
 fi
-ctest --preset "$preset" --parallel "$(nproc)" "$@"
+for preset in "${presets[@]}"; do
+  bash scripts/setup.sh --preset "$preset"
+  echo "== tests, preset $preset"
+  ctest --preset "$preset" --parallel "$(nproc)" "$@"
+done

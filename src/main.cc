@@ -107,6 +107,13 @@ void run_task(const CommandLine& command_line, const Config& config) {
   }
 }
 
+/// What docs/users-guide.md holds between its marks, to the character.
+void print_reference() {
+  std::string text = reference_table();
+  text.pop_back();  // print() ends the line
+  print(text);
+}
+
 }  // namespace
 }  // namespace fabseq
 
@@ -124,6 +131,7 @@ int main(int argc, char** argv) {
   return run_session(command_line.petsc_arguments, [&] {
     if (!refusal.empty()) throw InputError(refusal);
     if (command_line.help) return print(help_text());
+    if (command_line.help_markdown) return print_reference();
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
     return config.dimension == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);

@@ -65,7 +65,8 @@ class Parser {
     if (!words_.empty()) result_.petsc_arguments.push_back(words_.front());
     for (position_ = 1; position_ < words_.size(); ++position_) take(words_[position_]);
     for (const std::string& word : words_) result_.text += (result_.text.empty() ? "" : " ") + quoted(word);
-    if (result_.config_file.empty() && !result_.help && !result_.version) {
+    const bool only_prints = result_.help || result_.help_markdown || result_.version;
+    if (result_.config_file.empty() && !only_prints) {
       throw InputError("-config: missing; allowed: -config FILE.json (-help lists all options)");
     }
     return std::move(result_);
@@ -93,6 +94,8 @@ class Parser {
       result_.overwrite = true;
     } else if (word == "-help" || word == "--help" || word == "-h") {
       result_.help = true;
+    } else if (word == "-help_markdown") {
+      result_.help_markdown = true;
     } else if (word == "-version" || word == "--version") {
       result_.version = true;
     } else if (word == "-set") {

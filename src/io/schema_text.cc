@@ -24,7 +24,7 @@ Options:
   -design FILE.h5        design for -task evaluate (datasets as in result.h5)
   -set path.to.key=VALUE sets a config key: VALUE is JSON, or else a string; entries of lists by index or type:
                          -set objective.1.weight=0.1, -set objective.layer_uniformity.weight=0.1
-  -help, -version        print and end
+  -help, -version        print and end; -help_markdown: the keys as tables for the manual
 All other options are PETSc's. Own options apply in the order given.
 
 Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could not be written.

@@ -16,7 +16,7 @@ std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>
                                     const CommandLine& command_line) {
   if (!command_line.design_file || !sequence.has_design()) return sequence.initial_design();
   std::vector<double> design = setup.part.restrict_to_part(
-      read_element_field(setup.grid, *command_line.design_file, "design", "-design", "its dataset"));
+      read_element_field(setup.grid, *command_line.design_file, "design", "-design", "-design"));
   const DesignSpace space = sequence.space();
   constexpr double rounding = 1e-9;
   bool outside = false;

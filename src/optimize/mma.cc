@@ -5,6 +5,7 @@
 #include "fabseq/optimize/mma_subproblem.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -30,6 +31,11 @@ void check_sizes(std::size_t n, std::span<const double> x, std::span<const doubl
           "Mma::update: vectors must have an entry for each of this rank's variables");
   require(gradients.size() == m && rows.a.size() == m && rows.c.size() == m && rows.d.size() == m,
           "Mma::update: gradients, a, c and d must have an entry a row");
+  for (std::size_t i = 0; i < m; ++i) {
+    require(rows.a[i] >= 0.0 && rows.c[i] >= 0.0 && rows.d[i] >= 0.0 && rows.c[i] + rows.d[i] > 0.0 &&
+                (rows.a[i] == 0.0 || rows.a0 > 0.0),
+            "Mma::update: a, c, d must not be negative, c + d must be positive, and so must a0 where a is");
+  }
   require(std::all_of(gradients.begin(), gradients.end(), [n](const auto& row) { return row.size() == n; }),
           "Mma::update: each gradient must have an entry for each of this rank's variables");
 }
@@ -46,6 +52,37 @@ void check_numbers(MPI_Comm comm, std::span<const double> x, std::span<const dou
   MPI_Allreduce(MPI_IN_PLACE, bad.data(), 2, MPI_INT, MPI_MAX, comm);
   if (bad[0] != 0) throw NumericalError("MMA: a variable or its bounds are not finite, or out of order");
   if (bad[1] != 0) throw NumericalError("MMA: the value of a row is not finite");
+}
+
+// Steps of the variables. Rows that stay fulfilled wherever the variables go are left out: their multipliers
+// are 0.
+std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
+                                     std::span<const double> objective_gradient,
+                                     const std::vector<double>& values,
+                                     std::span<const std::vector<double>> gradients, const MmaRows& rows,
+                                     MmaReport& report) {
+  const std::vector<std::span<const double>> all(gradients.begin(), gradients.end());
+  const std::vector<double> changes = largest_changes(comm, box, all);
+  std::vector<std::size_t> kept;
+  std::vector<std::span<const double>> kept_gradients;
+  std::vector<double> kept_values;
+  MmaRows kept_rows;
+  kept_rows.a0 = rows.a0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] + changes[i] < 0.0) continue;  // not so if the gradient is not a number
+    kept.push_back(i);
+    kept_gradients.push_back(all[i]);
+    kept_values.push_back(values[i]);
+    kept_rows.a.push_back(rows.a[i]);
+    kept_rows.c.push_back(rows.c[i]);
+    kept_rows.d.push_back(rows.d[i]);
+  }
+  MmaVariables variables(comm, box, objective_gradient, kept_gradients);
+  report = solve_mma_subproblem(comm, variables, kept_values, kept_rows);
+  std::vector<double> multipliers(values.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) multipliers[kept[k]] = report.multipliers[k];
+  report.multipliers = std::move(multipliers);
+  return {variables.step().begin(), variables.step().end()};
 }
 
 }  // namespace
@@ -96,6 +133,26 @@ void Mma::move_asymptotes(std::span<const double> x, std::span<const double> low
   }
 }
 
+// How far the variables may go around x: within their bounds, the move limit, and short of the asymptotes.
+MmaBox Mma::box(std::span<const double> x, std::span<const double> lower, std::span<const double> upper,
+                double move_limit) const {
+  MmaBox result(x.size());
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    const double range = upper[j] - lower[j];
+    const double below = x[j] - state_.low[j], above = state_.upp[j] - x[j];
+    const double down = std::min({x[j] - lower[j], (1.0 - asymptote_gap) * below, move_limit * range});
+    const double up = std::min({upper[j] - x[j], (1.0 - asymptote_gap) * above, move_limit * range});
+    if (!(down + up > least_width * range)) continue;  // stays
+    result.width[j] = down + up;
+    result.lower_distance[j] = below / result.width[j];
+    result.upper_distance[j] = above / result.width[j];
+    result.alpha[j] = -down / result.width[j];
+    result.beta[j] = up / result.width[j];
+    result.curvature[j] = least_curvature / range;
+  }
+  return result;
+}
+
 MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gradient,
                       std::span<const double> values, std::span<const std::vector<double>> gradients,
                       std::span<const double> lower, std::span<const double> upper, double move_limit,
@@ -109,24 +166,10 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
   for (std::size_t j = 0; j < n; ++j) x[j] = std::clamp(x[j], lower[j], upper[j]);
   move_asymptotes(x, lower, upper);
 
-  MmaBox box(n);
-  for (std::size_t j = 0; j < n; ++j) {
-    const double range = upper[j] - lower[j];
-    const double below = x[j] - state_.low[j], above = state_.upp[j] - x[j];
-    const double down = std::min({x[j] - lower[j], (1.0 - asymptote_gap) * below, move_limit * range});
-    const double up = std::min({upper[j] - x[j], (1.0 - asymptote_gap) * above, move_limit * range});
-    if (!(down + up > least_width * range)) continue;  // stays
-    box.width[j] = down + up;
-    box.lower_distance[j] = below / box.width[j];
-    box.upper_distance[j] = above / box.width[j];
-    box.alpha[j] = -down / box.width[j];
-    box.beta[j] = up / box.width[j];
-    box.curvature[j] = least_curvature / range;
-  }
-  MmaVariables variables(comm_, box, objective_gradient, gradients);
-  MmaReport report = solve_mma_subproblem(comm_, variables, shared, rows);
-
-  const std::span<const double> step = variables.step();
+  const MmaBox box = this->box(x, lower, upper, move_limit);
+  MmaReport report;
+  const std::vector<double> step =
+      solve_subproblem(comm_, box, objective_gradient, shared, gradients, rows, report);
   for (std::size_t j = 0; j < n; ++j) {
     state_.before_previous[j] = std::exchange(state_.previous[j], x[j]);
     x[j] = std::clamp(x[j] + box.width[j] * step[j], lower[j], upper[j]);

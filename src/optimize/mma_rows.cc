@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
@@ -18,8 +16,9 @@ namespace fabseq {
 namespace {
 
 constexpr int step_limit = 100;
-constexpr double tolerance = 1e-14;        // of the mean product and the residuals, over the size of the data
-constexpr double to_the_boundary = 0.995;  // fraction of the way
+constexpr double product_tolerance = 1e-14, residual_tolerance = 1e-12;  // over the size of b
+constexpr double to_the_boundary = 0.995;                                // fraction of the way
+constexpr double least_size = 1e-8;                                      // of a start value
 
 // Everything that must stay positive, and its directions: row i has lambda, s, y, mu = c + d y - lambda; then
 // z, zeta.
@@ -93,7 +92,7 @@ class RowModel {
 void RowModel::start() {
   for (std::size_t i = 0; i < m_; ++i) {
     const double diagonal = matrix_[i * static_cast<std::size_t>(stride_) + i];
-    const double size = std::max(std::abs(right_[i]), 1e-8);
+    const double size = std::max(std::abs(right_[i]), least_size);
     const double most = rows_.c[i] + rows_.d[i] * size;
     point_.lambda[i] = std::clamp(size / std::max(diagonal, 1e-100), 1e-6 * most, most);
     point_.slack[i] = size;
@@ -103,7 +102,7 @@ void RowModel::start() {
   }
   if (has_z_) {
     point_.zeta = rows_.a0;
-    point_.z = 1e-8;
+    point_.z = least_size;
     for (std::size_t i = 0; i < m_; ++i) point_.z = std::max(point_.z, std::abs(right_[i]));
   }
 }
@@ -225,38 +224,51 @@ double RowModel::largest_step(const Point& direction) {
 }
 
 MmaMultipliers RowModel::solve() {
-  MmaMultipliers result;
-  if (m_ == 0) {
-    result.converged = true;
-    return result;
-  }
-  double size = 1e-8;
+  double size = least_size;
   for (const double value : right_) size = std::max(size, std::abs(value));
   start();
   for (int step = 0;; ++step) {
     set_residuals();
     const double mean = mean_product(nullptr, 0.0);
-    if (std::getenv("DBGQ"))
-      std::printf("          q %d residual %g mean %g\n", step, largest_residual(), mean);
-    result.converged = largest_residual() <= 1e-12 * size && mean <= tolerance * size;
-    if (result.converged || step == step_limit || !factorize()) break;
+    const bool converged =
+        largest_residual() <= residual_tolerance * size && mean <= product_tolerance * size;
+    if (converged || step == step_limit || !factorize()) break;
     set_direction(0.0, nullptr, predictor_);
     const double reached = mean_product(&predictor_, largest_step(predictor_)) / mean;
     set_direction(std::pow(std::max(reached, 0.0), 3) * mean, &predictor_, direction_);
     const double t = std::min(1.0, to_the_boundary * largest_step(direction_));
     point_.visit(direction_, [t](double& value, double change) { value += t * change; });
   }
-  result.lambda = point_.lambda;
-  result.y = point_.y;
-  result.z = point_.z;
-  return result;
+  return {point_.lambda, point_.y, point_.z};
 }
 
 }  // namespace
 
 MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t stride,
-                               std::span<const double> right, const MmaRows& rows) {
-  return RowModel(matrix, stride, right, rows).solve();
+                               std::span<const double> right, const MmaRows& rows,
+                               std::span<const double> least) {
+  if (right.empty()) return {};
+  // In terms of lambda - least the least multipliers are 0.
+  const auto m = static_cast<int>(right.size()), lead = static_cast<int>(stride);
+  const int one = 1;
+  const double minus = -1.0, plus = 1.0;
+  MmaRows shifted = rows;
+  std::vector<double> rest(right.begin(), right.end());
+  dsymv_("L", &m, &minus, matrix.data(), &lead, least.data(), &one, &plus, rest.data(), &one);
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    shifted.a0 -= rows.a[i] * least[i];
+    if (rows.c[i] > 0.0) {
+      shifted.c[i] -= least[i];
+    } else {
+      rest[i] -= least[i] / rows.d[i];  // y = lambda / d
+    }
+  }
+  MmaMultipliers result = RowModel(matrix, stride, rest, shifted).solve();
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    result.lambda[i] += least[i];
+    if (rows.c[i] <= 0.0) result.y[i] += least[i] / rows.d[i];
+  }
+  return result;
 }
 
 }  // namespace fabseq

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <limits>
+#include <string>
 
 extern "C" void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
                        const double* x, const int* incx, const double* beta, double* y, const int* incy);
@@ -16,11 +14,24 @@ namespace fabseq {
 
 namespace {
 
-double P(const char* n, double d) { return std::getenv(n) ? std::atof(std::getenv(n)) : d; }
-const double first_barrier = P("B0", 0.1), final_barrier = P("FB", 1e-9);
-const double overshoot = P("OV", 0.5);
-const int step_limit = 200, cut_limit = 20;
+constexpr double first_barrier = 0.1, final_barrier = 1e-10;
+constexpr double barrier_factor = 0.03,
+                 barrier_power = 1.7;  // of the next barrier, whichever makes it smaller
+constexpr double tolerance = 1e-9;     // of the rows' conditions, over the larger of 1 and the largest |f_i|
+constexpr double overshoot = 0.5;      // how far beyond the maximum along a direction, in terms of the slope
+constexpr double most_caution = 0.9, least_caution = 0.02;
+constexpr double rounding = 1e-14;
+constexpr int step_limit = 300, cut_limit = 12;
 
+// Maximizes the dual function over the rows' multipliers, phi(lambda) = min_v (Lagrangian) - sum (lambda -
+// c)_+^2 / (2 d) over lambda >= 0, a^T lambda <= a_0. The minimizing v has one equation a variable
+// (MmaVariables). For the rest Newton's method replaces the rows' values by their linear model in lambda, g -
+// H (lambda_new - lambda) with H = G D^-1 G^T, and keeps everything that is not smooth as it is: the small
+// model problem (solve_row_model) is solved to the end, without another pass over the variables. Only the
+// variables' bounds need a barrier that falls from step to step.
+//
+// H may be flat where a multiplier is too large and steep near 0, and then Newton jumps to 0 from the flat
+// side. So a multiplier may only fall to a part (`caution_`) of what it is, the more the last step was cut.
 class Solver {
  public:
   Solver(MPI_Comm comm, MmaVariables& variables, std::span<const double> values, const MmaRows& rows)
@@ -30,29 +41,36 @@ class Solver {
         rows_(rows),
         m_(values.size()),
         lambda_(m_),
+        y_(m_),
         direction_(m_),
-        function_(m_) {}
+        function_(m_) {
+    for (const double value : values) tolerance_ = std::max(tolerance_, tolerance * std::abs(value));
+  }
 
   MmaReport solve();
 
  private:
   void start();
-  void set_function(const MmaSums& sums);
-  double residual() const;
-  void set_direction(const std::vector<double>& matrix);
+  void evaluate(double t);
+  void set_direction();
+  bool search();
+  void lower_barrier();
+  double artificial(std::size_t i) const;
   double ascent() const;
-  double elastic(std::size_t i) const {
-    return rows_.d[i] > 0.0 ? std::max(0.0, lambda_[i] - rows_.c[i]) / rows_.d[i] : 0.0;
-  }
+  double ascent_rounding() const;
+  double residual() const;
 
-  [[maybe_unused]] MPI_Comm comm_;
+  MPI_Comm comm_;
   MmaVariables& variables_;
   std::span<const double> values_;
   const MmaRows& rows_;
   std::size_t m_;
-  double barrier_ = first_barrier, keep_ = P("KEEP", 0.01);
-  std::vector<double> lambda_, direction_, function_;
-  MmaMultipliers model_;
+  double tolerance_ = tolerance;
+  double barrier_ = first_barrier, caution_ = least_caution;
+  bool predicted_ = false;  // function_ belongs to the last barrier and is only extrapolated to this one
+  std::vector<double> lambda_, y_, direction_, function_;
+  double z_ = 0.0;
+  const MmaSums* sums_ = nullptr;
 };
 
 void Solver::start() {
@@ -60,144 +78,133 @@ void Solver::start() {
   for (std::size_t i = 0; i < m_; ++i) {
     const double c = rows_.c[i], d = rows_.d[i], f = values_[i];
     lambda_[i] = f > 0.0 ? std::min(c + d * f, std::max(1.0, d * f)) : 0.0;
-    if (d <= 0.0) lambda_[i] = std::min(lambda_[i], c);
     pull += rows_.a[i] * lambda_[i];
   }
   if (pull > rows_.a0) {
     for (double& value : lambda_) value *= rows_.a0 / pull;
   }
   if (!variables_.start(lambda_)) throw NumericalError("MMA: a gradient is not finite");
+  evaluate(0.0);
 }
 
-void Solver::set_function(const MmaSums& sums) {
-  for (std::size_t i = 0; i < m_; ++i) function_[i] = values_[i] + sums.change[i];
+void Solver::evaluate(double t) {
+  sums_ = &variables_.evaluate(t, barrier_);
+  for (std::size_t i = 0; i < m_; ++i) function_[i] = values_[i] + sums_->change[i];
+}
+
+// y of row i: what its multiplier says, or without d, where the multiplier says nothing, the model.
+double Solver::artificial(std::size_t i) const {
+  return rows_.d[i] > 0.0 ? std::max(0.0, lambda_[i] - rows_.c[i]) / rows_.d[i] : y_[i];
 }
 
 double Solver::residual() const {
   double largest = 0.0;
   for (std::size_t i = 0; i < m_; ++i) {
-    const double y = rows_.d[i] > 0.0 ? elastic(i) : model_.y[i];
-    const double value = function_[i] - rows_.a[i] * model_.z - y;
+    const double value = function_[i] - rows_.a[i] * z_ - artificial(i);
     largest = std::max(largest, value > 0.0 ? value : -value * std::min(1.0, lambda_[i]));
   }
   return largest;
 }
 
-void Solver::set_direction(const std::vector<double>& matrix) {
-  const auto m = static_cast<int>(m_), stride = m + 1;
-  const int one = 1;
-  const double plus = 1.0;
-  std::vector<double> right = function_, from(m_), step(m_);
-  const double keep = keep_;
-  MmaRows shifted = rows_;
-  for (std::size_t i = 0; i < m_; ++i) {
-    from[i] = keep * lambda_[i];
-    step[i] = lambda_[i] - from[i];
-    shifted.a0 -= rows_.a[i] * from[i];
-    if (rows_.c[i] > 0.0) {
-      from[i] = std::min(from[i], keep * rows_.c[i]);
-      shifted.c[i] -= from[i];
-    } else {
-      right[i] -= from[i] / rows_.d[i];
-    }
-    step[i] = lambda_[i] - from[i];
-  }
-  dsymv_("L", &m, &plus, matrix.data(), &stride, step.data(), &one, &plus, right.data(), &one);
-  model_ = solve_row_model(matrix, m_ + 1, right, shifted);
-  for (std::size_t i = 0; i < m_; ++i) model_.lambda[i] += from[i];
-  if (!model_.converged) std::printf("*** model not converged\n");
-  for (std::size_t i = 0; i < m_; ++i) direction_[i] = model_.lambda[i] - lambda_[i];
-}
-
-// Derivative of the dual function along the direction.
+// Derivative of phi along the direction.
 double Solver::ascent() const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < m_; ++i) sum += direction_[i] * (function_[i] - elastic(i));
+  for (std::size_t i = 0; i < m_; ++i)
+    sum += direction_[i] * (function_[i] - (rows_.d[i] > 0.0 ? artificial(i) : 0.0));
   return sum;
 }
 
-MmaReport Solver::solve() {
-  start();
-  MmaReport report;
-  const MmaSums* sums = &variables_.evaluate(0.0, barrier_);
-  set_function(*sums);
-  bool stale = false;
-  while (m_ > 0) {
-    std::vector<double> matrix = sums->schur;
-    const std::vector<double> lambda = lambda_, base = function_;
-    double before = 0.0, t = 1.0;
-    bool first = true;
-    double after1 = 0, rbase = residual();
-    for (int cut = 0;; ++cut) {
-      function_ = base;
-      lambda_ = lambda;
-      set_direction(matrix);
-      before = ascent();
-      variables_.set_direction(direction_);
-      for (std::size_t i = 0; i < m_; ++i) lambda_[i] = lambda[i] + t * direction_[i];
-      sums = &variables_.evaluate(t, barrier_);
-      set_function(*sums);
-      const double after = ascent();
-      if (std::getenv("DBG"))
-        std::printf("%d barrier %g t %g ascent %g to %g residual %g\n", report.newton_steps, barrier_, t,
-                    before, after, residual());
-      if (after >= -overshoot * std::abs(before) || cut == cut_limit || residual() <= 1e-9) break;
-      first = false;
-      if (stale) {
-        t = 0.0;
-        lambda_ = lambda;
-        sums = &variables_.evaluate(0, barrier_);
-        set_function(*sums);
-        break;
-      }
-      static const double mode = P("MODE", 0);
-      if (mode == 0)
-        t *= std::clamp(before / (before - after), 0.1, 0.7);
-      else if (mode == 1) {
-        for (std::size_t i = 0; i < matrix.size(); ++i) matrix[i] += sums->schur[i];
-      } else {
-        std::vector<double> u(m_);
-        double dd = 0.0;
-        for (std::size_t i = 0; i < m_; ++i) {
-          double hd = 0.0;
-          for (std::size_t k = 0; k < m_; ++k)
-            hd += matrix[std::min(i, k) * (m_ + 1) + std::max(i, k)] * direction_[k];
-          u[i] = base[i] - function_[i] - hd;
-          dd += u[i] * direction_[i];
-        }
-        if (!(dd > 0)) std::printf("dd %g\n", dd);
-        for (std::size_t i = 0; i < m_; ++i)
-          for (std::size_t k = i; k < m_; ++k) matrix[i * (m_ + 1) + k] += u[i] * u[k] / dd;
-      }
+double Solver::ascent_rounding() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < m_; ++i) sum += std::abs(direction_[i] * function_[i]);
+  return rounding * sum;
+}
+
+void Solver::set_direction() {
+  const auto m = static_cast<int>(m_), stride = m + 1;
+  const int one = 1;
+  const double plus = 1.0;
+  std::vector<double> right = function_, least(m_);
+  dsymv_("L", &m, &plus, sums_->schur.data(), &stride, lambda_.data(), &one, &plus, right.data(), &one);
+  for (std::size_t i = 0; i < m_; ++i) {
+    least[i] = caution_ * (rows_.c[i] > 0.0 ? std::min(lambda_[i], rows_.c[i]) : lambda_[i]);
+  }
+  const MmaMultipliers model = solve_row_model(sums_->schur, m_ + 1, right, rows_, least);
+
+  // Ranks must not drift apart, on whatever processors they run: all follow rank 0.
+  std::vector<double> message = model.lambda;
+  message.insert(message.end(), model.y.begin(), model.y.end());
+  message.push_back(model.z);
+  MPI_Bcast(message.data(), static_cast<int>(message.size()), MPI_DOUBLE, 0, comm_);
+  for (const double value : message) {
+    if (!std::isfinite(value)) throw NumericalError("MMA: the equations of the rows have no finite solution");
+  }
+  for (std::size_t i = 0; i < m_; ++i) {
+    direction_[i] = message[i] - lambda_[i];
+    y_[i] = message[m_ + i];
+  }
+  z_ = message[2 * m_];
+  variables_.set_direction(direction_);
+}
+
+// Goes along the direction, where phi is concave, until it no longer rises or does not fall too steeply;
+// steps that go too far are cut to where the slope would vanish if it were linear. Returns whether the first
+// step was good.
+bool Solver::search() {
+  const std::vector<double> start = lambda_;
+  const double before = std::abs(ascent());
+  double t = 1.0;
+  for (int cut = 0;; ++cut) {
+    for (std::size_t i = 0; i < m_; ++i) lambda_[i] = start[i] + t * direction_[i];
+    evaluate(t);
+    const double after = ascent();
+    const bool good = after >= -overshoot * before - ascent_rounding() || residual() <= tolerance_;
+    if (good || cut == cut_limit) {
+      variables_.advance(t);
+      return good && cut == 0;
     }
-    stale = false;
-    variables_.advance(t);
+    if (predicted_) {  // perhaps the start was not what it seemed
+      lambda_ = start;
+      evaluate(0.0);
+      return false;
+    }
+    t *= std::clamp(before / (before - after), 0.1, 0.7);
+  }
+}
+
+// The rows' values follow to first order, which saves a pass over the variables.
+void Solver::lower_barrier() {
+  const double next =
+      std::max(final_barrier, std::min(barrier_factor * barrier_, std::pow(barrier_, barrier_power)));
+  for (std::size_t i = 0; i < m_; ++i) {
+    function_[i] += (next - barrier_) * (sums_->wall[i] + sums_->schur[i * (m_ + 1) + m_]);
+  }
+  predicted_ = next != barrier_;
+  barrier_ = next;
+}
+
+MmaReport Solver::solve() {
+  MmaReport report;
+  if (m_ == 0) barrier_ = final_barrier;
+  start();
+  while (m_ > 0) {
+    set_direction();
+    const bool good = search();
+    predicted_ = false;
     ++report.newton_steps;
     report.kkt_residual = residual();
-    if (barrier_ <= final_barrier && report.kkt_residual <= 1e-9) break;
-    if (report.newton_steps == step_limit) throw NumericalError("MMA: the subproblem does not converge");
-    static const double kmin = P("KEEP", 0.01), kmax = P("KMAX", 0.9);
-    if (P("RE",0) == 0) keep_ = first ? std::max(kmin, keep_ * keep_) : std::min(kmax, std::sqrt(keep_));
-    else if (first) keep_ =  std::max(kmin, keep_ * keep_);
-    static const double lowc = P("LC", 1e9);
-    after1 = ascent();
-    (void)rbase;
-    if (t > 0.9 && first && std::abs(after1) <= lowc * std::abs(before)) {
-      static const double fac = P("FAC", 0.1), ex = P("EX", 1.5);
-      const double old = barrier_;
-      barrier_ = std::max(final_barrier, std::min(fac * barrier_, std::pow(barrier_, ex)));
-      stale = barrier_ != old;
-      variables_.scale_ = variables_.free_ > 0 ? sums->slope / variables_.free_ : 1.0;
-      if (P("PRED", 1))
-        for (std::size_t i = 0; i < m_; ++i)
-          function_[i] += (barrier_ - old) * (sums->wall[i] + sums->schur[i * (m_ + 1) + m_]);
+    if (barrier_ == final_barrier && report.kkt_residual <= tolerance_) break;
+    if (report.newton_steps == step_limit) {
+      throw NumericalError("MMA: the subproblem has not converged after " + std::to_string(step_limit) +
+                           " steps, residual " + std::to_string(report.kkt_residual));
     }
+    caution_ =
+        good ? std::max(least_caution, caution_ * caution_) : std::min(most_caution, std::sqrt(caution_));
+    if (good) lower_barrier();
   }
-  if (m_ == 0) variables_.evaluate(0.0, final_barrier);
   report.multipliers = lambda_;
   for (std::size_t i = 0; i < m_; ++i)
-    report.largest_violation =
-        std::max(report.largest_violation, rows_.d[i] > 0.0 ? elastic(i) : model_.y[i]);
+    report.largest_violation = std::max(report.largest_violation, artificial(i));
   return report;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 extern "C" void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
                        const double* a, const int* lda, const double* beta, double* c, const int* ldc);
@@ -31,9 +30,9 @@ MmaBox::MmaBox(std::size_t local)
 struct MmaVariables::Block {
   std::size_t count = 0;
   BlockArray upper, lower, alpha, beta, curvature, v;
-  BlockArray ratio;                  // S / (2 T), from -1 to 1: it alone decides v
-  BlockArray width, inverse, share;  // width, 1 / T, barrier of this variable
-  BlockArray even, bulge;            // e and 0.501 h
+  BlockArray ratio;           // S / (2 T), from -1 to 1: it alone decides v
+  BlockArray width, inverse;  // width and 1 / T
+  BlockArray even, bulge;     // e and 0.501 h
   BlockArray even_slope, bulge_slope,
       curvature_slope;  // derivatives of e, 0.501 h, curvature h, over sqrt(D)
   BlockArray kappa;     // -d2psi/(dv dbarrier), over sqrt(D)
@@ -41,15 +40,15 @@ struct MmaVariables::Block {
   double curvature_change = 0.0,
          curvature_wall = 0.0;  // sums of curvature h and its derivative, the same for all rows
 
-  void minimize();
-  double approach();
+  void minimize(double barrier);
+  double approach(double barrier);
   void expand(double barrier);
 };
 
 // One step of all variables to their minimizer: what is left after taking away the barrier of the nearer
 // bound is taken as linear, and the quadratic equation for the distance from this bound solved. Returns the
 // largest step.
-double MmaVariables::Block::approach() {
+double MmaVariables::Block::approach(double barrier) {
   BlockArray step{};
   for (std::size_t k = 0; k < count; ++k) {
     const double above = upper[k] / (upper[k] - v[k]), below = lower[k] / (lower[k] + v[k]);
@@ -57,12 +56,12 @@ double MmaVariables::Block::approach() {
     const double from_alpha = v[k] - alpha[k], from_beta = beta[k] - v[k];
     const bool at_alpha = from_alpha < from_beta;
     const double near = at_alpha ? from_alpha : from_beta, far = at_alpha ? from_beta : from_alpha;
-    const double pull = share[k] / far;
+    const double pull = barrier / far;
     const double value = (at_alpha ? up - down : down - up) + pull;
     const double slope = 2.0 * (up * above / upper[k] + down * below / lower[k]) + pull / far;
     const double linear = value - slope * near;
-    const double root = std::sqrt(linear * linear + 4.0 * slope * share[k]) + std::abs(linear);
-    const double wanted = linear > 0.0 ? 2.0 * share[k] / root : root / (2.0 * slope);
+    const double root = std::sqrt(linear * linear + 4.0 * slope * barrier) + std::abs(linear);
+    const double wanted = linear > 0.0 ? 2.0 * barrier / root : root / (2.0 * slope);
     const double distance = std::min(wanted, near + 0.9 * far);
     const double next = at_alpha ? alpha[k] + distance : beta[k] - distance;
     step[k] = std::abs(next - v[k]);
@@ -71,9 +70,9 @@ double MmaVariables::Block::approach() {
   return *std::max_element(step.begin(), step.end());
 }
 
-void MmaVariables::Block::minimize() {
+void MmaVariables::Block::minimize(double barrier) {
   for (int i = 0; i < step_iterations; ++i) {
-    if (!(approach() > step_tolerance)) return;
+    if (!(approach(barrier) > step_tolerance)) return;
   }
 }
 
@@ -85,13 +84,13 @@ void MmaVariables::Block::expand(double barrier) {
     const double up = 1.0 / (v[k] - alpha[k]), down = 1.0 / (beta[k] - v[k]);
     const double diagonal =
         2.0 * ((1.0 + ratio[k]) * da * above / upper[k] + (1.0 - ratio[k]) * db * below / lower[k]) +
-        share[k] * (up * up + down * down);
+        barrier * (up * up + down * down);
     const double root = std::sqrt(width[k] * inverse[k] / diagonal);
     const double slope = da - db - barrier * (up - down);
     even_slope[k] = 0.5 * (da + db) * root;
     bulge_slope[k] = bulge_factor * slope * root;
     curvature_slope[k] = curvature[k] * slope * root;
-    kappa[k] = (up - down) * root / inverse[k] * (share[k] / barrier);
+    kappa[k] = (up - down) * root / inverse[k];
     even[k] = 0.5 * (a + b) * width[k];
     bulge[k] = bulge_factor * (a - b) * width[k];
   }
@@ -106,7 +105,7 @@ void MmaVariables::Block::expand(double barrier) {
 }
 
 MmaVariables::MmaVariables(MPI_Comm comm, const MmaBox& box, std::span<const double> objective_gradient,
-                           std::span<const std::vector<double>> gradients)
+                           std::span<const std::span<const double>> gradients)
     : comm_(comm), box_(box), objective_gradient_(objective_gradient), gradients_(gradients) {
   for (auto* vector : {&v_, &plain_, &curved_, &plain_direction_, &curved_direction_})
     vector->assign(box.size(), 0.0);
@@ -122,15 +121,7 @@ bool MmaVariables::start(std::span<const double> lambda) {
   for (std::size_t j = 0; j < box_.size(); ++j) v_[j] = 0.5 * (box_.alpha[j] + box_.beta[j]);
   const bool finite =
       std::all_of(curved_.begin(), curved_.end(), [](double value) { return std::isfinite(value); });
-  double tot[3] = {0, 0, finite ? 0. : 1.};
-  for (std::size_t j = 0; j < box_.size(); ++j) {
-    tot[0] += box_.width[j] * curved_[j];
-    tot[1] += box_.width[j] > 0;
-  }
-  sum_in_place(comm_, tot);
-  scale_ = tot[1] > 0 ? tot[0] / tot[1] : 1.0;
-  free_ = tot[1];
-  return tot[2] == 0.0;
+  return !any(comm_, !finite);
 }
 
 void MmaVariables::set_direction(std::span<const double> lambda_direction) {
@@ -177,12 +168,11 @@ const MmaSums& MmaVariables::evaluate(double t, double barrier) {
   std::fill(sums_.schur.begin(), sums_.schur.end(), 0.0);
   std::fill(sums_.change.begin(), sums_.change.end(), 0.0);
   std::fill(sums_.wall.begin(), sums_.wall.end(), 0.0);
-  sums_.slope = 0;
   Block block;
   for (std::size_t begin = 0; begin < box_.size(); begin += block_size) {
     block.count = std::min(block_size, box_.size() - begin);
-    load(begin, t, barrier, block);
-    block.minimize();
+    load(begin, t, block);
+    block.minimize(barrier);
     block.expand(barrier);
     std::copy_n(block.v.begin(), block.count, v_.begin() + static_cast<std::ptrdiff_t>(begin));
     add_rows(begin, block);
@@ -194,7 +184,7 @@ const MmaSums& MmaVariables::evaluate(double t, double barrier) {
   return sums_;
 }
 
-void MmaVariables::load(std::size_t begin, double t, double barrier, Block& block) {
+void MmaVariables::load(std::size_t begin, double t, Block& block) const {
   for (std::size_t k = 0; k < block.count; ++k) {
     const std::size_t j = begin + k;
     const double curved = curved_[j] + t * curved_direction_[j];
@@ -202,12 +192,6 @@ void MmaVariables::load(std::size_t begin, double t, double barrier, Block& bloc
     block.ratio[k] = std::clamp(0.5 * (plain_[j] + t * plain_direction_[j]) / curved, -1.0, 1.0);
     block.inverse[k] = 1.0 / curved;
     block.width[k] = box_.width[j];
-    static const double ab = std::getenv("AB") ? atof(std::getenv("AB")) : 1.0,
-                        ax = std::getenv("AX") ? atof(std::getenv("AX")) : 1.0;
-    block.share[k] =
-        barrier +
-        (box_.width[j] > 0.0 ? ab * std::pow(barrier, ax) * scale_ * block.inverse[k] / box_.width[j] : 0.0);
-    sums_.slope += box_.width[j] * curved;
     block.upper[k] = box_.upper_distance[j];
     block.lower[k] = box_.lower_distance[j];
     block.alpha[k] = box_.alpha[j];
@@ -259,7 +243,6 @@ void MmaVariables::reduce() {
   }
   message_.insert(message_.end(), sums_.change.begin(), sums_.change.end());
   message_.insert(message_.end(), sums_.wall.begin(), sums_.wall.end());
-  message_.push_back(sums_.slope);
   sum_in_place(comm_, message_);
 
   const double* next = message_.data();
@@ -268,7 +251,40 @@ void MmaVariables::reduce() {
   }
   for (double& value : sums_.change) value = *next++;
   for (double& value : sums_.wall) value = *next++;
-  sums_.slope = *next++;
+}
+
+// Rows are convex in each variable and so largest at one of its ends.
+std::vector<double> largest_changes(MPI_Comm comm, const MmaBox& box,
+                                    std::span<const std::span<const double>> gradients) {
+  constexpr std::size_t block_size = 512;
+  std::vector<double> changes(gradients.size());
+  std::array<double, block_size> even_up, bulge_up, even_down, bulge_down, curvature, change;
+  for (std::size_t begin = 0; begin < box.size(); begin += block_size) {
+    const std::size_t count = std::min(block_size, box.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t j = begin + k;
+      const auto set = [&](double v, double& even, double& bulge) {
+        const double a = v * box.upper_distance[j] / (box.upper_distance[j] - v);
+        const double b = v * box.lower_distance[j] / (box.lower_distance[j] + v);
+        even = 0.5 * (a + b) * box.width[j];
+        bulge = (a - b) * box.width[j];
+      };
+      set(box.beta[j], even_up[k], bulge_up[k]);
+      set(box.alpha[j], even_down[k], bulge_down[k]);
+      curvature[k] = box.curvature[j];
+    }
+    for (std::size_t i = 0; i < gradients.size(); ++i) {
+      const double* gradient = gradients[i].data() + begin;
+      for (std::size_t k = 0; k < count; ++k) {
+        const double size = bulge_factor * std::abs(gradient[k]) + curvature[k];
+        change[k] = std::max(gradient[k] * even_up[k] + size * bulge_up[k],
+                             gradient[k] * even_down[k] + size * bulge_down[k]);
+      }
+      for (std::size_t k = 0; k < count; ++k) changes[i] += change[k];
+    }
+  }
+  sum_in_place(comm, changes);
+  return changes;
 }
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 #include "fabseq/process/process_simulation.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/log_event.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +44,8 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, int 
 
 template <int Dim>
 LaneVector ProcessSimulation<Dim>::loads(const LayerDensities& densities, int first, int lanes) const {
+  static const LogEvent event("fabseq loads");
+  const auto scope = event.enter();
   const Grid<Dim>& grid = model_.part.grid();
   LaneVector owned(static_cast<int>(grid.owned_nodes().count()), Dim, lanes);
   LaneVector ghosted(static_cast<int>(grid.ghosted_nodes().count()), Dim, lanes);
@@ -121,6 +124,8 @@ template <int Dim>
 void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, int first,
                                              const LaneVector& increments, const LaneVector& adjoints,
                                              DensityDerivatives& derivatives) const {
+  static const LogEvent event("fabseq derivatives");
+  const auto scope = event.enter();
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const int lanes = increments.lanes;

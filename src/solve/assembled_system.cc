@@ -1,5 +1,6 @@
 #include "fabseq/solve/assembled_system.h"
 
+#include "fabseq/base/log_event.h"
 #include "fabseq/solve/interpolation.h"
 
 #include <algorithm>
@@ -177,6 +178,8 @@ void AssembledSystem<Dim>::set_up_direct(PC pc) {
 
 template <int Dim>
 void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
+  static const LogEvent event("fabseq set-up");
+  const auto scope = event.enter();
   const auto& grid = numbering_->grid();
   constexpr int corners = corner_count<Dim>;
   const std::size_t entries = terms.begin()->matrix.size();
@@ -207,6 +210,8 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
 
 template <int Dim>
 SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<double> solution) {
+  static const LogEvent event("fabseq solve");
+  const auto scope = event.enter();
   const int block = numbering_->components();
   const auto& nodes = numbering_->owned_nodes();
   PetscScalar* values = nullptr;
@@ -231,9 +236,12 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
 
   const PetscScalar* result = nullptr;
   check(VecGetArrayRead(solution_, &result));
+  // Aggregates couple a node's components: rounding reaches fixed ones, too.
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int c = 0; c < block; ++c)
-      solution[static_cast<std::size_t>(nodes[i]) * block + c] = result[i * block + c];
+    for (int c = 0; c < block; ++c) {
+      const std::size_t unknown = static_cast<std::size_t>(nodes[i]) * block + c;
+      solution[unknown] = domain_.fixed[unknown] != 0 ? 0.0 : result[i * block + c];
+    }
   check(VecRestoreArrayRead(solution_, &result));
   return report;
 }

@@ -104,6 +104,9 @@ def write_run(directory, name, density, size, count=12, planar_count=10, iterati
         json.dump(summary, file, indent=1)
     config = {"name": name, "domain": {"size": list(size), "elements": list(counts)},
               "build_plate": "z-" if dimension == 3 else "y-",
+              "node_sets": {"top_edge": {"box": {"min": [size[0], *[0.0] * (dimension - 2), top], "max": list(size)}}},
+              "objective": [{"type": "distortion", "measure": "displacement", "nodes": "top_edge", "mean": False},
+                            {"type": "layer_uniformity"}],
               "constraints": [{"type": "layer_thickness", "target": target, "tolerance": 0.1}]}
     with open(os.path.join(directory, "config.json"), "w", encoding="utf-8") as file:
         json.dump(config, file, indent=1)

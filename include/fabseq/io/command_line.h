@@ -21,6 +21,7 @@ struct CommandLine {
   std::optional<std::string> design_file;  ///< -design
   bool overwrite = false;                  ///< -overwrite
   bool help = false, version = false;
+  bool help_markdown = false;  ///< -help_markdown: print reference_table()
   /// -set and flat options in order: dotted path of a config key and the text of its value.
   std::vector<std::pair<std::string, std::string>> overrides;
   std::vector<std::string> petsc_arguments;  ///< argv[0] and all that is not fabseq's own
@@ -28,7 +29,8 @@ struct CommandLine {
 };
 
 /// Takes fabseq's options out of argv. Throws InputError for an unknown -task, a missing value, a word that
-/// belongs to no option, or no -config (unless -help or -version is given). Needs neither MPI nor PETSc.
+/// belongs to no option, or no -config (unless -help, -help_markdown or -version is given). Needs neither MPI
+/// nor PETSc.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
 /// Puts a value into a config. `path`: keys joined by dots; entries of lists by index, or by their "type"

@@ -9,6 +9,8 @@
 
 namespace fabseq {
 
+struct MmaBox;
+
 /// Asymptotes of Svanberg 1987; distances are fractions of a variable's range.
 struct MmaSettings {
   double asymptote_initial = 0.5;
@@ -72,6 +74,9 @@ class Mma {
  private:
   void move_asymptotes(std::span<const double> x, std::span<const double> lower,
                        std::span<const double> upper);
+
+  MmaBox box(std::span<const double> x, std::span<const double> lower, std::span<const double> upper,
+             double move_limit) const;
 
   MPI_Comm comm_;
   MmaSettings settings_;

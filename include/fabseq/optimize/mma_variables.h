@@ -28,11 +28,10 @@ struct MmaBox {
 /// Sums over all variables of all ranks where the variables minimize the Lagrangian.
 /// G = dg/dv (m rows, n columns); D is the diagonal matrix of the Lagrangian's second derivatives.
 struct MmaSums {
-  std::vector<double> schur;  ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the
-                              ///< last row is what moving v adds to dg/dbarrier
+  std::vector<double> schur;   ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the
+                               ///< last row is what moving v adds to dg/dbarrier
   std::vector<double> change;  ///< g_i(v) - f_i, one a row
-  std::vector<double> wall;
-  double slope = 0;  ///< dg_i/dbarrier at constant v, one a row
+  std::vector<double> wall;    ///< dg_i/dbarrier at constant v, one a row
 };
 
 /// The variables of the subproblem as functions of the rows' multipliers.
@@ -51,7 +50,7 @@ struct MmaSums {
 class MmaVariables {
  public:
   MmaVariables(MPI_Comm comm, const MmaBox& box, std::span<const double> objective_gradient,
-               std::span<const std::vector<double>> gradients);
+               std::span<const std::span<const double>> gradients);
 
   /// Takes the rows' multipliers to begin with. False, on all ranks, if a gradient is not finite.
   bool start(std::span<const double> lambda);
@@ -67,20 +66,20 @@ class MmaVariables {
   std::span<const double> step() const { return v_; }
 
  private:
-  static constexpr std::size_t block_size = 256;  // (m + 1) x block_size doubles stay in the cache
+  static constexpr std::size_t block_size = 512;  // (m + 1) x block_size doubles stay in the cache
   using BlockArray = std::array<double, block_size>;
   struct Block;
 
   void combine(std::span<const double> lambda, double objective, std::vector<double>& plain,
                std::vector<double>& curved) const;
-  void load(std::size_t begin, double t, double barrier, Block& block);
+  void load(std::size_t begin, double t, Block& block) const;
   void add_rows(std::size_t begin, const Block& block);
   void reduce();
 
   MPI_Comm comm_;
   const MmaBox& box_;
   std::span<const double> objective_gradient_;
-  std::span<const std::vector<double>> gradients_;
+  std::span<const std::span<const double>> gradients_;
 
   std::vector<double> v_, plain_, curved_, plain_direction_, curved_direction_;  // v, S, T, dS, dT
   std::vector<double> scaled_rows_;  // block_size x (m + 1), by columns
@@ -90,5 +89,10 @@ class MmaVariables {
  public:
   double scale_ = 1.0, free_ = 0.0;
 };
+
+/// How far above f_i each row's approximation may get anywhere in the box; one a row, the same on all ranks.
+/// Collective.
+std::vector<double> largest_changes(MPI_Comm comm, const MmaBox& box,
+                                    std::span<const std::span<const double>> gradients);
 
 }  // namespace fabseq

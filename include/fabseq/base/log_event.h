@@ -1,0 +1,43 @@
+/// \file
+/// PETSc log events: a line each in -log_view, within the stage of their phase.
+#pragma once
+
+#include "fabseq/base/petsc.h"
+
+namespace fabseq {
+
+/// A kind of work that -log_view reports by name. Make one at first use, as a static of the function that
+/// does the work.
+class LogEvent {
+ public:
+  /// Registers the event; PETSc must be initialized.
+  explicit LogEvent(const char* name) {
+    check(PetscLogEventGetId(name, &event_));
+    if (event_ < 0) check(PetscLogEventRegister(name, KSP_CLASSID, &event_));
+  }
+
+  /// What happens from construction to destruction belongs to the event.
+  class Scope {
+   public:
+    explicit Scope(PetscLogEvent event) : event_(event) {
+      check(PetscLogEventBegin(event_, nullptr, nullptr, nullptr, nullptr));
+    }
+    ~Scope() { (void)end(); }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    PetscErrorCode end() const {
+      PetscFunctionBegin;
+      PetscCall(PetscLogEventEnd(event_, nullptr, nullptr, nullptr, nullptr));
+      PetscFunctionReturn(0);
+    }
+    PetscLogEvent event_;
+  };
+  [[nodiscard]] Scope enter() const { return Scope(event_); }
+
+ private:
+  PetscLogEvent event_ = -1;
+};
+
+}  // namespace fabseq

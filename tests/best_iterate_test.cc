@@ -1,0 +1,84 @@
+/// Which design a run keeps.
+#include "fabseq/optimize/best_iterate.h"
+
+#include <gtest/gtest.h>
+
+namespace fabseq {
+namespace {
+
+ProblemValues values(double merit, double worst_constraint) {
+  ProblemValues result;
+  result.merit = merit;
+  result.worst_constraint = worst_constraint;
+  return result;
+}
+
+/// Offers iterates with the iteration number as design.
+class BestIterateTest : public testing::Test {
+ protected:
+  void offer(int iteration, double beta, double merit, double worst_constraint) {
+    best_.offer(iteration, beta, values(merit, worst_constraint), {static_cast<double>(iteration)});
+  }
+  void expect(int iteration) {
+    EXPECT_EQ(best_.iteration(), iteration);
+    EXPECT_EQ(best_.design(), std::vector<double>{static_cast<double>(iteration)});
+  }
+  BestIterate best_;
+};
+
+TEST_F(BestIterateTest, BeginsWithNone) {
+  EXPECT_EQ(best_.iteration(), 0);
+  EXPECT_TRUE(best_.design().empty());
+}
+
+TEST_F(BestIterateTest, KeepsTheFirstWhateverItIs) {
+  offer(1, 10.0, 1e9, 0.8);
+  expect(1);
+  EXPECT_FALSE(best_.feasible());
+  EXPECT_EQ(best_.worst_constraint(), 0.8);
+}
+
+TEST_F(BestIterateTest, FeasibleBeatsInfeasible) {
+  offer(1, 10.0, 1.0, 0.1);
+  offer(2, 10.0, 50.0, -0.01);
+  expect(2);
+  EXPECT_TRUE(best_.feasible());
+  offer(3, 10.0, 0.5, 1e-6);
+  expect(2);
+}
+
+TEST_F(BestIterateTest, SmallerMeritWinsAmongFeasible) {
+  offer(1, 10.0, 5.0, -0.5);
+  offer(2, 10.0, 4.0, 0.0);  // on the bound is feasible
+  expect(2);
+  offer(3, 10.0, 4.5, -0.9);
+  expect(2);
+  offer(4, 10.0, -30.0, -0.1);  // merits may be negative: logarithms
+  expect(4);
+}
+
+TEST_F(BestIterateTest, SmallerViolationWinsAmongInfeasible) {
+  offer(1, 10.0, 1.0, 0.3);
+  offer(2, 10.0, 9.0, 0.2);
+  expect(2);
+  offer(3, 10.0, 0.1, 0.25);
+  expect(2);
+}
+
+TEST_F(BestIterateTest, AnotherSharpnessStartsOver) {
+  offer(1, 10.0, 1.0, -0.1);
+  offer(2, 15.0, 100.0, 0.4);
+  expect(2);
+  EXPECT_EQ(best_.beta(), 15.0);
+  offer(3, 15.0, 200.0, 0.3);
+  expect(3);
+}
+
+TEST_F(BestIterateTest, EqualOnesKeepTheEarlier) {
+  offer(1, 10.0, 1.0, -0.1);
+  offer(2, 10.0, 1.0, -0.2);
+  expect(1);
+}
+
+}  // namespace
+}  // namespace fabseq

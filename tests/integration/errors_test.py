@@ -1,0 +1,294 @@
+"""Bad input: exit status 2 on every rank, one line that names the key, what was found and what is allowed, nothing written."""
+
+import os
+import time
+
+import numpy as np
+
+import run_fabseq
+from run_fabseq import BAD_INPUT, DONE, FabseqTest, OUTPUT_FAILURE, PROGRAM
+from small_parts import hook_3d, plate_2d, write_voxels
+
+
+class BadInputTest(FabseqTest):
+    rank_counts = (1, 3)
+
+    def assert_refused(self, config, *arguments, words, timeout=None, status=BAD_INPUT, **options):
+        """The run must be refused with one line that holds all `words`, and leave the working directory as it was."""
+        path = config if isinstance(config, str) else self.write_config(config)
+        before = self.tree()
+        for ranks in self.rank_counts:
+            with self.subTest(ranks=ranks, words=words):
+                result = self.run_program(ranks, "-config", path, *arguments, timeout=timeout, **options)
+                self.assertEqual(result.status, status, str(result))
+                self.assertEqual(result.stdout.strip(), "", str(result))
+                messages = result.messages()
+                self.assertEqual(len(messages), 1, str(result))
+                self.assertTrue(messages[0].startswith("fabseq: "), str(result))
+                for word in words:
+                    self.assertIn(word, messages[0])
+                self.assertEqual(self.tree(), before, "a refused run has touched files")
+
+
+class ConfigErrorsTest(BadInputTest):
+    def test_unknown_key_names_the_nearest(self):
+        config = plate_2d()
+        config["projection"] = {"bta": 3}
+        self.assert_refused(config, words=["/projection/bta", "unknown key", '"beta"'])
+
+    def test_unknown_path_of_set(self):
+        self.assert_refused(plate_2d(), "-set", "layers.cuont=3", words=["/layers/cuont", '"count"'])
+        self.assert_refused(plate_2d(), "-set", "objective.7.weight=3", words=["/objective/7", "0 to 1"])
+        self.assert_refused(plate_2d(), "-set", "layers", words=["-set", "layers", "path.to.key=VALUE"])
+
+    def test_wrong_type(self):
+        self.assert_refused(plate_2d(), "-layers", "many", words=["/layers/count", '"many"', "integer >= 1"])
+        self.assert_refused(plate_2d(), "-set", "domain.size=[2,1,2]", words=["/domain", "[2,1,2]", "2 numbers"])
+
+    def test_out_of_range(self):
+        self.assert_refused(plate_2d(), "-poisson", "0.5", words=["/material/poisson", "found 0.5", "(-1, 0.5)"])
+        self.assert_refused(plate_2d(), "-layers", "0", words=["/layers/count", "found 0", ">= 1"])
+
+    def test_missing_key(self):
+        config = plate_2d()
+        del config["layers"]
+        self.assert_refused(config, words=["/layers", "missing"])
+
+    def test_config_that_is_no_json(self):
+        path = self.write_config('{"name": "plate",\n "domain": }')
+        self.assert_refused(path, words=["case.json", "2"])
+
+    def test_missing_config_file(self):
+        self.assert_refused("nowhere.json", words=["-config", "nowhere.json", "No such file"])
+        self.assert_refused(self.directory, words=["-config", "is a directory"])
+
+    def test_no_config(self):
+        for ranks in self.rank_counts:
+            result = self.run_program(ranks)
+            self.assertEqual(result.status, BAD_INPUT, str(result))
+            self.assertEqual(len(result.messages()), 1, str(result))
+            self.assertIn("-config: missing", result.messages()[0])
+
+    def test_unknown_node_set(self):
+        config = plate_2d()
+        config["objective"][0]["nodes"] = "topp"
+        self.assert_refused(config, words=["/objective/0/nodes", '"topp"', '"top"'])
+
+    def test_unknown_task(self):
+        self.assert_refused(plate_2d(), "-task", "optimise", words=["-task", '"optimise"', "optimize", "check_gradients"])
+
+    def test_options_of_later_versions(self):
+        for option, value in (("-restart", "auto"), ("-layer_groups", "2")):
+            self.assert_refused(plate_2d(), option, value, words=[option, "not available"])
+
+    def test_word_that_belongs_to_no_option(self):
+        self.assert_refused(plate_2d(), "stray", words=['"stray"'])
+
+    def test_features_of_later_versions_are_not_ignored(self):
+        config = plate_2d()
+        config["objective"][0]["after_release"] = True
+        self.assert_refused(config, words=["/objective/0/after_release"])
+
+    def test_task_without_anything_to_vary(self):
+        self.assert_refused(plate_2d(), "-set", 'sequence={"type": "planar"}', words=["/sequence/type", "planar", "heat"])
+
+
+class PartErrorsTest(BadInputTest):
+    def test_empty_part(self):
+        config = plate_2d()
+        config["part"] = {"box": {"min": [3, 3], "max": [4, 4]}}
+        self.assert_refused(config, words=["/part", "no element"])
+
+    def hanging_blocks(self):
+        """A wall, a block of 4 x 2 elements 0.3 above the plate and one element in the air."""
+        config = plate_2d()
+        config["part"] = {"union": [{"box": {"min": [0, 0], "max": [1.0, 1.2]}},
+                                    {"box": {"min": [1.4, 0.3], "max": [1.8, 0.5]}},
+                                    {"box": {"min": [1.2, 0.8], "max": [1.3, 0.9]}}]}
+        return config
+
+    def test_hanging_pieces_are_listed(self):
+        self.assert_refused(self.hanging_blocks(), words=["/part", "2 pieces", "8 elements in [1.4,0.3]..[1.8,0.5]",
+                                                          "1 element in [1.2,0.8]..[1.3,0.9]", "part.keep"])
+
+    def test_hanging_pieces_are_dropped_with_a_warning(self):
+        config = self.hanging_blocks()
+        config["part"]["keep"] = "connected"
+        for ranks in self.rank_counts:
+            result = self.run_config(ranks, config, "-max_iterations", 1)
+            self.assert_done(result)
+            messages = result.messages()
+            self.assertEqual(len(messages), 1, str(result))
+            self.assertTrue(messages[0].startswith("warning: /part: 2 pieces"), str(result))
+            self.assertEqual(result.json("summary.json")["part_elements"], 120)
+
+    def test_pieces_that_touch_at_an_edge_only_are_not_connected(self):
+        config = hook_3d()
+        config["part"] = {"union": [{"box": {"min": [0, 0, 0], "max": [0.8, 0.8, 0.8]}},
+                                    {"box": {"min": [0.8, 0, 0.8], "max": [1.6, 0.8, 1.6]}}]}
+        self.assert_refused(config, words=["/part", "1 piece", "64 elements in [0.8,0,0.8]..[1.6,0.8,1.6]"])
+
+    def test_no_contact_with_the_plate(self):
+        config = plate_2d()
+        config["part"] = {"box": {"min": [0, 0.3], "max": [2, 1.2]}}
+        self.assert_refused(config, words=["/build_plate", "y-", "180 elements in [0,0.3]..[2,1.2]"])
+
+    def test_node_set_without_nodes(self):
+        config = plate_2d()
+        config["node_sets"]["far"] = {"box": {"min": [5, 5], "max": [6, 6]}}
+        self.assert_refused(config, words=["/node_sets/far", "no node"])
+
+    def test_more_samples_than_nodes(self):
+        config = plate_2d()
+        config["node_sets"]["top"]["samples"] = 500
+        self.assert_refused(config, words=["/node_sets/top/samples", "500", "21"])
+
+    def test_too_large_for_the_indices(self):
+        config = hook_3d()
+        config["domain"]["elements"] = [100000, 100000, 100000]
+        start = time.monotonic()
+        self.assert_refused(config, words=["/domain/elements", "100000"], timeout=60)
+        self.assertLess(time.monotonic() - start, 60)
+
+
+class FileErrorsTest(BadInputTest):
+    def voxel_config(self, **voxels):
+        config = plate_2d()
+        config["part"] = {"voxels": {"file": "part.h5", **voxels}}
+        return config
+
+    def write_part(self, density, **options):
+        write_voxels(os.path.join(self.directory, "part.h5"), density, **options)
+
+    def test_missing_voxel_file(self):
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/file", "part.h5", "No such file"])
+
+    def test_voxel_file_that_is_no_hdf5(self):
+        with open(os.path.join(self.directory, "part.h5"), "w", encoding="utf-8") as file:
+            file.write("solid part\n")
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/file", "part.h5"])
+
+    def test_missing_voxel_dataset(self):
+        self.write_part(np.ones((12, 20)))
+        self.assert_refused(self.voxel_config(dataset="rho"), words=["/part/voxels/dataset", "rho"])
+
+    def test_wrong_voxel_shape(self):
+        self.write_part(np.ones((20, 12)))
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "20", "12"])
+        self.write_part(np.ones((3, 12, 20)))
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset"])
+
+    def test_voxels_that_are_no_densities(self):
+        density = np.ones((12, 20))
+        density[3, 4] = np.nan
+        self.write_part(density)
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "1 value"])
+        density[3, 4] = 1.5
+        self.write_part(density)
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "1.5"])
+
+    def test_empty_voxel_part(self):
+        self.write_part(np.full((12, 20), 0.3))
+        self.assert_refused(self.voxel_config(threshold=0.5), words=["/part", "no element", "threshold"])
+
+    def test_design_file(self):
+        evaluate = ("-task", "evaluate", "-design", "design.h5")
+        self.assert_refused(plate_2d(), *evaluate, words=["-design", "design.h5"])
+        path = os.path.join(self.directory, "design.h5")
+        write_voxels(path, np.ones((3, 3)), dataset="design")
+        self.assert_refused(plate_2d(), *evaluate, words=["-design: dataset 'design'", "[3,3]", "[12,20]"])
+        write_voxels(path, np.full((12, 20), 7.0), dataset="design")
+        self.assert_refused(plate_2d(), *evaluate, words=["-design", "/sequence/bounds"])
+
+    def test_time_file(self):
+        config = plate_2d()
+        config["sequence"] = {"type": "file", "file": "time.h5"}
+        del config["objective"][1], config["constraints"]
+        self.assert_refused(config, "-task", "simulate", words=["/sequence/file", "time.h5"])
+        write_voxels(os.path.join(self.directory, "time.h5"), np.full((12, 20), -3.0), dataset="time")
+        self.assert_refused(config, "-task", "simulate", words=["/sequence", "time.h5"])
+
+
+class OutputDirectoryTest(BadInputTest):
+    def test_a_run_is_not_overwritten(self):
+        output = os.path.join(self.directory, "kept")
+        first = self.run_config(1, plate_2d(), "-max_iterations", 1, output=output)
+        self.assert_done(first)
+        for task in ("optimize", "simulate", "evaluate", "check_gradients"):
+            self.assert_refused(plate_2d(), "-task", task, words=["kept", "-overwrite"], output=output)
+
+    def test_a_file_in_the_place_of_the_directory(self):
+        output = os.path.join(self.directory, "occupied")
+        with open(output, "w", encoding="utf-8") as file:
+            file.write("mine\n")
+        self.assert_refused(plate_2d(), words=["occupied"], output=output, status=OUTPUT_FAILURE)
+
+
+class CommandLineTest(FabseqTest):
+    def test_every_rank_exits_with_2(self):
+        """mpirun shows one rank's status, and kills the others when it comes: here each notes its own and ends with 0."""
+        script = os.path.join(self.directory, "note_status.sh")
+        with open(script, "w", encoding="utf-8") as file:
+            file.write('"$@" 2>message.$OMPI_COMM_WORLD_RANK\necho $? >status.$OMPI_COMM_WORLD_RANK\n')
+        hanging = plate_2d()
+        hanging["part"] = {"box": {"min": [0, 0.3], "max": [2, 1.2]}}
+        too_many_samples = plate_2d()
+        too_many_samples["node_sets"]["top"]["samples"] = 500
+        cases = [(plate_2d(), ["-task", "none"]), (plate_2d(), ["-poisson", "7"]), (hanging, []), (too_many_samples, [])]
+        for config, arguments in cases:
+            with self.subTest(arguments=arguments, part=config["part"]):
+                path = self.write_config(config)
+                command = ["mpirun", "-np", "3", "sh", script, PROGRAM, "-config", path, *arguments]
+                status, stdout, stderr = run_fabseq.run_command(command, self.directory, 120)
+                self.assertEqual(status, 0, stdout + stderr)
+                noted, lines = [], []
+                for rank in range(3):
+                    with open(os.path.join(self.directory, f"status.{rank}"), encoding="utf-8") as file:
+                        noted.append(int(file.read()))
+                    with open(os.path.join(self.directory, f"message.{rank}"), encoding="utf-8") as file:
+                        lines += file.read().splitlines()
+                self.assertEqual(noted, [BAD_INPUT] * 3)
+                self.assertEqual(len(lines), 1, lines)
+
+    def test_unread_petsc_option_is_a_warning(self):
+        for ranks in (1, 3):
+            result = self.run_config(ranks, plate_2d(), "-max_iterations", 1, "-elastcity_ksp_max_it", 7)
+            self.assertEqual(result.status, DONE, str(result))
+            self.assertEqual(len(result.messages()), 1, str(result))
+            self.assertIn("-elastcity_ksp_max_it", result.messages()[0])
+            self.assertTrue(result.messages()[0].startswith("warning: "))
+
+    def test_petsc_option_that_is_read_is_no_warning(self):
+        result = self.run_config(1, plate_2d(), "-max_iterations", 1, "-elasticity_ksp_max_it", 700)
+        self.assert_done(result)
+        self.assertEqual(result.messages(), [])
+
+    def test_help_and_version(self):
+        for ranks in (1, 3):
+            for option in ("-help", "--help", "-h"):
+                result = self.run_program(ranks, option, output="")
+                self.assert_done(result)
+                for word in ("Usage", "-max_iterations", "layer_thickness", "filter_radius", "Exit status"):
+                    self.assertEqual(result.stdout.count(word) > 0, True, word)
+                self.assertEqual(result.stdout.count("Usage"), 1)  # one rank prints
+            result = self.run_program(ranks, "-version", output="")
+            self.assert_done(result)
+            self.assertRegex(result.stdout.strip(), r"^fabseq \d+\.\d+\.\d+$")
+        self.assertEqual(self.tree(), {})
+
+    def test_check_prints_the_part_and_writes_nothing(self):
+        path = self.write_config(plate_2d())
+        before = self.tree()
+        for ranks in (1, 3):
+            for options in ({}, {"output": ""}):
+                result = self.run_program(ranks, "-config", path, "-task", "check", **options)
+                self.assert_done(result)
+                self.assertEqual(self.tree(), before)
+                # The disc around (2, 0.6) with radius 0.31 holds the centres of 16 elements.
+                for words in ("224 elements of 240", "pieces: 1", "plate contact: 20 elements", "node set top: 21 nodes", "memory",
+                              "s an iteration"):
+                    self.assertIn(words, result.stdout)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

@@ -1,0 +1,154 @@
+"""Runs fabseq as users do, under mpirun, for the tests of this folder.
+
+FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is an instrumented, slow one.
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+PROGRAM = os.path.abspath(os.environ.get("FABSEQ_PROGRAM", os.path.join(ROOT, "build", "release", "fabseq")))
+SANITIZED = os.environ.get("FABSEQ_SANITIZED", "0") not in ("", "0", "OFF", "FALSE")
+REFERENCE_DATA = os.path.join(ROOT, "tests", "data", "reference")
+
+DONE, BAD_INPUT, NUMERICAL_FAILURE, OUTPUT_FAILURE = 0, 2, 3, 5
+
+only_release = unittest.skipIf(SANITIZED, "the sanitizers make this too slow: runs in the release build")
+
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
+               "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+               "OMPI_MCA_hwloc_base_binding_policy": "none"}
+# How long mpirun sleeps once a rank has ended with a status other than 0, even if all are gone: nothing to wait for here.
+FORCED_ENVIRONMENT = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
+
+
+class Result:
+    """What a run left: exit status of mpirun, its two streams, the output directory."""
+
+    def __init__(self, command, status, stdout, stderr, output):
+        self.command, self.status, self.stdout, self.stderr, self.output = command, status, stdout, stderr, output
+
+    def messages(self):
+        """Lines on stderr but for mpirun's own, which stand between lines of dashes."""
+        lines, of_mpirun = [], False
+        for line in self.stderr.splitlines():
+            if re.fullmatch("-{60,}", line.strip()):
+                of_mpirun = not of_mpirun
+            elif not of_mpirun and line.strip():
+                lines.append(line)
+        return lines
+
+    def path(self, name):
+        return os.path.join(self.output, name)
+
+    def json(self, name):
+        with open(self.path(name), encoding="utf-8") as file:
+            return json.load(file)
+
+    def history(self):
+        with open(self.path("history.jsonl"), encoding="utf-8") as file:
+            return [json.loads(line) for line in file]
+
+    def __str__(self):
+        return f"{' '.join(self.command)}\nexit status {self.status}\nstdout:\n{self.stdout}stderr:\n{self.stderr}"
+
+
+def run_command(command, directory, timeout):
+    """Status, stdout and stderr of a command that must end within `timeout` seconds."""
+    with tempfile.TemporaryFile("w+") as stdout, tempfile.TemporaryFile("w+") as stderr:
+        environment = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT}
+        process = subprocess.Popen(command, cwd=directory, env=environment, stdin=subprocess.DEVNULL, stdout=stdout,
+                                   stderr=stderr, start_new_session=True)
+        hangs = False
+        try:
+            process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            hangs = True
+            os.killpg(process.pid, signal.SIGTERM)  # mpirun ends its ranks, which have groups of their own
+            try:
+                process.wait(30)
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+        texts = []
+        for stream in (stdout, stderr):
+            stream.seek(0)
+            texts.append(stream.read())
+        if hangs:
+            raise AssertionError(f"no end after {timeout} s: {' '.join(command)}\n{texts[0]}{texts[1]}")
+        return process.returncode, texts[0], texts[1]
+
+
+class FabseqTest(unittest.TestCase):
+    """A test with a working directory of its own, `directory`."""
+
+    def setUp(self):
+        self.directory = tempfile.mkdtemp(prefix="fabseq_test_")
+        self.addCleanup(shutil.rmtree, self.directory, ignore_errors=True)
+        self.runs = 0
+
+    def write_config(self, config, name="case.json"):
+        """Writes a config (a dict, or text) into the working directory and returns its path."""
+        path = os.path.join(self.directory, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(config if isinstance(config, str) else json.dumps(config))
+        return path
+
+    def run_program(self, ranks, *arguments, output=None, timeout=None):
+        """Runs `mpirun -np ranks fabseq arguments -output output` in the working directory.
+
+        output: a new directory by default, "" for a command line without -output.
+        """
+        self.runs += 1
+        if output is None:
+            output = os.path.join(self.directory, f"output_{self.runs}")
+        command = ["mpirun", "-np", str(ranks), PROGRAM, *(str(argument) for argument in arguments)]
+        if output:
+            command += ["-output", output]
+        if timeout is None:
+            timeout = 600 if SANITIZED else 120
+        return Result(command, *run_command(command, self.directory, timeout), output)
+
+    def run_config(self, ranks, config, *arguments, **options):
+        """As run_program, of a config (a dict, text, or a path)."""
+        path = config if isinstance(config, str) and os.path.exists(config) else self.write_config(config)
+        return self.run_program(ranks, "-config", path, *arguments, **options)
+
+    def assert_done(self, result):
+        self.assertEqual(result.status, DONE, str(result))
+        self.assertEqual([line for line in result.messages() if not line.startswith("warning: ")], [], str(result))
+
+    def tree(self):
+        """All paths below the working directory with size and time of change."""
+        entries = {}
+        for folder, folders, files in os.walk(self.directory):
+            for name in folders + files:
+                path = os.path.join(folder, name)
+                status = os.lstat(path)
+                entries[path] = (status.st_size, status.st_mtime_ns)
+        return entries
+
+
+def largest_relative_difference(values, expected):
+    """Of two nested lists of numbers of the same form; entries that are 0 in both do not count."""
+    if isinstance(expected, (list, tuple)):
+        if len(values) != len(expected):
+            raise AssertionError(f"{len(values)} entries in place of {len(expected)}")
+        return max((largest_relative_difference(v, e) for v, e in zip(values, expected)), default=0.0)
+    if values == expected:
+        return 0.0
+    return abs(values - expected) / max(abs(values), abs(expected))
+
+
+def main():
+    if not os.access(PROGRAM, os.X_OK):
+        sys.exit(f"{PROGRAM} is missing: scripts/setup.sh builds it")
+    unittest.main(verbosity=2)

@@ -1,0 +1,42 @@
+"""Configs of small parts for the tests of this folder, as dicts; every call makes a new one."""
+
+import h5py
+import numpy as np
+
+
+def plate_2d():
+    """A wall of 2 x 1.2 on the plate y-, 20 x 12 elements: runs in a second."""
+    return {
+        "name": "plate",
+        "domain": {"size": [2.0, 1.2], "elements": [20, 12], "thickness": 0.5},
+        "part": {"difference": [{"box": {"min": [0, 0], "max": [2, 1.2]}},
+                                {"sphere": {"center": [2.0, 0.6], "radius": 0.31}}]},
+        "node_sets": {"top": {"box": {"min": [0, 1.2], "max": [2, 1.2]}}},
+        "sequence": {"type": "heat"},
+        "layers": {"count": 4},
+        "objective": [{"type": "distortion", "nodes": "top"}, {"type": "layer_uniformity"}],
+        "constraints": [{"type": "layer_thickness", "target": 0.3}],
+    }
+
+
+def hook_3d():
+    """A post with an overhanging arm, 8 x 4 x 8 elements of which a third are empty."""
+    return {
+        "name": "hook",
+        "domain": {"size": [1.6, 0.8, 1.6], "elements": [8, 4, 8]},
+        "part": {"union": [{"box": {"min": [0, 0, 0], "max": [0.8, 0.8, 1.6]}},
+                           {"box": {"min": [0, 0, 1.0], "max": [1.6, 0.8, 1.6]}}]},
+        "node_sets": {"edge": {"box": {"min": [1.6, 0, 1.6], "max": [1.6, 0.8, 1.6]}},
+                      "top": {"box": {"min": [0, 0, 1.6], "max": [1.6, 0.8, 1.6]}}},
+        "sequence": {"type": "heat"},
+        "layers": {"count": 3},
+        "objective": [{"type": "distortion", "nodes": "edge"},
+                      {"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top"},
+                      {"type": "layer_uniformity"}],
+        "constraints": [{"type": "layer_thickness", "target": 0.55}, {"type": "deposition_speed"}],
+    }
+
+
+def write_voxels(path, density, dataset="density"):
+    with h5py.File(path, "w") as file:
+        file[dataset] = np.asarray(density, dtype=float)

@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""scripts/check_include_graph.py on small made-up projects, and on this one."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(PROJECT / "scripts"))
+import check_include_graph
+
+
+class IncludeGraph(unittest.TestCase):
+    def offences(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder).resolve()
+            for name, text in files.items():
+                path = root / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return check_include_graph.offences(root)
+
+    def test_this_project_is_in_order(self):
+        self.assertEqual(check_include_graph.offences(PROJECT), [])
+
+    def test_a_module_may_use_itself_and_those_above(self):
+        self.assertEqual(self.offences({
+            "include/fabseq/base/a.h": "#pragma once\n",
+            "include/fabseq/grid/b.h": '#include "fabseq/base/a.h"\n#include "fabseq/grid/c.h"\n',
+            "include/fabseq/grid/c.h": "",
+            "src/grid/b.cc": '#include "fabseq/grid/b.h"\n#include <vector>\n',
+            "src/main.cc": '#include "fabseq/grid/b.h"\n'}), [])
+
+    def test_a_module_below_is_refused_in_headers_and_sources(self):
+        found = self.offences({
+            "include/fabseq/base/a.h": '\n#include "fabseq/grid/b.h"\n',
+            "include/fabseq/grid/b.h": "",
+            "include/fabseq/optimize/d.h": "",
+            "src/grid/b.cc": '#  include <fabseq/optimize/d.h>\n'})
+        self.assertEqual(len(found), 2)
+        self.assertIn("include/fabseq/base/a.h:2: module 'base' must not use 'grid'", found[0])
+        self.assertIn("src/grid/b.cc:1: module 'grid' must not use 'optimize'", found[1])
+
+    def test_a_circle_within_a_module_is_named(self):
+        found = self.offences({
+            "include/fabseq/io/a.h": '#include "fabseq/io/b.h"\n',
+            "include/fabseq/io/b.h": '#include "fabseq/io/c.h"\n',
+            "include/fabseq/io/c.h": '#include "fabseq/io/a.h"\n'})
+        self.assertEqual(len(found), 1)
+        self.assertIn("fabseq/io/a.h -> fabseq/io/b.h -> fabseq/io/c.h -> fabseq/io/a.h", found[0])
+
+    def test_unknown_folders_and_missing_headers_are_named(self):
+        found = self.offences({
+            "include/fabseq/physics/a.h": "",
+            "src/base/b.cc": '#include "fabseq/base/gone.h"\n'})
+        self.assertIn("folder 'physics' is no module", found[0])
+        self.assertIn("src/base/b.cc:1: fabseq/base/gone.h does not exist", found[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
