@@ -8,11 +8,13 @@ A display is needed: xvfb-run makes one.
 """
 
 import argparse
+import logging
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
+logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # the first run would announce its font cache
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib import colormaps, ticker  # noqa: E402
@@ -25,7 +27,7 @@ DOTS_PER_INCH = 120
 INK, SOFT_INK, PALE = "#22262b", "#6b727b", "#d5d9de"
 OPTIMIZED, PLANAR, ALLOWED = "#1f6f8b", "#b0762b", "#e3f0ea"
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
-MOST_DOTS = 15
+MOST_DOTS = 24
 
 
 def main():
@@ -38,6 +40,7 @@ def main():
         run = Run(arguments.directory)
     except RunError as error:
         sys.exit(f"overview.py: {error}")
+    render_part.require_display()
     draw(run, arguments.picture)
     if arguments.table:
         print(table(run))
@@ -52,7 +55,9 @@ def draw(run, path):
     sheet = Sheet([1.30, 0.55, min(max(0.225 * WIDTH * pictures.aspect, 1.8), 5.5), 1.55, 2.9, 0.75])
     write_title(sheet, run)
     draw_pictures(sheet, run, pictures)
-    charts = [plot_distortion, plot_violation, plot_layers] if run.config.get("constraints") else [plot_distortion, plot_layers]
+    charts = [plot_distortion]
+    charts += [plot_violation] * any(line["worst_constraint"] is not None for line in run.history if run.config.get("constraints"))
+    charts += [plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     width = (0.93 - 0.075 * (len(charts) - 1)) / len(charts)
     for column, plot in enumerate(charts):
         plot(sheet.axes(0.055 + (width + 0.07) * column, 4, width), run)
@@ -138,8 +143,8 @@ def crop_together(images, margin=12):
 def write_title(sheet, run):
     planar, optimized, binary = (run.distortion(block) for block in ("baseline", "optimized", "binary"))
     name = run.name.replace("_", " ")
-    sheet.text(0.03, 0, 0.48, f"{name[:1].upper()}{name[1:]}: distortion {compared(planar, optimized)} than with planar layers",
-               fontsize=22, weight="bold")
+    title = f"{name[:1].upper()}{name[1:]}: distortion {compared(planar, optimized)} than with planar layers"
+    sheet.text(0.03, 0, 0.48, title, fontsize=min(22, 1500 / len(title)), weight="bold")
     how = dict(fontsize=11.5, color=SOFT_INK)
     sheet.text(0.03, 0, 0.90, f"Distortion ({run.measure()}): planar {number(planar)}, optimized {number(optimized)}; "
                f"cut into sharp layers {number(binary)} ({compared(planar, binary)}).", **how)
@@ -184,7 +189,7 @@ def draw_pictures(sheet, run, pictures):
     sheet.text(0.03, 1, 0.20, "Layers, in the order they are built", fontsize=13, weight="bold")
     sheet.text(0.515, 1, 0.20, f"Distorted shape, drawn {pictures.exaggeration:g} times larger", fontsize=13, weight="bold")
     notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
-    sheet.text(0.975, 1, 0.20, "     ".join(notes), ha="right", fontsize=10.5, color=SOFT_INK)
+    sheet.text(0.745, 3, 0.90, "      ".join(notes), ha="center", fontsize=10.5, color=SOFT_INK)
     legend(sheet, 0.165, render_part.LAYER_COLOURS, "built first", "built last")
     legend(sheet, 0.655, render_part.DISPLACEMENT_COLOURS, "displacement  0", number(pictures.largest))
 
@@ -208,8 +213,9 @@ def plot_distortion(axes, run):
     axes.yaxis.set_major_locator(ticker.LogLocator(subs=(1.0,) if high / low > 50 else (1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(ticker.NullFormatter())
-    axes.text(1.0, 1.0, "planar = 1", transform=axes.get_yaxis_transform(), ha="right", va="top" if values[-1] > 1 else "bottom",
-              color=PLANAR)
+    side, gap = ("top", -5) if values[-1] > 1 else ("bottom", 4)
+    axes.annotate("planar = 1", (1.0, 1.0), xycoords=axes.get_yaxis_transform(), xytext=(0, gap), textcoords="offset points",
+                  ha="right", va=side, color=PLANAR)
     chosen = iterations == run.summary.get("best_iteration")
     axes.plot(iterations[chosen], values[chosen], "o", color=OPTIMIZED, markersize=8, markeredgecolor="white", clip_on=False, zorder=5)
     finish_over_iterations(axes, iterations, "Distortion relative to planar", "dot: the result" if chosen.any() else "")
@@ -259,12 +265,11 @@ def plot_layers(axes, run):
                   color=colormaps[render_part.LAYER_COLOURS]((j - 0.5) / total))
     if constraint:
         axes.axhspan(1 - constraint["tolerance"], 1 + constraint["tolerance"], color=ALLOWED, zorder=0)
-        axes.text(0.99, 1 - constraint["tolerance"], "allowed", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color=SOFT_INK)
     axes.set_xlabel("layer")
     axes.set_xlim(0.3, total + 0.7)
     axes.xaxis.set_major_locator(ticker.MaxNLocator(8, integer=True))
     axes.grid(axis="y")
-    heading(axes, "Layer thickness / target" if constraint else "Layer thickness", "bar: spread inside the layer")
+    heading(axes, "Layer thickness / target" if constraint else "Layer thickness", ("green: allowed     " if constraint else "") + "bar: spread inside a layer")
 
 
 def heading(axes, title, note=""):
@@ -275,14 +280,15 @@ def heading(axes, title, note=""):
 def table(run):
     """The main figures of a run, planar beside optimized, as lines of text."""
     blocks = ("baseline", "optimized", "binary")
-    rows = [("", "planar", "optimized", "cut sharply"),
+    rows = [("", "planar", "optimized, smooth", "optimized, binary"),
             ("distortion", *(f"{run.distortion(block):.3e}" for block in blocks)),
             ("planar / this", *(factor(run.distortion("baseline") / run.distortion(block)) for block in blocks)),
             ("largest displacement", *(f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks)),
             thickness_row(run, blocks),
             ("layers used", *(str(len(run.layers(block))) for block in blocks))]
-    lines = ["{:<22}{:>14}{:>14}{:>14}".format(*row) for row in rows]
-    lines.append(f"{run.summary['iterations']} iterations, {run.summary['seconds']['total']:.0f} seconds")
+    lines = ["{:<22}{:>14}{:>20}{:>20}".format(*row) for row in rows]
+    seconds = run.summary["seconds"]["total"]
+    lines.append(f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds")
     return "\n".join(lines)
 
 

@@ -22,7 +22,7 @@ class Run:
             self.history = [json.loads(line) for line in file if line.strip()]
         with open_result(directory) as file:
             self.fields = {}
-            file.visititems(lambda name, item: self.fields.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+            file.visititems(lambda name, item: self.fields.update({name: item[()]} if isinstance(item, h5py.Dataset) else {}))
 
     @property
     def name(self):
@@ -83,22 +83,29 @@ class RunError(Exception):
 
 
 def open_text(directory, name):
+    path = os.path.join(directory, name)
     try:
-        return open(os.path.join(directory, name), encoding="utf-8")
+        return open(path, encoding="utf-8")
+    except FileNotFoundError as error:
+        raise RunError(f"{path} is missing: not the output directory of a finished run") from error
     except OSError as error:
-        raise RunError(f"{directory}: {name} cannot be read ({error.strerror})") from error
+        raise RunError(f"{path}: {error.strerror}") from error
 
 
 def read_json(directory, name):
     with open_text(directory, name) as file:
-        return json.load(file)
+        try:
+            return json.load(file)
+        except ValueError as error:
+            raise RunError(f"{file.name} is no JSON: {error}") from error
 
 
 def open_result(directory):
+    path = os.path.join(directory, "result.h5")
     try:
-        return h5py.File(os.path.join(directory, "result.h5"), "r")
+        return h5py.File(path, "r")
     except OSError as error:
-        raise RunError(f"{directory}: result.h5 cannot be read") from error
+        raise RunError(f"{path} cannot be read: {error}") from error
 
 
 def nodes_of(built):

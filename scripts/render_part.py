@@ -9,6 +9,7 @@ As a module it gives render(); as a program it draws one picture of a result:
 import argparse
 import json
 import os
+import sys
 from dataclasses import dataclass, field
 
 import h5py
@@ -97,6 +98,12 @@ def node_vectors(part, displacement):
     """`displacement` [z][y][x][component] as (n, 3)."""
     flat = np.asarray(displacement, dtype=float).reshape(len(part.nodes), part.dimension)
     return np.pad(flat, ((0, 0), (0, 3 - part.dimension)))
+
+
+def require_display():
+    """Ends the program with a hint where VTK would end it without one."""
+    if not os.environ.get("DISPLAY"):
+        raise SystemExit(f"{os.path.basename(sys.argv[0])}: needs a display; xvfb-run -a makes one: xvfb-run -a {' '.join(sys.argv)}")
 
 
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
@@ -290,6 +297,7 @@ def main():
     parser.add_argument("--exaggeration", type=float, default=0.0, help="draw the displacement, this many times larger")
     parser.add_argument("--pixels", type=int, default=1400)
     arguments = parser.parse_args()
+    require_display()
     with open(os.path.join(os.path.dirname(os.path.abspath(arguments.result)), "config.json"), encoding="utf-8") as file:
         config = json.load(file)
     group = "planar/" if arguments.planar else ""

@@ -65,4 +65,5 @@ def main():
         print(path, dimensions, bounds, kinds)
 
 
-main()
+if __name__ == "__main__":
+    main()

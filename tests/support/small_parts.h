@@ -10,6 +10,7 @@
 #include "support/shapes.h"
 #include "support/whole_field.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -119,12 +120,21 @@ inline double relative_difference(std::span<const double> actual, std::span<cons
   return difference / std::max(largest(expected), 1e-300);
 }
 
-/// Central difference of f along a line, extrapolated from steps h and h/2: error O(h^4).
+/// Central differences of the values of f along a line, extrapolated from steps h and h/2: error O(h^4).
+template <class Function>
+std::vector<double> central_differences(Function&& f, double h) {
+  std::vector<double> result;
+  for (const double step : {0.5 * h, h}) {
+    const auto ahead = f(step), behind = f(-step);
+    result.resize(ahead.size(), 0.0);
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] += (step < h ? 4.0 : -1.0) / 3.0 * (ahead[i] - behind[i]) / (2.0 * step);
+  }
+  return result;
+}
 template <class Function>
 double central_difference(Function&& f, double h) {
-  const auto difference = [&](double step) { return (f(step) - f(-step)) / (2.0 * step); };
-  const double coarse = difference(h);
-  return (4.0 * difference(0.5 * h) - coarse) / 3.0;
+  return central_differences([&](double step) { return std::array<double, 1>{f(step)}; }, h)[0];
 }
 
 /// x + step * direction.

@@ -1,0 +1,132 @@
+"""Solvers that do not converge (exit status 3) and disks that are full (5): one line that names the place, no hang."""
+
+import os
+import subprocess
+
+import h5py
+import numpy as np
+
+import run_fabseq
+from run_fabseq import FabseqTest, NUMERICAL_FAILURE, OUTPUT_FAILURE
+from small_parts import hook_3d, plate_2d
+
+
+class FailureTest(FabseqTest):
+    def assert_fails(self, result, status, *patterns):
+        self.assertEqual(result.status, status, str(result))
+        messages = [line for line in result.messages() if not line.startswith("warning: ")]
+        self.assertEqual(len(messages), 1, str(result))
+        self.assertTrue(messages[0].startswith("fabseq: "), str(result))
+        for pattern in patterns:
+            self.assertRegex(messages[0], pattern)
+        return messages[0]
+
+
+class SolverTest(FailureTest):
+    never_converges = ("-reference_method", "gamg", "-elasticity_ksp_max_it", 1)
+    message = (r"layer 1\b", r"\b1 iterations", r"residual \d")
+
+    def test_optimize_leaves_a_checkpoint_and_a_summary(self):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                run = self.run_config(ranks, hook_3d(), *self.never_converges)
+                message = self.assert_fails(run, NUMERICAL_FAILURE, *self.message)
+                summary = run.json("summary.json")
+                self.assertEqual((summary["status"], summary["iterations"]), ("failed", 0))
+                self.assertEqual(message, "fabseq: " + summary["reason"])
+                with open(run.path("checkpoint/newest"), encoding="utf-8") as file:
+                    slot = file.read().strip()
+                with h5py.File(run.path("checkpoint/" + slot), "r") as file:
+                    self.assertEqual(file.attrs["iteration"], 1)
+                    design = file["design"][()]
+                self.assertEqual(design.shape, (8, 4, 8))
+                self.assertEqual(np.count_nonzero(design), 8 * 4 * 8 - 4 * 4 * 5)
+
+    def test_other_tasks(self):
+        for task in ("simulate", "evaluate", "check_gradients"):
+            for ranks in (1, 3):
+                with self.subTest(task=task, ranks=ranks):
+                    run = self.run_config(ranks, hook_3d(), "-task", task, *self.never_converges)
+                    self.assert_fails(run, NUMERICAL_FAILURE, *self.message)
+
+    def test_heat(self):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                run = self.run_config(ranks, plate_2d(), "-heat_ksp_type", "richardson", "-heat_pc_type", "none", "-heat_ksp_max_it", 2)
+                self.assert_fails(run, NUMERICAL_FAILURE, "heat", r"\b2 iterations", "residual")
+                self.assertEqual(run.json("summary.json")["status"], "failed")
+
+
+class OutputTest(FailureTest):
+    def test_full_history(self):
+        """A file of the run is a device on which nothing fits."""
+        if not os.path.exists("/dev/full"):
+            self.skipTest("there is no /dev/full")
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                output = os.path.join(self.directory, f"full_{ranks}")
+                os.mkdir(output)
+                os.symlink("/dev/full", os.path.join(output, "history.jsonl"))
+                run = self.run_config(ranks, plate_2d(), "-max_iterations", 2, output=output)
+                self.assert_fails(run, OUTPUT_FAILURE, r"history\.jsonl", "No space left on device")
+
+    def test_directory_below_a_file(self):
+        with open(os.path.join(self.directory, "file"), "w", encoding="utf-8") as file:
+            file.write("mine\n")
+        for ranks in (1, 3):
+            run = self.run_config(ranks, plate_2d(), output=os.path.join(self.directory, "file", "run"))
+            self.assert_fails(run, OUTPUT_FAILURE, "file/run")
+
+
+class FullDiskTest(FailureTest):
+    """Output on a disk of 512 kB in memory, of which a filler leaves too little for one of the run's files."""
+
+    def setUp(self):
+        super().setUp()
+        self.disk = os.path.join(self.directory, "disk")
+        os.mkdir(self.disk)
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", self.disk], capture_output=True, text=True, check=False)
+        if mount.returncode != 0:
+            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
+
+    def run_on_disk(self, ranks, free, *arguments):
+        """Runs hook_3d on 12 x 8 x 12 elements: its dump and its result take about 100 kB each, its checkpoint 11 kB."""
+        name = f"{ranks}_{free}"
+        with open(os.path.join(self.disk, "filler"), "wb") as file:
+            file.write(bytes(512 * 1024 - free))
+        return self.run_config(ranks, hook_3d(), "-elements", "12,8,12", "-max_iterations", 1, *arguments,
+                               output=os.path.join(self.disk, name))
+
+    def check(self, free, file, *arguments):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                run = self.run_on_disk(ranks, free, *arguments)
+                self.assert_fails(run, OUTPUT_FAILURE, file)
+                partial = [name for folder in os.walk(run.output) for name in folder[2] if name.endswith(".partial")]
+                self.assertEqual(partial, [])
+                self.assertFalse(os.path.exists(run.path("summary.json")))
+                subprocess.run(["rm", "-rf", run.output], check=True)
+
+    def test_config(self):
+        self.check(0, r"disk/[13]_0")
+
+    def test_field_dump(self):
+        self.check(48 * 1024, r"fields/iteration_0001\.bin", "-output_every", 1)
+
+    def test_checkpoint(self):
+        self.check(16 * 1024, r"checkpoint/slot_[01]\.h5", "-output_every", 0, "-checkpoint_every", 1)
+
+    def test_result(self):
+        self.check(48 * 1024, r"result\.h5", "-output_every", 0)
+
+    def test_room_enough(self):
+        """The same run with the disk empty, so that the failures above are the disk's."""
+        run = self.run_on_disk(3, 512 * 1024, "-output_every", 1, "-checkpoint_every", 1)
+        self.assert_done(run)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

@@ -1,0 +1,62 @@
+"""-task check_gradients: adjoint against central differences, every component of every response, on both design scales."""
+
+import csv
+import os
+
+import run_fabseq
+from run_fabseq import FabseqTest, ROOT, SANITIZED
+from small_parts import hook_3d, plate_2d
+
+LIMIT = 1e-5
+
+
+class GradientsTest(FabseqTest):
+    def check(self, config, components, *arguments, ranks=2):
+        run = self.run_config(ranks, config, "-task", "check_gradients", *arguments, timeout=900)
+        self.assert_done(run)
+        check = run.json("gradient_check.json")
+        self.assertEqual([len(check["components"]), check["worst"]],
+                         [components, max(entry["best"] for entry in check["components"])])
+        for entry in check["components"]:
+            self.assertLess(entry["best"], LIMIT, f"{entry['name']} ({entry['type']})")
+            self.assertGreater(abs(entry["adjoint"]), 0, entry["name"])
+            errors = [abs(difference - entry["adjoint"]) / abs(entry["adjoint"]) for difference in entry["differences"]]
+            self.assertAlmostEqual(min(errors), entry["best"], places=12)
+        with open(run.path("gradient_check.csv"), encoding="utf-8") as file:
+            self.assertEqual(len(list(csv.DictReader(file))), components * len(check["steps"]))
+        self.assertGreater(os.path.getsize(run.path("gradient_check.svg")), 1000)
+        return run
+
+    def box(self, *arguments, **options):
+        # 5 objective terms, 4 layers' thickness, 3 components of the deposition speed.
+        elements = "3,3,4" if SANITIZED else "5,5,5"
+        path = os.path.join(ROOT, "configs", "gradient_box.json")
+        return self.check(path, 12, "-elements", elements, *arguments, **options)
+
+    def test_box_on_the_linear_scale(self):
+        self.box("-scale", "linear")
+
+    @run_fabseq.only_release
+    def test_box_on_the_log_scale(self):
+        self.box("-scale", "log", ranks=3)
+
+    @run_fabseq.only_release
+    def test_box_with_filter(self):
+        self.box("-filter_radius", 0.7, ranks=1)
+
+    def test_plane(self):
+        config = plate_2d()
+        config["constraints"].append({"type": "deposition_speed"})
+        for scale in ("log", "linear"):
+            with self.subTest(scale=scale):
+                self.check(config, 9, "-scale", scale)
+
+    @run_fabseq.only_release
+    def test_overhang_with_both_void_models(self):
+        for void in ("absent", "quiet"):
+            with self.subTest(void=void):
+                self.check(hook_3d(), 8, "-void", void)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

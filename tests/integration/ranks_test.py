@@ -1,0 +1,61 @@
+"""The same optimization on any number of ranks and with any preconditioner."""
+
+import run_fabseq
+from run_fabseq import FabseqTest, SANITIZED, largest_relative_difference
+from small_parts import hook_3d, plate_2d
+
+LIMIT = 1e-6
+COMPARED = ("objective", "objective_scaled", "constraints", "change", "beta", "interior_minima")
+
+
+class RanksTest(FabseqTest):
+    def history(self, config, ranks, *arguments):
+        run = self.run_config(ranks, config, "-max_iterations", 2 if SANITIZED else 5, "-tolerance", "1e-11", *arguments)
+        self.assert_done(run)
+        return run.history()
+
+    def assert_same(self, history, expected):
+        self.assertEqual(len(history), len(expected))
+        for line, correct in zip(history, expected):
+            for key in COMPARED:
+                error = largest_relative_difference(line[key], correct[key])
+                self.assertLess(error, LIMIT, f"{key} of iteration {line['iteration']}")
+
+    def compare_ranks(self, config, *arguments):
+        expected = self.history(config, 1, *arguments)
+        for ranks in (3,) if SANITIZED else (2, 4):
+            with self.subTest(ranks=ranks):
+                self.assert_same(self.history(config, ranks, *arguments), expected)
+
+    def test_void_absent(self):
+        self.compare_ranks(hook_3d(), "-void", "absent")
+
+    def test_void_quiet(self):
+        self.compare_ranks(hook_3d(), "-void", "quiet")
+
+    def test_filter(self):
+        """The filter reaches two elements into other ranks' blocks."""
+        self.compare_ranks(hook_3d(), "-filter_radius", 0.45)
+
+    def test_plane(self):
+        self.compare_ranks(plate_2d())
+
+    def test_more_ranks_than_elements_along_an_axis(self):
+        config = plate_2d()
+        config["domain"] = {"size": [0.3, 1.2], "elements": [3, 12]}
+        config["node_sets"]["top"] = {"box": {"min": [0, 1.2], "max": [2, 1.2]}}
+        expected = self.history(config, 1)
+        self.assert_same(self.history(config, 4), expected)
+
+    def test_methods_agree(self):
+        for void in ("absent", "quiet"):
+            expected = self.history(hook_3d(), 1, "-reference_method", "direct", "-void", void)
+            for method in ("gamg", "multigrid"):
+                for ranks in (2,) if SANITIZED else (1, 3):
+                    with self.subTest(method=method, ranks=ranks, void=void):
+                        history = self.history(hook_3d(), ranks, "-reference_method", method, "-void", void)
+                        self.assert_same(history, expected)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

@@ -1,0 +1,206 @@
+/// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
+/// (formulation 4.1, 8).
+#include "fabseq/process/process_simulation.h"
+
+#include <gtest/gtest.h>
+
+#include "support/process_case.h"
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+template <class T>
+class ProcessSimulationTest : public testing::Test {};
+TYPED_TEST_SUITE(ProcessSimulationTest, test::Dimensions);
+
+TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
+  constexpr int Dim = TypeParam::value;
+  for (auto settings : test::void_models<Dim>()) {
+    settings.process.stiffness_penalty = 2.5;
+    test::ProcessCase<Dim> process(settings);
+    // More layers than are solved side by side.
+    const LayerDensities layers = process.densities(process.wavy_time(), 10, 25.0);
+    const auto expected = process.dense_increments(layers);
+    const ProcessResult& result = process.simulation.simulate(layers);
+    ASSERT_EQ(result.iterations.size(), 10u);
+    std::vector<double> total(expected[0].size(), 0.0);
+    for (int j = 0; j < 10; ++j) {
+      const auto increment = process.whole(process.simulation.increment(j));
+      EXPECT_LT(test::relative_difference(increment, expected[j]), 1e-7) << j;
+      for (std::size_t i = 0; i < total.size(); ++i) total[i] += expected[j][i];
+    }
+    EXPECT_LT(test::relative_difference(process.whole(result.displacement), total), 1e-7);
+  }
+}
+
+/// A strain along the normal of planar layers fits the plate and all layers without stress: what is below
+/// stays, the layer stretches, and what is above follows as a whole (void absent), overhanging or not.
+TYPED_TEST(ProcessSimulationTest, NormalStrainOfPlanarLayersAddsUpExactly) {
+  constexpr int Dim = TypeParam::value;
+  const double strain = -0.013;
+  for (const BuildPlate plate : {BuildPlate{Dim - 1, false}, BuildPlate{0, true}})
+    for (const Shape& shape : {test::block<Dim>(), test::gallows<Dim>()})
+      for (const int count : {1, 2, 5}) {
+        // On a plate at the upper end of x the gallows stands on its arm.
+        if (plate.axis == 0 && shape.kind != Shape::Kind::box) continue;
+        test::CaseSettings<Dim> settings;
+        settings.shape = shape;
+        settings.plate = plate;
+        settings.material.inherent_strain.assign(voigt_size<Dim>, 0.0);
+        settings.material.inherent_strain[plate.axis] = strain;
+        test::ProcessCase<Dim> process(settings);
+        const LayerDensities layers = process.densities(process.planar_time(), count, 10.0, true);
+        const auto u = process.simulation.simulate(layers).displacement;
+        const double scale = std::abs(strain) * process.grid().domain().size[plate.axis];
+        process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+          const bool there = process.part().touched_nodes()[offset] != 0;
+          const double sign = plate.upper ? -1.0 : 1.0;
+          for (int a = 0; a < Dim; ++a) {
+            const double stretch = sign * strain * process.height(process.grid().node_position(node));
+            EXPECT_NEAR(u[offset * Dim + a], there && a == plate.axis ? stretch : 0.0, 1e-9 * scale);
+          }
+        });
+      }
+}
+
+TYPED_TEST(ProcessSimulationTest, AnEmptyLayerAddsNothing) {
+  constexpr int Dim = TypeParam::value;
+  test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
+  auto time = process.planar_time();
+  for (double& t : time) t = t < 0.5 ? 0.1 : 0.9;
+  const ProcessResult& result = process.simulation.simulate(process.densities(time, 3, 10.0, true));
+  EXPECT_EQ(test::largest(process.simulation.increment(1)), 0.0);
+  EXPECT_EQ(result.iterations[1], 0);
+  EXPECT_GT(max(PETSC_COMM_WORLD, test::largest(process.simulation.increment(2))), 1e-4);
+}
+
+TYPED_TEST(ProcessSimulationTest, DoesNotDependOnYoungsModulus) {
+  constexpr int Dim = TypeParam::value;
+  test::CaseSettings<Dim> settings;
+  test::ProcessCase<Dim> unit(settings);
+  settings.material.young = 210e3;
+  test::ProcessCase<Dim> steel(settings);
+  const LayerDensities layers = unit.densities(unit.wavy_time(), 3, 12.0);
+  const auto expected = unit.whole(unit.simulation.simulate(layers).displacement);
+  const auto actual = steel.whole(steel.simulation.simulate(layers).displacement);
+  EXPECT_LT(test::relative_difference(actual, expected), 1e-11);
+}
+
+TYPED_TEST(ProcessSimulationTest, IsLinearInTheStrain) {
+  constexpr int Dim = TypeParam::value;
+  const auto displacement = [&](double isotropic, double other) {
+    test::CaseSettings<Dim> settings;
+    for (int c = 0; c < voigt_size<Dim>; ++c)
+      settings.material.inherent_strain[c] =
+          isotropic * test::isotropic_strain<Dim>(-0.01)[c] + other * test::some_strain<Dim>()[c];
+    test::ProcessCase<Dim> process(settings);
+    const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
+    return process.whole(process.simulation.simulate(layers).displacement);
+  };
+  const auto a = displacement(1.0, 0.0), b = displacement(0.0, 1.0);
+  std::vector<double> expected(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) expected[i] = 2.0 * a[i] - 3.0 * b[i];
+  EXPECT_LT(test::relative_difference(displacement(2.0, -3.0), expected), 1e-9);
+}
+
+/// Three functionals: of the summed displacement, of the increments, of both.
+///   J = (common) 1/2 sum_i d_i u_i^2 + (layerwise) sum_j (j + 1) |du_j|^2
+template <int Dim>
+struct Functionals {
+  explicit Functionals(const Grid<Dim>& grid)
+      : weights(test::node_field(grid, Dim, [](std::int64_t i) { return test::noise(i, 3) - 0.3; })) {}
+
+  std::array<double, 3> values(const ProcessResult& result) const {
+    double common = 0.0, layerwise = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      common += 0.5 * weights[i] * result.displacement[i] * result.displacement[i];
+    int first = 0;
+    for (const LaneVector& batch : result.increments) {
+      for (int lane = 0; lane < batch.lanes; ++lane)
+        for (const double u : batch.lane(lane)) layerwise += (first + lane + 1) * u * u;
+      first += batch.lanes;
+    }
+    common = sum(PETSC_COMM_WORLD, common);
+    layerwise = sum(PETSC_COMM_WORLD, layerwise);
+    return {common, layerwise, common + layerwise};
+  }
+  std::array<ProcessAdjoint, 3> derivatives(const ProcessResult& result) const {
+    std::array<ProcessAdjoint, 3> rows;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      rows[0].displacement.push_back(weights[i] * result.displacement[i]);
+    rows[1].increments = result.increments;
+    int layer = 0;
+    for (LaneVector& batch : rows[1].increments)
+      for (int lane = 0; lane < batch.lanes; ++lane, ++layer)
+        for (std::size_t i = 0; i < batch.unknowns(); ++i) batch(i, lane) *= 2.0 * (layer + 1);
+    rows[2] = {rows[0].displacement, rows[1].increments};
+    return rows;
+  }
+
+  std::vector<double> weights;
+};
+
+LayerDensities moved(const LayerDensities& layers, double step, const LayerDensities& direction, bool stage) {
+  LayerDensities result = layers;
+  for (int j = 0; j < layers.count(); ++j) {
+    if (stage)
+      result.stage[j] = test::moved(layers.stage[j], step, direction.stage[j]);
+    else
+      result.layer[j] = test::moved(layers.layer[j], step, direction.layer[j]);
+  }
+  return result;
+}
+
+/// A direction proportional to the densities, so that they stay positive on the way.
+LayerDensities direction_of(const LayerDensities& layers, auto&& noise) {
+  LayerDensities direction = layers;
+  for (int j = 0; j < layers.count(); ++j) {
+    const auto s = noise(2 * j), l = noise(2 * j + 1);
+    for (std::size_t e = 0; e < s.size(); ++e) {
+      direction.stage[j][e] *= s[e];
+      direction.layer[j][e] *= l[e];
+    }
+  }
+  return direction;
+}
+
+template <int Dim>
+void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, int count) {
+  test::ProcessCase<Dim> process(settings);
+  const LayerDensities layers = process.densities(process.wavy_time(), count, 8.0);
+  const LayerDensities direction =
+      direction_of(layers, [&](int salt) { return test::noise_field(process.part(), -1.0, 1.0, salt); });
+  const Functionals<Dim> functionals(process.grid());
+  const auto rows = functionals.derivatives(process.simulation.simulate(layers));
+  std::array<DensityDerivatives, 3> derivatives = {DensityDerivatives(count), DensityDerivatives(count),
+                                                   DensityDerivatives(count)};
+  const std::array<DensityDerivatives*, 3> pointers = {&derivatives[0], &derivatives[1], &derivatives[2]};
+  process.simulation.pull_back(layers, rows, pointers);
+  EXPECT_EQ(process.simulation.adjoint_iterations().size(), static_cast<std::size_t>(count));
+  for (const bool stage : {true, false}) {
+    const auto values = [&](double step) {
+      return functionals.values(process.simulation.simulate(moved(layers, step, direction, stage)));
+    };
+    const auto expected = test::central_differences(values, 1e-3);
+    for (int row = 0; row < 3; ++row) {
+      double adjoint = 0.0;
+      for (int j = 0; j < count; ++j)
+        adjoint += stage ? test::dot(derivatives[row].stage[j], direction.stage[j])
+                         : test::dot(derivatives[row].layer[j], direction.layer[j]);
+      EXPECT_NEAR(adjoint, expected[row], 1e-6 * std::abs(expected[row]))
+          << row << (stage ? " stage" : " layer");
+    }
+  }
+}
+
+TYPED_TEST(ProcessSimulationTest, AdjointAgreesWithDifferences) {
+  test::CaseSettings<TypeParam::value> settings;
+  settings.process.strain_penalty = 3.5;
+  expect_exact_adjoint(settings, 9);  // more than are solved side by side
+  settings.process.void_model = VoidModel::quiet;
+  expect_exact_adjoint(settings, 2);
+}
+
+}  // namespace
+}  // namespace fabseq

@@ -1,0 +1,267 @@
+/// Every response: its values against the formulas of formulation 5 to 7 on gathered fields, its gradient
+/// through the whole pipeline against differences.
+#include "fabseq/base/hdf5.h"
+
+#include <gtest/gtest.h>
+
+#include "support/io_support.h"
+#include "support/pipeline_case.h"
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+/// Results of a pipeline on the whole grid, and the responses by formula.
+template <int Dim>
+struct Formulas {
+  Formulas(const test::PipelineCase<Dim>& pipeline, const PipelineState<Dim>& state)
+      : grid(pipeline.setup.grid), time_points(state.layers.time_points) {
+    const Part<Dim>& part = pipeline.setup.part;
+    const double length = 1.3;  // of the config
+    const auto inside = test::whole_part_field(part, std::vector<double>(part.elements().size(), 1.0));
+    density = test::whole_element_field<Dim>(grid, part.density());
+    displacement = test::whole_node_field<Dim>(grid, state.process.displacement, Dim);
+    for (const LaneVector& batch : state.process.increments)
+      for (int lane = 0; lane < batch.lanes; ++lane)
+        increments.push_back(test::whole_node_field<Dim>(grid, batch.lane(lane), Dim));
+    for (const auto& stage : state.layers.stage) stages.push_back(test::whole_part_field(part, stage));
+    for (const auto& layer : state.layers.layer) {
+      weights.push_back(test::whole_part_field(part, layer));
+      for (std::size_t e = 0; e < inside.size(); ++e) weights.back()[e] += inside[e] * 1e-9;
+    }
+    std::vector<double> magnitude(part.elements().size());
+    for (std::size_t e = 0; e < magnitude.size(); ++e) {
+      double square = 1e-9 / (length * length);
+      for (int a = 0; a < Dim; ++a) square += std::pow(state.time.gradient[e * Dim + a], 2);
+      magnitude[e] = std::sqrt(square);
+    }
+    magnitudes = test::whole_part_field(part, magnitude);
+    touched = test::whole_node_field<Dim>(
+        grid, std::vector<double>(part.touched_nodes().begin(), part.touched_nodes().end()));
+  }
+
+  int layers() const { return static_cast<int>(weights.size()); }
+  /// Unknowns of the part's nodes at the far end of `axis`.
+  std::vector<std::size_t> end_nodes(int axis, double position) const {
+    std::vector<std::size_t> result;
+    grid.all_nodes().for_each([&](const Index<Dim>& node, std::int64_t n) {
+      if (touched[n] != 0.0 && std::abs(grid.node_position(node)[axis] - position) < 1e-9)
+        result.push_back(n * Dim);
+    });
+    return result;
+  }
+  double tip_displacement(bool mean) const {
+    const auto nodes = end_nodes(0, Dim == 2 ? 3.0 : 2.0);
+    double total = 0.0;
+    for (const std::size_t n : nodes)
+      for (int a = 0; a < Dim; ++a) total += displacement[n + a] * displacement[n + a];
+    return mean ? total / static_cast<double>(nodes.size()) : total;
+  }
+  double top_flatness() const {  // along x, as mean square minus squared mean
+    double first = 0.0, second = 0.0;
+    const auto nodes = end_nodes(Dim - 1, Dim == 2 ? 1.5 : 2.5);
+    for (const std::size_t n : nodes) {
+      first += displacement[n] / static_cast<double>(nodes.size());
+      second += displacement[n] * displacement[n] / static_cast<double>(nodes.size());
+    }
+    return second - first * first;
+  }
+  double layerwise() const {
+    double total = 0.0;
+    for (const auto& increment : increments)
+      for (const double u : increment) total += u * u;
+    return total;
+  }
+  double weight(int j) const {
+    double total = 0.0;
+    for (const double w : weights[j]) total += w;
+    return total;
+  }
+  double mean(int j) const { return moment(j, 1, 0.0) / weight(j); }
+  double deviation(int j) const { return moment(j, 2, mean(j)); }
+  /// sum of weight (M - about)^power.
+  double moment(int j, int power, double about) const {
+    double total = 0.0;
+    for (std::size_t e = 0; e < magnitudes.size(); ++e)
+      total += weights[j][e] * std::pow(magnitudes[e] - about, power);
+    return total;
+  }
+  double part_volume() const {
+    double total = 0.0;
+    for (const double d : density) total += d * grid.element_volume();
+    return total;
+  }
+
+  /// In the order of the config.
+  std::vector<std::vector<double>> values() const {
+    double squares = 0.0, variance = 0.0;
+    int filled = 0;
+    std::vector<double> thickness, speed;
+    for (int j = 0; j < layers(); ++j) {
+      squares += deviation(j);
+      thickness.push_back((time_points[j + 1] - time_points[j]) / mean(j) / 0.5);
+      double built = 0.0;
+      for (const double s : stages[j]) built += s * grid.element_volume();
+      if (j + 1 < layers()) speed.push_back(built / part_volume() - (j + 1.0) / layers());
+      if ((weight(j) - 1e-9 * static_cast<double>(magnitudes.size())) * grid.element_volume() <=
+          1e-6 * part_volume() / layers())
+        continue;
+      variance += deviation(j) / (mean(j) * mean(j) * weight(j));
+      ++filled;
+    }
+    return {{tip_displacement(false)},
+            {tip_displacement(true)},
+            {top_flatness()},
+            {layerwise()},
+            {squares},
+            {variance / filled},
+            thickness,
+            speed};
+  }
+
+  const Grid<Dim>& grid;
+  std::vector<double> time_points, density, displacement, magnitudes, touched;
+  std::vector<std::vector<double>> increments, stages, weights;
+};
+
+std::vector<double> flat(const std::vector<std::vector<double>>& values) {
+  std::vector<double> result;
+  for (const auto& list : values) result.insert(result.end(), list.begin(), list.end());
+  return result;
+}
+
+template <int Dim>
+void expect_formulas(test::PipelineCase<Dim>& pipeline, const PipelineState<Dim>& state) {
+  const auto expected = Formulas<Dim>(pipeline, state).values();
+  const auto values = pipeline.pipeline.values(pipeline.problem.responses(), state);
+  ASSERT_EQ(values.size(), expected.size());
+  for (std::size_t r = 0; r < values.size(); ++r)
+    EXPECT_LT(test::relative_difference(values[r], expected[r]), 1e-10)
+        << pipeline.problem.component_name(r, 0);
+}
+
+template <int Dim>
+void expect_exact_gradients(test::PipelineCase<Dim>& pipeline) {
+  const auto& responses = pipeline.problem.responses();
+  const std::vector<double> design = pipeline.wavy_design();
+  const std::vector<double> direction = pipeline.direction(design);
+  const auto values = [&](const PipelineState<Dim>& state) {
+    return pipeline.pipeline.values(responses, state);
+  };
+  const auto state = pipeline.run(design);
+  std::vector<GradientRow> rows;
+  const auto components = values(state);
+  for (std::size_t r = 0; r < components.size(); ++r)
+    for (std::size_t c = 0; c < components[r].size(); ++c)
+      rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
+  const auto gradients = pipeline.pipeline.gradients(responses, state, rows);
+  const auto expected = test::central_differences(
+      [&](double step) { return flat(values(pipeline.run(test::moved(design, step, direction)))); }, 2e-3);
+  ASSERT_EQ(gradients.size(), expected.size());
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    EXPECT_NEAR(test::dot(gradients[row], direction), expected[row], 1e-6 * std::abs(expected[row]))
+        << pipeline.problem.component_name(rows[row][0].response, rows[row][0].component);
+}
+
+/// A grey part, written by the first rank.
+template <int Dim>
+void write_grey_part(const std::string& path) {
+  if (test::is_first()) {
+    const IndexBox<Dim> all{{}, test::odd_domain<Dim>().elements};
+    std::vector<double> density;
+    std::vector<hsize_t> shape(all.size.rbegin(), all.size.rend());
+    all.for_each([&](const Index<Dim>& index, std::int64_t number) {
+      const bool there = 2 * index[0] < all.size[0] || 2 * index[Dim - 1] > all.size[Dim - 1];
+      density.push_back(there ? 0.4 + 0.6 * test::noise(number) : 0.0);
+    });
+    const Hdf5File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+    const Hdf5Dataspace space(H5Screate_simple(Dim, shape.data(), nullptr));
+    const Hdf5Dataset dataset(
+        H5Dcreate2(file, "density", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, density.data());
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+template <int Dim>
+Settings grey_part(const std::string& path) {
+  write_grey_part<Dim>(path);
+  const std::string end = Dim == 2 ? "[3.5, 0], \"max\": [3.5, 1.5]" : "[2, 0, 0], \"max\": [2, 0.9, 2.5]";
+  return {{"part", R"({"voxels": {"file": ")" + path + "\"}}"},
+          {"node_sets.tip.box", "{\"min\": " + end + "}"}};
+}
+
+template <class T>
+class ResponsesTest : public testing::Test {};
+TYPED_TEST_SUITE(ResponsesTest, test::Dimensions);
+
+TYPED_TEST(ResponsesTest, ValuesFollowTheFormulas) {
+  for (const char* void_model : {"absent", "quiet"}) {
+    test::PipelineCase<TypeParam::value> pipeline({{"process.void", void_model}});
+    expect_formulas(pipeline, pipeline.run(pipeline.wavy_design()));
+  }
+}
+
+/// With far more layers than element heights some stay empty.
+TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasForEmptyLayers) {
+  test::PipelineCase<TypeParam::value> pipeline;
+  const auto state = pipeline.pipeline.run(pipeline.wavy_design(), 20, 1.0, true);
+  int empty = 0;
+  for (const auto& layer : state.layers.layer)
+    empty += max(PETSC_COMM_WORLD, test::largest(layer)) == 0.0 ? 1 : 0;
+  EXPECT_GT(empty, 0);
+  expect_formulas(pipeline, state);
+}
+
+TYPED_TEST(ResponsesTest, GradientsAgreeWithDifferences) {
+  test::PipelineCase<TypeParam::value> absent({{"sequence.filter_radius", "0.9"}});
+  expect_exact_gradients(absent);
+  test::PipelineCase<TypeParam::value> quiet({{"process.void", "quiet"}, {"sequence.mass", "lumped"}});
+  expect_exact_gradients(quiet);
+}
+
+TYPED_TEST(ResponsesTest, GreyPartsWeighLess) {
+  constexpr int Dim = TypeParam::value;
+  const test::ScratchDirectory scratch;
+  test::PipelineCase<Dim> pipeline(grey_part<Dim>(scratch.file("grey.h5")));
+  EXPECT_LT(pipeline.setup.part.volume(),
+            0.9 * pipeline.setup.part.count() * pipeline.setup.grid.element_volume());
+  Formulas<Dim> formulas(pipeline, pipeline.run(pipeline.wavy_design()));
+  EXPECT_NEAR(pipeline.setup.part.volume(), formulas.part_volume(), 1e-12);
+  const auto values =
+      pipeline.pipeline.values(pipeline.problem.responses(), pipeline.run(pipeline.wavy_design()));
+  const auto expected = formulas.values();
+  for (std::size_t r = 2; r < values.size(); ++r)  // the tip is elsewhere
+    EXPECT_LT(test::relative_difference(values[r], expected[r]), 1e-9) << r;
+  expect_exact_gradients(pipeline);
+}
+
+/// A row is the weighted sum of its components, whatever stages they look at.
+TYPED_TEST(ResponsesTest, RowsAreWeightedSums) {
+  test::PipelineCase<TypeParam::value> pipeline;
+  const auto& responses = pipeline.problem.responses();
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const GradientRow sum = {{0, 0, 2.0}, {3, 0, -0.5}, {5, 0, 1.5}, {6, 2, 3.0}, {7, 1, -1.0}};
+  std::vector<GradientRow> rows = {sum, {}};
+  for (const WeightedComponent& term : sum) rows.push_back({{term.response, term.component, 1.0}});
+  const auto gradients = pipeline.pipeline.gradients(responses, state, rows);
+  std::vector<double> expected(gradients[0].size(), 0.0);
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    for (std::size_t e = 0; e < expected.size(); ++e) expected[e] += sum[i].weight * gradients[2 + i][e];
+  EXPECT_LT(test::relative_difference(gradients[0], expected), 1e-9);
+  EXPECT_EQ(test::largest(gradients[1]), 0.0);
+}
+
+TYPED_TEST(ResponsesTest, ThickLayersForASteepTimeAreThin) {
+  // Planar time over the height: |grad t| = 1 / height everywhere, every layer height / N thick, no variance.
+  constexpr int Dim = TypeParam::value;
+  test::PipelineCase<Dim> pipeline({{"sequence", R"({"type": "planar"})"}});
+  const double height = Dim == 2 ? 1.5 : 2.5;
+  const auto state = pipeline.pipeline.run({}, 5, 1.0, true);
+  const auto values = pipeline.pipeline.values(pipeline.problem.responses(), state);
+  EXPECT_NEAR(values[4][0], 0.0, 1e-12);
+  EXPECT_NEAR(values[5][0], 0.0, 1e-12);
+  for (const double thickness : values[6]) EXPECT_NEAR(thickness, height / 5 / 0.5, 1e-7);
+}
+
+}  // namespace
+}  // namespace fabseq

@@ -1,0 +1,76 @@
+/// \file
+/// A small config of everything, its pipeline, and the stages' results on the whole grid.
+#pragma once
+
+#include "fabseq/optimize/pipeline.h"
+#include "fabseq/optimize/problem.h"
+
+#include "support/process_case.h"
+#include "support/small_configs.h"
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fabseq::test {
+
+/// Every response there is, on the gallows of small_parts.h.
+inline constexpr const char* gallows_plane = R"({
+  "domain": {"size": [3.5, 1.5], "elements": [7, 5], "thickness": 0.25},
+  "part": {"union": [{"box": {"min": [0, 0], "max": [1, 1.5]}}, {"box": {"min": [0, 0.9], "max": [3, 1.5]}}]},
+  "node_sets": {"tip": {"box": {"min": [3, 0], "max": [3, 1.5]}}, "top": {"box": {"min": [0, 1.5], "max": [3, 1.5]}}},
+  "material": {"inherent_strain": [-0.01, 0.004, 0.007]},
+  "sequence": {"type": "heat", "drain": 0.7, "characteristic_length": 1.3, "bounds": [0.02, 1], "void": 0.01},
+  "layers": {"count": 4},
+  "projection": {"beta": 9},
+  "objective": [
+    {"type": "distortion", "nodes": "tip"},
+    {"type": "distortion", "nodes": "tip", "mean": true, "weight": 0.5, "scaling": "current", "normalize": 10},
+    {"type": "distortion", "measure": "flatness", "nodes": "top", "axis": "x"},
+    {"type": "distortion", "measure": "layerwise", "weight": 2},
+    {"type": "layer_uniformity", "form": "sum_of_squares", "weight": 0.3},
+    {"type": "layer_uniformity", "form": "variance", "scaling": "current", "weight": 0.7, "normalize": 20}],
+  "constraints": [{"type": "layer_thickness", "target": 0.5, "tolerance": 0.2}, {"type": "deposition_speed", "slack": 0.01}],
+  "solver": {"reference_method": "direct"}
+})";
+inline const Settings to_solid = {
+    {"domain", R"({"size": [2, 0.9, 2.5], "elements": [5, 3, 5]})"},
+    {"part", R"({"union": [{"box": {"min": [0, 0, 0], "max": [0.8, 0.9, 2.5]}},
+                           {"box": {"min": [0, 0, 1.5], "max": [2, 0.6, 2.5]}}]})"},
+    {"node_sets.tip.box", R"({"min": [2, 0, 0], "max": [2, 0.9, 2.5]})"},
+    {"node_sets.top.box", R"({"min": [0, 0, 2.5], "max": [2, 0.9, 2.5]})"},
+    {"material.inherent_strain", "[-0.01, 0.004, 0.003, 0.007, -0.002, 0.005]"}};
+
+template <int Dim>
+Config gallows_config(const Settings& settings) {
+  Settings all = Dim == 3 ? to_solid : Settings{};
+  all.insert(all.end(), settings.begin(), settings.end());
+  return configure(gallows_plane, all);
+}
+
+template <int Dim>
+struct PipelineCase {
+  explicit PipelineCase(const Settings& settings = {})
+      : config(gallows_config<Dim>(settings)),
+        setup(PETSC_COMM_WORLD, config),
+        pipeline(setup, make_sequence(setup, 1e-13), 1e-13, timer),
+        problem(setup) {}
+
+  PipelineState<Dim> run(const std::vector<double>& design) {
+    return pipeline.run(design, setup.layer_count, setup.first_beta(), false);
+  }
+  std::vector<double> wavy_design() const { return noise_field(setup.part, 0.05, 0.9); }
+  /// A direction that keeps a design positive.
+  std::vector<double> direction(const std::vector<double>& design) const {
+    auto result = noise_field(setup.part, -1.0, 1.0, 9);
+    for (std::size_t e = 0; e < design.size(); ++e) result[e] *= design[e];
+    return result;
+  }
+
+  Config config;
+  PhaseTimer timer;
+  Setup<Dim> setup;
+  Pipeline<Dim> pipeline;
+  Problem<Dim> problem;
+};
+
+}  // namespace fabseq::test
