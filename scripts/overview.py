@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it got there.
 
-    xvfb-run -a scripts/overview.py OUTPUT_DIR PICTURE.png [--table]
+    scripts/overview.py OUTPUT_DIR [PICTURE.png] [--table]
 
-OUTPUT_DIR is the output directory of a run with `-task optimize`; `--table` also prints the main figures.
-A display is needed: xvfb-run makes one.
+OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png unless said
+otherwise. `--table` also prints the main figures. Without a display it uses one that xvfb-run makes.
 """
 
 import argparse
 import logging
+import os
 import sys
 
 import matplotlib
@@ -33,15 +34,15 @@ MOST_DOTS = 24
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("directory", metavar="OUTPUT_DIR")
-    parser.add_argument("picture", metavar="PICTURE.png")
+    parser.add_argument("picture", metavar="PICTURE.png", nargs="?")
     parser.add_argument("--table", action="store_true", help="print the main figures")
     arguments = parser.parse_args()
     try:
         run = Run(arguments.directory)
     except RunError as error:
         sys.exit(f"overview.py: {error}")
-    render_part.require_display()
-    draw(run, arguments.picture)
+    render_part.ensure_display()
+    draw(run, arguments.picture or os.path.join(arguments.directory, "overview.png"))
     if arguments.table:
         print(table(run))
 

@@ -2,8 +2,8 @@
 """Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or displaced.
 
 As a module it gives render(); as a program it draws one picture of a result:
-    xvfb-run -a scripts/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
-(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) A display is needed: xvfb-run makes one.
+    scripts/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
+(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it uses one that xvfb-run makes.
 """
 
 import argparse
@@ -100,10 +100,14 @@ def node_vectors(part, displacement):
     return np.pad(flat, ((0, 0), (0, 3 - part.dimension)))
 
 
-def require_display():
-    """Ends the program with a hint where VTK would end it without one."""
-    if not os.environ.get("DISPLAY"):
-        raise SystemExit(f"{os.path.basename(sys.argv[0])}: needs a display; xvfb-run -a makes one: xvfb-run -a {' '.join(sys.argv)}")
+def ensure_display():
+    """Where there is no display, starts this program again with one that xvfb-run makes; VTK would crash without."""
+    if os.environ.get("DISPLAY"):
+        return
+    try:
+        os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
+    except OSError:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: needs a display, or xvfb-run, which scripts/setup.sh installs")
 
 
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
@@ -297,7 +301,7 @@ def main():
     parser.add_argument("--exaggeration", type=float, default=0.0, help="draw the displacement, this many times larger")
     parser.add_argument("--pixels", type=int, default=1400)
     arguments = parser.parse_args()
-    require_display()
+    ensure_display()
     with open(os.path.join(os.path.dirname(os.path.abspath(arguments.result)), "config.json"), encoding="utf-8") as file:
         config = json.load(file)
     group = "planar/" if arguments.planar else ""

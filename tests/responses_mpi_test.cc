@@ -254,7 +254,7 @@ TYPED_TEST(ResponsesTest, RowsAreWeightedSums) {
   EXPECT_EQ(test::largest(gradients[1]), 0.0);
 }
 
-TYPED_TEST(ResponsesTest, ThickLayersForASteepTimeAreThin) {
+TYPED_TEST(ResponsesTest, PlanarLayersAreEven) {
   // Planar time over the height: |grad t| = 1 / height everywhere, every layer height / N thick, no variance.
   constexpr int Dim = TypeParam::value;
   test::PipelineCase<Dim> pipeline(Settings{{"sequence", R"({"type": "planar"})"}});

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/overview.py, render_part.py and summarize.py on made-up results."""
+"""scripts/overview.py, read_run.py and render_part.py on made-up results."""
 
 import json
 import os
@@ -17,8 +17,9 @@ PROJECT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(PROJECT / "scripts"))
 sys.path.insert(0, str(Path(__file__).parent))
 import fake_results
+import overview
 import render_part
-import summarize
+from read_run import Run
 
 
 def run(script, *arguments, **environment):
@@ -52,27 +53,25 @@ class Pictures(unittest.TestCase):
             self.assertNotIn("cannot be rendered", done.stderr)
             self.assertGreater(self.colours_of(directory / "overview.png"), 0.08)
 
-    def test_without_xvfb_it_says_so_and_draws_the_charts(self):
+    def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:
-            picture = Path(empty) / "charts.png"
-            done = run("overview.py", self.solid, "--picture", picture, PATH=empty)
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("cannot be rendered (xvfb-run is not installed", done.stderr)
-            self.assertTrue(picture.is_file())
+            done = run("overview.py", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("needs a display, or xvfb-run", done.stderr)
 
     def test_a_directory_without_a_run_is_refused(self):
         with tempfile.TemporaryDirectory() as empty:
-            for script in ("overview.py", "summarize.py"):
-                done = run(script, empty)
-                self.assertEqual(done.returncode, 1)
-                self.assertIn("summary.json is missing", done.stderr)
-                self.assertNotIn("Traceback", done.stderr)
+            done = run("overview.py", empty)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("config.json is missing", done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
 
     def test_layers_without_thickness_and_runs_without_constraints(self):
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "bare", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
             for name, change in (("config.json", lambda c: c.pop("constraints")),
-                                 ("summary.json", lambda s: s["optimized"]["layers"][2].update(thickness=None, volume=0.0))):
+                                 ("summary.json", lambda s: [s[b]["layers"][0].update(thickness=None, volume=0.0, cv=None)
+                                                             for b in ("optimized", "binary")])):
                 path = Path(folder) / name
                 document = json.loads(path.read_text(encoding="utf-8"))
                 change(document)
@@ -80,11 +79,11 @@ class Pictures(unittest.TestCase):
             history = Path(folder) / "history.jsonl"
             lines = [json.loads(line) for line in history.read_text(encoding="utf-8").splitlines()]
             history.write_text("".join(json.dumps({**line, "worst_constraint": None}) + "\n" for line in lines), encoding="utf-8")
-            done = run("overview.py", folder, "--charts-only")
+            with h5py.File(os.path.join(folder, "result.h5")) as file:
+                used = len(np.unique(file["layer"][:]))
+            done = run("overview.py", folder, "--table")
             self.assertEqual(done.returncode, 0, done.stderr)
-            table = run("summarize.py", folder)
-            self.assertEqual(table.returncode, 0, table.stderr)
-            self.assertIn("11 of 12", table.stdout)
+            self.assertRegex(done.stdout, rf"layers used +\d+ +{used - 1} +{used - 1}\n")
 
     def test_render_part_draws_a_layer_picture(self):
         picture = Path(self.folder.name) / "part.png"
@@ -116,17 +115,29 @@ class Surface(unittest.TestCase):
         self.assertEqual(len(part.faces), 6)
 
 
-class Table(unittest.TestCase):
-    def test_values(self):
+class Figures(unittest.TestCase):
+    def test_table(self):
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "cube", np.ones((4, 4, 4)), (1.0, 1.0, 1.0), count=4, planar_count=4)
-            summary, config = summarize.read(folder, "summary.json"), summarize.read(folder, "config.json")
-            rows = {row[0].strip(): row[1:] for row in summarize.table(summary, config)}
-            self.assertEqual(rows["distortion"][0], "4.100e-01")
-            self.assertEqual(rows["planar / this"], ["1.0", "911.1", "773.6"])
-            self.assertEqual(rows["layer thickness / target"][0], "1.000 – 1.000")
+            rows = {line[:22].strip(): line[22:].split("  ") for line in overview.table(Run(folder)).splitlines()}
+            cells = {name: [cell.strip() for cell in row if cell.strip()] for name, row in rows.items()}
+            self.assertEqual(cells["distortion"], ["4.100e-01", "4.500e-04", "5.300e-04"])
+            self.assertEqual(cells["planar / this"], ["1.0", "911", "774"])
+            self.assertEqual(cells["thickness / target"][0], "1.00 .. 1.00")
             with h5py.File(os.path.join(folder, "result.h5")) as file:
-                self.assertEqual(rows["layers used"][1], f"{len(np.unique(file['layer'][:]))} of 4")
+                self.assertEqual(cells["layers used"][1], str(len(np.unique(file["layer"][:]))))
+
+    def test_measured_nodes_touch_the_part(self):
+        with tempfile.TemporaryDirectory() as folder:
+            density = np.ones((2, 2, 2))
+            density[:, 1, :] = 0  # no part behind y = 0.5
+            fake_results.write_run(folder, "half", density, (1.0, 1.0, 1.0))
+            path = Path(folder) / "config.json"
+            config = json.loads(path.read_text(encoding="utf-8"))
+            edge = {"box": {"min": [1, 0, 1], "max": [1, 1, 1]}}
+            config.update(node_sets={"edge": edge}, objective=[{"type": "distortion", "measure": "displacement", "nodes": "edge"}])
+            path.write_text(json.dumps(config), encoding="utf-8")
+            self.assertEqual(list(Run(folder).measured_nodes()), [18 + 2, 18 + 5])
 
 
 if __name__ == "__main__":

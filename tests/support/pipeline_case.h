@@ -23,11 +23,11 @@ inline constexpr const char* gallows_plane = R"({
   "layers": {"count": 4},
   "projection": {"beta": 9},
   "objective": [
-    {"type": "distortion", "nodes": "tip"},
+    {"type": "distortion", "nodes": "tip", "scaling": "first"},
     {"type": "distortion", "nodes": "tip", "mean": true, "weight": 0.5, "scaling": "current", "normalize": 10},
-    {"type": "distortion", "measure": "flatness", "nodes": "top", "axis": "x"},
-    {"type": "distortion", "measure": "layerwise", "weight": 2},
-    {"type": "layer_uniformity", "form": "sum_of_squares", "weight": 0.3},
+    {"type": "distortion", "measure": "flatness", "nodes": "top", "axis": "x", "scaling": "first"},
+    {"type": "distortion", "measure": "layerwise", "weight": 2, "scaling": "first"},
+    {"type": "layer_uniformity", "form": "sum_of_squares", "weight": 0.3, "scaling": "first"},
     {"type": "layer_uniformity", "form": "variance", "scaling": "current", "weight": 0.7, "normalize": 20}],
   "constraints": [{"type": "layer_thickness", "target": 0.5, "tolerance": 0.2}, {"type": "deposition_speed", "slack": 0.01}],
   "solver": {"reference_method": "direct"}
