@@ -8,8 +8,8 @@ allow_more_ranks_than_cores # a machine with a single core runs it, too
 
 bash scripts/setup.sh
 mpirun -np 2 build/release/fabseq -config configs/demo.json -output demo -overwrite
-xvfb-run -a /usr/bin/python3 scripts/overview.py demo demo/overview.png --table || {
-  echo "demo.sh: the picture could not be drawn (is xvfb working?); the results are in demo/" >&2
+/usr/bin/python3 scripts/overview.py demo --table || {
+  echo "demo.sh: the picture could not be drawn; all results are in demo/ (summary.json, result.xdmf)" >&2
   exit 1
 }
 echo "picture: $PWD/demo/overview.png"

@@ -36,7 +36,7 @@ void require_domain(const Domain<Dim>& domain) {
       throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
                        std::to_string(axis) + ", needs positive lengths");
   }
-  require_countable<Dim>(domain.elements, 1);
+  require_countable<Dim>(domain.elements, Dim);  // the displacement
 }
 
 /// Nodes that go with a rank's elements: as many, and one more at the upper end of the grid.

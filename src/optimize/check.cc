@@ -13,7 +13,7 @@ namespace {
 /// Bytes an unknown of an assembled elastic system with its preconditioner, and seconds a solve and unknown
 /// on one core of the reference path: measured, docs/performance.md.
 constexpr double bytes_per_unknown = 3000.0;
-constexpr double seconds_per_unknown = 6e-5;
+constexpr double seconds_per_unknown = 1e-5;
 
 template <class... Arguments>
 void print_line(const char* format, Arguments... arguments) {

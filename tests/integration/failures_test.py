@@ -52,7 +52,8 @@ class SolverTest(FailureTest):
     def test_heat(self):
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):
-                run = self.run_config(ranks, plate_2d(), "-heat_ksp_type", "richardson", "-heat_pc_type", "none", "-heat_ksp_max_it", 2)
+                run = self.run_config(ranks, plate_2d(), "-heat_ksp_type", "richardson", "-heat_pc_type", "none",
+                                      "-heat_ksp_max_it", 2)
                 self.assert_fails(run, NUMERICAL_FAILURE, "heat", r"\b2 iterations", "residual")
                 self.assertEqual(run.json("summary.json")["status"], "failed")
 
@@ -87,7 +88,8 @@ class FullDiskTest(FailureTest):
         os.mkdir(self.disk)
         if os.geteuid() != 0:
             self.skipTest("only root can mount a small disk")
-        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", self.disk], capture_output=True, text=True, check=False)
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", self.disk], capture_output=True,
+                               text=True, check=False)
         if mount.returncode != 0:
             self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
         self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)

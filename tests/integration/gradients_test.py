@@ -1,4 +1,4 @@
-"""-task check_gradients: adjoint against central differences, every component of every response, on both design scales."""
+"""-task check_gradients: adjoint against central differences, every component of every response, both scales."""
 
 import csv
 import os

@@ -47,6 +47,16 @@ class RanksTest(FabseqTest):
         expected = self.history(config, 1)
         self.assert_same(self.history(config, 4), expected)
 
+    def test_ranks_without_part_elements(self):
+        config = plate_2d()
+        config["part"] = {"box": {"min": [1.5, 0], "max": [1.6, 0.3]}}  # 3 elements for 4 ranks
+        config["node_sets"]["top"] = {"box": {"min": [0, 0.3], "max": [2, 0.3]}}
+        config["layers"]["count"], config["constraints"][0]["target"] = 2, 0.15
+        for method in ("direct", "gamg", "multigrid"):
+            with self.subTest(method=method):
+                expected = self.history(config, 1, "-reference_method", method)
+                self.assert_same(self.history(config, 4, "-reference_method", method), expected)
+
     def test_methods_agree(self):
         for void in ("absent", "quiet"):
             expected = self.history(hook_3d(), 1, "-reference_method", "direct", "-void", void)

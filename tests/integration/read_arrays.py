@@ -1,6 +1,6 @@
 """Saves what ParaView reads from an XDMF file:  xvfb-run -a pvpython read_arrays.py FILE.xdmf ARRAYS.npz
 
-Arrays "Cell NAME" and "Node NAME" in ParaView's order (x fastest), and the positions of its cells' centres and points.
+Arrays "Cell NAME" and "Node NAME" in ParaView's order (x fastest), and positions of its cells' centres and points.
 """
 
 import os

@@ -39,14 +39,16 @@ class ReferenceTest(FabseqTest):
             expected = json.load(file)
         case = os.path.join(REFERENCE_DATA, "cases", name)
         design = ["-design", case + ".design.h5"] if os.path.exists(case + ".design.h5") else []
-        run = self.run_program(ranks, "-config", case + ".json", "-task", expected["task"], "-tolerance", "1e-10", *design)
+        run = self.run_program(ranks, "-config", case + ".json", "-task", expected["task"], "-tolerance", "1e-10",
+                               *design)
         self.assert_done(run)
         return run, expected
 
     def check_values(self, found, expected):
         values = {entry["name"]: entry for entry in found["responses"]}
         # Component N of deposition_speed is 0 by definition and may be left out.
-        wanted = [entry for entry in expected["responses"] if entry["type"] != "deposition_speed" or entry["value"] != 0]
+        wanted = [entry for entry in expected["responses"]
+                  if entry["type"] != "deposition_speed" or entry["value"] != 0]
         self.assertEqual(set(values) - {entry["name"] for entry in expected["responses"]}, set())
         for entry in wanted:
             self.assertEqual(values[entry["name"]]["type"], entry["type"])

@@ -1,6 +1,7 @@
 """Runs fabseq as users do, under mpirun, for the tests of this folder.
 
-FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is an instrumented, slow one.
+FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow one,
+instrumented with sanitizers.
 """
 
 import json
@@ -26,7 +27,7 @@ only_release = unittest.skipIf(SANITIZED, "the sanitizers make this too slow: ru
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1"}
-# How long mpirun sleeps once a rank has ended with a status other than 0, even if all are gone: nothing to wait for here.
+# Seconds that mpirun sleeps once a rank has ended with a status other than 0, even if all are gone by then.
 FORCED_ENVIRONMENT = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
 
