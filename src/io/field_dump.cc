@@ -183,7 +183,7 @@ void write_field_dump(const FieldSet<Dim>& fields, const std::string& base) {
       publish_file(binary);
       const std::string name = std::filesystem::path(binary).filename().string();
       const auto source = [&](std::size_t i) {
-        return XdmfSource{"Format=\"Binary\" Endian=\"Little\" Seek=\"" + std::to_string(offsets[i]) + "\"",
+        return XdmfSource{R"(Format="Binary" Endian="Little" Seek=")" + std::to_string(offsets[i]) + '"',
                           name};
       };
       replace_file(base + ".xdmf", xdmf_text<Dim>(fields, source));

@@ -4,6 +4,7 @@
 #include "fabseq/io/posix_file.h"
 #include "fabseq/io/verdict.h"
 
+#include <algorithm>
 #include <array>
 #include <fcntl.h>
 #include <filesystem>
@@ -45,9 +46,9 @@ bool starts_and_ends(const std::string& text, std::string_view start, std::strin
 }
 
 bool is_field_dump(const std::string& name) {
-  for (const std::string_view end : {".bin", ".xdmf", ".partial"})
-    if (starts_and_ends(name, "iteration_", end)) return true;
-  return false;
+  constexpr std::array<std::string_view, 3> endings = {".bin", ".xdmf", ".partial"};
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](std::string_view end) { return starts_and_ends(name, "iteration_", end); });
 }
 
 void remove_run(const fs::path& directory) {

@@ -54,7 +54,7 @@ class InteriorPoint {
   void move(const VariableState& variables, const RowState& rows, double step);
 
   MPI_Comm comm_;
-  std::size_t local_, n_, m_;
+  std::size_t local_, n_ = 0, m_;
   std::vector<std::size_t> free_;                     ///< local index of each free variable
   std::vector<double> upper_, lower_, alpha_, beta_;  ///< of the free variables
   std::vector<double> p0_, q0_, p_, q_, b_;           ///< p_, q_: [variable][row]
@@ -70,7 +70,6 @@ InteriorPoint::InteriorPoint(MPI_Comm comm, const MmaBox& box, std::span<const d
                              std::span<const std::span<const double>> gradients, const MmaRows& rows)
     : comm_(comm),
       local_(box.size()),
-      n_(0),
       m_(values.size()),
       b_(values.size(), 0.0),
       rows_(rows),

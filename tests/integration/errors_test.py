@@ -1,4 +1,4 @@
-"""Bad input: status 2 on every rank, one line that names the key, what was found and what is allowed, nothing written."""
+"""Bad input: status 2 on every rank, one line with the key, what was found and what is allowed, nothing written."""
 
 import os
 import time
@@ -230,7 +230,7 @@ class OutputDirectoryTest(BadInputTest):
 
 class CommandLineTest(FabseqTest):
     def test_every_rank_exits_with_2(self):
-        """mpirun shows one rank's status, and kills the others when it comes: here each notes its own and ends with 0."""
+        """mpirun shows one rank's status and then kills the others: here each notes its own and ends with 0."""
         script = os.path.join(self.directory, "note_status.sh")
         with open(script, "w", encoding="utf-8") as file:
             file.write('"$@" 2>message.$OMPI_COMM_WORLD_RANK\necho $? >status.$OMPI_COMM_WORLD_RANK\n')
@@ -289,8 +289,8 @@ class CommandLineTest(FabseqTest):
                 self.assert_done(result)
                 self.assertEqual(self.tree(), before)
                 # The disc around (2, 0.6) with radius 0.31 holds the centres of 16 elements.
-                for words in ("224 elements of 240", "pieces: 1", "plate contact: 20 elements", "node set top: 21 nodes",
-                              "memory", "s an iteration"):
+                for words in ("224 elements of 240", "pieces: 1", "plate contact: 20 elements",
+                              "node set top: 21 nodes", "memory", "s an iteration"):
                     self.assertIn(words, result.stdout)
 
 

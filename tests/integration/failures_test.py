@@ -95,7 +95,7 @@ class FullDiskTest(FailureTest):
         self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
 
     def run_on_disk(self, ranks, free, *arguments):
-        """Runs hook_3d on 12 x 8 x 12 elements: its dump and its result take about 100 kB each, its checkpoint 11 kB."""
+        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 11 kB."""
         name = f"{ranks}_{free}"
         with open(os.path.join(self.disk, "filler"), "wb") as file:
             file.write(bytes(512 * 1024 - free))

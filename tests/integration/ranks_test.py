@@ -10,7 +10,8 @@ COMPARED = ("objective", "objective_scaled", "constraints", "change", "beta", "i
 
 class RanksTest(FabseqTest):
     def history(self, config, ranks, *arguments):
-        run = self.run_config(ranks, config, "-max_iterations", 2 if SANITIZED else 5, "-tolerance", "1e-11", *arguments)
+        iterations = 2 if SANITIZED else 5
+        run = self.run_config(ranks, config, "-max_iterations", iterations, "-tolerance", "1e-11", *arguments)
         self.assert_done(run)
         return run.history()
 

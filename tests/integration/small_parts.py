@@ -40,3 +40,21 @@ def hook_3d():
 def write_voxels(path, density, dataset="density"):
     with h5py.File(path, "w") as file:
         file[dataset] = np.asarray(density, dtype=float)
+
+
+def part_density(config):
+    """Density of plate_2d and of hook_3d at element centres, [z][y][x]."""
+    size, elements = config["domain"]["size"], config["domain"]["elements"]
+    axes = [(np.arange(n) + 0.5) * edge / n for n, edge in zip(elements, size)]
+    center = np.meshgrid(*axes[::-1], indexing="ij")[::-1]
+    if len(size) == 2:
+        return 1.0 * ((center[0] - 2.0)**2 + (center[1] - 0.6)**2 > 0.31**2)
+    return 1.0 * ((center[0] < 0.8) | (center[2] > 1.0))
+
+
+def touched_nodes(density):
+    """Nodes of elements with density above 0."""
+    touched = np.zeros([n + 1 for n in density.shape], bool)
+    for corner in np.ndindex(*[2] * density.ndim):
+        touched[tuple(slice(c, c + n) for c, n in zip(corner, density.shape))] |= density > 0
+    return touched

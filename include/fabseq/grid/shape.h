@@ -14,12 +14,12 @@ struct Shape {
   enum class Kind { box, half_space, cylinder, sphere, polygon, union_of, intersection, difference };
 
   Kind kind = Kind::union_of;
-  std::vector<double> first;                    ///< box min, half_space point, cylinder from, sphere center
-  std::vector<double> second;                   ///< box max, half_space normal, cylinder to
-  double radius = 0.0;                          ///< cylinder, sphere
-  int axis = 2;                                 ///< polygon in 3D: axis along which it is extruded through the box
-  std::vector<std::array<double, 2>> points;    ///< polygon: in the two other axes in ascending order
-  std::vector<Shape> operands;                  ///< union_of, intersection, difference (first minus all others)
+  std::vector<double> first;   ///< box min, half_space point, cylinder from, sphere center
+  std::vector<double> second;  ///< box max, half_space normal, cylinder to
+  double radius = 0.0;         ///< cylinder, sphere
+  int axis = 2;                ///< polygon in 3D: axis along which it is extruded through the box
+  std::vector<std::array<double, 2>> points;  ///< polygon: in the two other axes in ascending order
+  std::vector<Shape> operands;                ///< union_of, intersection, difference (first minus all others)
 
   /// Whether `point` (one coordinate an axis, length unit) lies inside or at most `tolerance` (length) outside.
   bool contains(std::span<const double> point, double tolerance) const;

@@ -24,7 +24,7 @@ void write_checkpoint(const OutputDirectory& directory, const FieldSet<Dim>& fie
 
 /// Reads a slot and compares all checksums; returns the number of datasets. Memory: one slab of a dataset.
 /// Throws OutputError that names file and dataset where they differ or something is missing. Not collective.
-int verify_checkpoint(const std::string& file);
+int verify_checkpoint(const std::string& path);
 
 /// Name of the slot that `checkpoint/newest` of a directory points to; "" if there is none. Not collective.
 std::string newest_checkpoint(const std::string& directory);

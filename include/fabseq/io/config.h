@@ -17,9 +17,10 @@ namespace fabseq {
 enum class Task { optimize, simulate, evaluate, check_gradients, check };
 
 struct MaterialSettings {
-  double young = 1.0;                   ///< stress unit
+  double young = 1.0;  ///< stress unit
   double poisson = 0.3;
-  std::vector<double> inherent_strain;  ///< Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied
+  std::vector<double>
+      inherent_strain;  ///< Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied
 };
 
 enum class VoidModel { absent, quiet };
@@ -41,14 +42,15 @@ struct SequenceSettings {
   SequenceType type = SequenceType::heat;
   VariableScale scale = VariableScale::log;
   MassRule mass = MassRule::automatic;
-  std::optional<double> initial;                ///< uniform diffusivity; none: from the distance to the plate
+  std::optional<double> initial;  ///< uniform diffusivity; none: from the distance to the plate
   double drain = 1.0;
-  std::optional<double> characteristic_length;  ///< length unit; none: longest edge of the part's bounding box
+  std::optional<double>
+      characteristic_length;  ///< length unit; none: longest edge of the part's bounding box
   double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
-  double filter_radius = 0.0;                   ///< length unit; 0: no filter
-  std::vector<double> direction;                ///< planar: build direction; empty: the plate's normal
-  std::string file;                             ///< file: absolute path of an HDF5 file
-  std::string dataset = "time";                 ///< file: its dataset, axes [z][y][x]
+  double filter_radius = 0.0;     ///< length unit; 0: no filter
+  std::vector<double> direction;  ///< planar: build direction; empty: the plate's normal
+  std::string file;               ///< file: absolute path of an HDF5 file
+  std::string dataset = "time";   ///< file: its dataset, axes [z][y][x]
 };
 
 struct LayerSettings {
@@ -60,15 +62,15 @@ struct ProjectionSettings {
   std::optional<double> beta;  ///< start; none: 4 N
   double factor = 1.5;
   double increment = 0.0;
-  int interval = 15;           ///< iterations between two steps
-  std::optional<double> max;   ///< none: 13.5 N
+  int interval = 15;          ///< iterations between two steps
+  std::optional<double> max;  ///< none: 13.5 N
   bool binary = false;
 };
 
 enum class TermScaling { first, current };
 
 struct ObjectiveTerm {
-  std::string type;     ///< distortion, layer_uniformity
+  std::string type;  ///< distortion, layer_uniformity
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
@@ -94,7 +96,8 @@ struct BaselineSettings {
 struct OptimizerSettings {
   int max_iterations = 400;
   double change_tolerance = 0.0;
-  double move_limit = 0.05, final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
+  double move_limit = 0.05,
+         final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
   double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;
   double constraint_margin = 0.95;
 };
@@ -134,7 +137,8 @@ struct Config {
   SolverSettings solver;
   OutputSettings output;
 
-  Json effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same result
+  Json
+      effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same result
 
   /// Target thickness of the first layer_thickness constraint, if there is one.
   std::optional<double> target_thickness() const;

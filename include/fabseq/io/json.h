@@ -19,15 +19,15 @@ class Json {
   using Object = std::vector<Member>;
 
   Json() = default;
-  Json(bool value) : value_(value) {}                                // NOLINT(google-explicit-constructor)
-  Json(int value) : value_(static_cast<std::int64_t>(value)) {}      // NOLINT(google-explicit-constructor)
-  Json(std::int64_t value) : value_(value) {}                        // NOLINT(google-explicit-constructor)
-  Json(double value) : value_(value) {}                              // NOLINT(google-explicit-constructor)
-  Json(const char* value) : value_(std::string(value)) {}            // NOLINT(google-explicit-constructor)
-  Json(std::string value) : value_(std::move(value)) {}              // NOLINT(google-explicit-constructor)
-  Json(Array value) : value_(std::move(value)) {}                    // NOLINT(google-explicit-constructor)
-  Json(const std::vector<double>& values);                           // NOLINT(google-explicit-constructor)
-  Json(const std::vector<int>& values);                              // NOLINT(google-explicit-constructor)
+  Json(bool value) : value_(value) {}                            // NOLINT(google-explicit-constructor)
+  Json(int value) : value_(static_cast<std::int64_t>(value)) {}  // NOLINT(google-explicit-constructor)
+  Json(std::int64_t value) : value_(value) {}                    // NOLINT(google-explicit-constructor)
+  Json(double value) : value_(value) {}                          // NOLINT(google-explicit-constructor)
+  Json(const char* value) : value_(std::string(value)) {}        // NOLINT(google-explicit-constructor)
+  Json(std::string value) : value_(std::move(value)) {}          // NOLINT(google-explicit-constructor)
+  Json(Array value) : value_(std::move(value)) {}                // NOLINT(google-explicit-constructor)
+  Json(const std::vector<double>& values);                       // NOLINT(google-explicit-constructor)
+  Json(const std::vector<int>& values);                          // NOLINT(google-explicit-constructor)
   static Json object(std::initializer_list<Member> members = {});
   static Json array() { return Json(Array{}); }
 

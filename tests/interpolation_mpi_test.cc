@@ -1,0 +1,109 @@
+/// Interpolation between nested grids, as the geometric multigrid uses it.
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/solve/assembled_system.h"
+#include "fabseq/solve/interpolation.h"
+
+#include <gtest/gtest.h>
+
+#include "support/small_parts.h"
+#include <memory>
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+template <int Dim>
+Domain<Dim> even_domain() {
+  if constexpr (Dim == 2)
+    return {{2.0, 1.0}, {24, 16}, 1.0};
+  else
+    return {{2.0, 0.9, 2.5}, {12, 8, 8}, 1.0};
+}
+template <int Dim>
+Shape whole_box() {
+  const auto size = even_domain<Dim>().size;
+  return test::box(std::vector<double>(Dim, 0.0), {size.begin(), size.end()});
+}
+
+/// Elasticity on the whole box, held at the plate if `supported`.
+template <int Dim>
+struct Case {
+  explicit Case(bool supported) : on_grid(even_domain<Dim>(), whole_box<Dim>()) {
+    domain.components = Dim;
+    domain.first_corners = on_grid.part.first_corners();
+    on_grid.grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t) {
+      domain.fixed.insert(domain.fixed.end(), Dim, supported && on_grid.part.on_plate(node) ? 1 : 0);
+    });
+    numbering = std::make_shared<UnknownNumbering<Dim>>(on_grid.grid, domain);
+  }
+
+  test::PartOnGrid<Dim> on_grid;
+  SystemDomain domain;
+  std::shared_ptr<const UnknownNumbering<Dim>> numbering;
+};
+
+template <class T>
+class InterpolationTest : public testing::Test {};
+TYPED_TEST_SUITE(InterpolationTest, test::Dimensions);
+
+TYPED_TEST(InterpolationTest, LevelsHalveTheGrid) {
+  constexpr int Dim = TypeParam::value;
+  const Case<Dim> free(false);
+  const auto levels = make_interpolations(*free.numbering, 100);
+  ASSERT_GE(levels.size(), 1u);
+  std::int64_t step = 1;
+  for (const MatHandle& level : levels) {
+    std::int64_t fine = Dim, coarse = Dim;
+    for (const int elements : even_domain<Dim>().elements) {
+      fine *= elements / step + 1;
+      coarse *= elements / (2 * step) + 1;
+    }
+    PetscInt rows = 0, columns = 0;
+    check(MatGetSize(level, &rows, &columns));
+    EXPECT_EQ(rows, fine);
+    EXPECT_EQ(columns, coarse);
+    step *= 2;
+  }
+}
+
+TYPED_TEST(InterpolationTest, KeepsConstants) {
+  const Case<TypeParam::value> free(false);
+  for (const MatHandle& level : make_interpolations(*free.numbering, 100)) {
+    VecHandle coarse, fine;
+    check(MatCreateVecs(level, coarse.receive(), fine.receive()));
+    check(VecSet(coarse, 1.0));
+    check(MatMult(level, coarse, fine));
+    PetscReal low = 0.0, high = 0.0;
+    check(VecMin(fine, nullptr, &low));
+    check(VecMax(fine, nullptr, &high));
+    EXPECT_NEAR(low, 1.0, 1e-15);
+    EXPECT_NEAR(high, 1.0, 1e-15);
+  }
+}
+
+/// What makes it worth while: few iterations, and no more of them on several ranks.
+TYPED_TEST(InterpolationTest, MultigridConvergesFast) {
+  constexpr int Dim = TypeParam::value;
+  const Case<Dim> supported(true);
+  const ElementMatrices<Dim> element(supported.on_grid.grid.spacing(), 1.0, 0.3);
+  AssembledSystem<Dim> system(supported.domain, supported.numbering,
+                              {ReferenceMethod::multigrid, 1e-8, 1000, "test_"});
+  system.assemble({{element.stiffness(), {}}});
+  const auto load =
+      test::node_field(supported.on_grid.grid, Dim, [](std::int64_t i) { return test::noise(i) - 0.5; });
+  std::vector<double> solution(load.size());
+  const SolveReport report = system.solve(load, solution);
+  EXPECT_TRUE(report.converged);
+  EXPECT_LT(report.iterations, 15);
+}
+
+TYPED_TEST(InterpolationTest, OddGridsHaveNone) {
+  constexpr int Dim = TypeParam::value;
+  const test::PartOnGrid<Dim> on_grid(test::odd_domain<Dim>(), test::block<Dim>());
+  const SystemDomain domain{1, on_grid.part.first_corners(),
+                            std::vector<char>(on_grid.grid.owned_nodes().count(), 0)};
+  EXPECT_TRUE(make_interpolations(UnknownNumbering<Dim>(on_grid.grid, domain), 1).empty());
+}
+
+}  // namespace
+}  // namespace fabseq
