@@ -15,7 +15,7 @@ namespace {
 template <int Dim>
 Domain<Dim> even_domain() {
   if constexpr (Dim == 2)
-    return {{2.0, 1.0}, {24, 16}, 1.0};
+    return {{2.0, 1.0}, {32, 24}, 1.0};
   else
     return {{2.0, 0.9, 2.5}, {12, 8, 8}, 1.0};
 }
@@ -27,8 +27,8 @@ Shape whole_box() {
 
 /// Elasticity on the whole box, held at the plate if `supported`.
 template <int Dim>
-struct Case {
-  explicit Case(bool supported) : on_grid(even_domain<Dim>(), whole_box<Dim>()) {
+struct Elasticity {
+  explicit Elasticity(bool supported) : on_grid(even_domain<Dim>(), whole_box<Dim>()) {
     domain.components = Dim;
     domain.first_corners = on_grid.part.first_corners();
     on_grid.grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t) {
@@ -48,7 +48,7 @@ TYPED_TEST_SUITE(InterpolationTest, test::Dimensions);
 
 TYPED_TEST(InterpolationTest, LevelsHalveTheGrid) {
   constexpr int Dim = TypeParam::value;
-  const Case<Dim> free(false);
+  const Elasticity<Dim> free(false);
   const auto levels = make_interpolations(*free.numbering, 100);
   ASSERT_GE(levels.size(), 1u);
   std::int64_t step = 1;
@@ -67,7 +67,7 @@ TYPED_TEST(InterpolationTest, LevelsHalveTheGrid) {
 }
 
 TYPED_TEST(InterpolationTest, KeepsConstants) {
-  const Case<TypeParam::value> free(false);
+  const Elasticity<TypeParam::value> free(false);
   for (const MatHandle& level : make_interpolations(*free.numbering, 100)) {
     VecHandle coarse, fine;
     check(MatCreateVecs(level, coarse.receive(), fine.receive()));
@@ -84,7 +84,7 @@ TYPED_TEST(InterpolationTest, KeepsConstants) {
 /// What makes it worth while: few iterations, and no more of them on several ranks.
 TYPED_TEST(InterpolationTest, MultigridConvergesFast) {
   constexpr int Dim = TypeParam::value;
-  const Case<Dim> supported(true);
+  const Elasticity<Dim> supported(true);
   const ElementMatrices<Dim> element(supported.on_grid.grid.spacing(), 1.0, 0.3);
   AssembledSystem<Dim> system(supported.domain, supported.numbering,
                               {ReferenceMethod::multigrid, 1e-8, 1000, "test_"});
