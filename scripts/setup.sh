@@ -40,10 +40,13 @@ install_missing() {
   done
   ((${#missing[@]})) || return 0
   echo "setup.sh: installing ${missing[*]}"
-  as_root apt-get update -qq
+  local log
+  log=$(mktemp)
+  as_root apt-get update >"$log" 2>&1 || { cat "$log" >&2; return 1; }
   # --no-remove: rather stop than throw out a package that conflicts, such as python3-vtk9 with python3-paraview.
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends --no-remove \
-    -o Dpkg::Use-Pty=0 "${missing[@]}" >/dev/null
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends --no-remove \
+    -o Dpkg::Use-Pty=0 "${missing[@]}" >"$log" 2>&1 || { tail -n 40 "$log" >&2; return 1; }
+  rm -f "$log"
 }
 
 # PETSc calls the BLAS that Debian's alternatives select; reference BLAS would make it several times slower.

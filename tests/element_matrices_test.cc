@@ -48,15 +48,6 @@ std::vector<double> times(const SquareMatrix<element_unknowns<Dim>>& matrix,
   return result;
 }
 
-/// An inherent strain with every component different.
-template <int Dim>
-std::vector<double> some_strain() {
-  if constexpr (Dim == 2)
-    return {-0.01, 0.004, 0.007};
-  else
-    return {-0.01, 0.004, 0.003, 0.007, -0.002, 0.005};
-}
-
 template <class T>
 class ElementMatricesTest : public testing::Test {};
 TYPED_TEST_SUITE(ElementMatricesTest, test::Dimensions);
@@ -121,7 +112,7 @@ TYPED_TEST(ElementMatricesTest, LumpedMassKeepsTheVolume) {
 TYPED_TEST(ElementMatricesTest, StrainLoadIsStiffnessTimesTheLinearField) {
   constexpr int Dim = TypeParam::value;
   const Pair<Dim> pair;
-  const std::vector<double> strain = some_strain<Dim>();
+  const std::vector<double> strain = test::some_strain<Dim>();
   const auto tensor = test::strain_tensor<Dim>(strain);
   const auto linear = corner_values<Dim>([&](const Point<Dim>& x) {
     Point<Dim> u{};
@@ -167,7 +158,7 @@ TEST(ElementMatrices, PlaneStressContractsFreely) {
 TEST(ElementMatrices, ThicknessMultipliesEveryIntegral) {
   const ElementMatrices<2> thin({0.7, 1.9}, 1.0, poisson);
   const ElementMatrices<2> thick({0.7, 1.9}, 3.0, poisson);
-  const std::vector<double> strain = some_strain<2>();
+  const std::vector<double> strain = test::some_strain<2>();
   const auto tripled = [](auto values) {
     for (double& value : values) value *= 3.0;
     return values;

@@ -124,6 +124,10 @@ class FullDiskTest(FailureTest):
     def test_result(self):
         self.check(48 * 1024, r"result\.h5", "-output_every", 0)
 
+    def test_results_of_other_tasks(self):
+        self.check(48 * 1024, r"result\.h5", "-task", "simulate")
+        self.check(48 * 1024, r"gradients\.h5", "-task", "evaluate")
+
     def test_room_enough(self):
         """The same run with the disk empty, so that the failures above are the disk's."""
         run = self.run_on_disk(3, 512 * 1024, "-output_every", 1, "-checkpoint_every", 1)

@@ -36,7 +36,6 @@ class GradientsTest(FabseqTest):
     def test_box_on_the_linear_scale(self):
         self.box("-scale", "linear")
 
-    @run_fabseq.only_release
     def test_box_on_the_log_scale(self):
         self.box("-scale", "log", ranks=3)
 

@@ -125,6 +125,14 @@ struct BruteForceElement {
   }
 };
 
+/// An inherent strain, Voigt, with every component different.
+template <int Dim>
+std::vector<double> some_strain() {
+  if constexpr (Dim == 2)
+    return {-0.01, 0.004, 0.007};
+  else
+    return {-0.01, 0.004, 0.003, 0.007, -0.002, 0.005};
+}
 /// Tensor of a Voigt strain (xx,yy,zz,xy,yz,zx or xx,yy,xy, engineering shear), and back for a stress.
 template <int Dim>
 std::array<Point<Dim>, Dim> strain_tensor(const std::vector<double>& voigt) {

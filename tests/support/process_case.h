@@ -15,14 +15,6 @@ namespace fabseq::test {
 
 inline const AssembledSolverSettings exact_solver = {ReferenceMethod::direct, 1e-13, 1000, "elasticity_"};
 
-/// Every component different.
-template <int Dim>
-std::vector<double> some_strain() {
-  if constexpr (Dim == 2)
-    return {-0.01, 0.004, 0.007};
-  else
-    return {-0.01, 0.004, 0.003, 0.007, -0.002, 0.005};
-}
 template <int Dim>
 std::vector<double> isotropic_strain(double value) {
   std::vector<double> result(voigt_size<Dim>, 0.0);

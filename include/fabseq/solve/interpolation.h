@@ -14,7 +14,7 @@ namespace fabseq {
 /// node along every axis, and more than `coarsest` unknown nodes remain. A coarse node is an unknown if it
 /// interpolates to an unknown of the finer level. Collective. Empty if the grid cannot be coarsened.
 template <int Dim>
-std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& fine, std::int64_t coarsest);
+std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest);
 
 extern template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
 extern template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
