@@ -27,10 +27,10 @@ PhaseTimer::Scope::~Scope() {
   timer_.seconds_[static_cast<int>(phase_)] += MPI_Wtime() - start_;
 }
 
-double peak_memory_bytes(MPI_Comm comm) {
+std::int64_t peak_memory_bytes(MPI_Comm comm) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return sum(comm, 1024.0 * static_cast<double>(usage.ru_maxrss));
+  return sum(comm, 1024 * static_cast<std::int64_t>(usage.ru_maxrss));
 }
 
 }  // namespace fabseq

@@ -59,6 +59,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
     return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
+  (void)PetscPopSignalHandler();  // a closed pipe, as of `| head`, shall not end in a trace
   const int status = guarded(program);
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();

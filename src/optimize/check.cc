@@ -3,6 +3,7 @@
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
+#include "fabseq/solve/reference_elasticity.h"
 
 #include <cstdio>
 
@@ -10,9 +11,11 @@ namespace fabseq {
 
 namespace {
 
-/// Bytes an unknown of an assembled elastic system with its preconditioner, and seconds a solve and unknown
-/// on one core of the reference path: measured, docs/performance.md.
+/// Of the reference path, measured (docs/performance.md): bytes an unknown of a system with its preconditioner, and of one with
+/// its factors, which is kept a layer; bytes a rank holds anyway; seconds a solve and unknown on one core.
 constexpr double bytes_per_unknown = 3000.0;
+constexpr double factor_bytes_per_unknown = 5000.0;
+constexpr double bytes_per_rank = 8e7;
 constexpr double seconds_per_unknown = 1e-5;
 
 template <class... Arguments>
@@ -42,7 +45,10 @@ void print_cost(const Setup<Dim>& setup) {
   const double unknowns = static_cast<double>(nodes) * Dim;
   const double all_nodes = static_cast<double>(setup.grid.all_nodes().count());
   const int layers = setup.layer_count;
-  const double memory = unknowns * bytes_per_unknown + all_nodes * (900.0 + 8.0 * Dim * layers) +
+  const bool kept = unknowns <= static_cast<double>(ReferenceElasticity<Dim>::keep_limit);
+  const double systems = unknowns * (kept ? layers * factor_bytes_per_unknown : bytes_per_unknown);
+  const double memory = systems + size_of(setup.grid.comm()) * bytes_per_rank +
+                        all_nodes * (900.0 + 8.0 * Dim * layers) +
                         static_cast<double>(setup.part.count()) * layers * 16.0 * 4.0;
   const int ranks = size_of(setup.grid.comm());
   print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", unknowns, layers);

@@ -17,6 +17,9 @@ Setup<Dim>::Setup(MPI_Comm comm, const Config& config_)
       layer_count(resolve_layer_count()),
       baseline_layers(resolve_baseline_layers()),
       characteristic_length(config_.sequence.characteristic_length.value_or(part.longest_edge())) {
+  // Refuses a grid whose lane blocks are too large for the indices before anything is written.
+  (void)grid.node_dm(Dim *
+                     std::min(ProcessSimulation<Dim>::batch_lanes, std::max(layer_count, baseline_layers)));
   for (const auto& [name, description] : config.node_sets)
     node_sets.emplace(name, make_node_set(part, name, description));
 }

@@ -23,12 +23,13 @@ std::vector<int> model_nodes(const ElasticModel<Dim>& model) {
   return numbering.owned_nodes();
 }
 
-/// Those of them on the plate.
+/// Owned plate nodes of the part. Where the void is quiet, its plate nodes hold nothing: they are as soft as the void.
 template <int Dim>
 std::vector<int> plate_nodes(const ElasticModel<Dim>& model) {
   std::vector<int> result;
-  for (const int node : model_nodes(model))
-    if (model.domain.fixed[static_cast<std::size_t>(node) * Dim] != 0) result.push_back(node);
+  const auto& touched = model.part.touched_nodes();
+  for (std::size_t node = 0; node < touched.size(); ++node)
+    if (touched[node] != 0 && model.domain.fixed[node * Dim] != 0) result.push_back(static_cast<int>(node));
   return result;
 }
 

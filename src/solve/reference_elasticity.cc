@@ -2,13 +2,6 @@
 
 namespace fabseq {
 
-namespace {
-
-/// Systems up to this many unknowns are kept, a layer each: a factorization costs more than its memory.
-constexpr std::int64_t keep_limit = 40000;
-
-}  // namespace
-
 template <int Dim>
 ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const SystemDomain& domain,
                                               const SquareMatrix<element_unknowns<Dim>>& stiffness,

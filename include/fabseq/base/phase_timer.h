@@ -5,6 +5,7 @@
 #include <petscsys.h>
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace fabseq {
@@ -45,6 +46,6 @@ class PhaseTimer {
 };
 
 /// Largest resident memory so far of all ranks of `comm` together, bytes. Collective.
-double peak_memory_bytes(MPI_Comm comm);
+std::int64_t peak_memory_bytes(MPI_Comm comm);
 
 }  // namespace fabseq

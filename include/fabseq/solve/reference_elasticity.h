@@ -17,6 +17,9 @@ namespace fabseq {
 template <int Dim>
 class ReferenceElasticity : public ElasticitySolver<Dim> {
  public:
+  /// Systems up to this many unknowns are kept, a layer each: a factorization costs more than its memory.
+  static constexpr std::int64_t keep_limit = 40000;
+
   /// Collective. `domain` must outlive the solver.
   ReferenceElasticity(const Grid<Dim>& grid, const SystemDomain& domain,
                       const SquareMatrix<element_unknowns<Dim>>& stiffness,
