@@ -54,29 +54,15 @@ void check_numbers(MPI_Comm comm, std::span<const double> x, std::span<const dou
   if (bad[1] != 0) throw NumericalError("MMA: the value of a row is not finite");
 }
 
-/// The most each row's approximation can rise over the box: convex in every variable, it is largest at an end.
-std::vector<double> largest_changes(MPI_Comm comm, const MmaBox& box,
-                                    std::span<const std::vector<double>> gradients) {
-  std::vector<double> changes;
-  for (const std::vector<double>& gradient : gradients) {
-    double total = 0.0;
-    for (std::size_t j = 0; j < box.size(); ++j)
-      if (box.width[j] > 0.0) {
-        const MmaApproximation row(box, j, gradient[j]);
-        total += std::max(row.value(box.alpha[j]), row.value(box.beta[j])) - row.value(0.0);
-      }
-    changes.push_back(total);
-  }
-  sum_in_place(comm, changes);
-  return changes;
-}
-
-/// Steps of the variables. Rows that stay fulfilled wherever the variables go are left out: their multipliers are 0.
-std::vector<double> solve_for_step(MPI_Comm comm, const MmaBox& box,
-                                   std::span<const double> objective_gradient, std::span<const double> values,
-                                   std::span<const std::vector<double>> gradients, const MmaRows& rows,
-                                   MmaReport& report) {
-  const std::vector<double> changes = largest_changes(comm, box, gradients);
+// Steps of the variables. Rows that stay fulfilled wherever the variables go are left out: their multipliers
+// are 0.
+std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
+                                     std::span<const double> objective_gradient,
+                                     const std::vector<double>& values,
+                                     std::span<const std::vector<double>> gradients, const MmaRows& rows,
+                                     MmaReport& report) {
+  const std::vector<std::span<const double>> all(gradients.begin(), gradients.end());
+  const std::vector<double> changes = largest_changes(comm, box, all);
   std::vector<std::size_t> kept;
   std::vector<std::span<const double>> kept_gradients;
   std::vector<double> kept_values;
@@ -85,18 +71,18 @@ std::vector<double> solve_for_step(MPI_Comm comm, const MmaBox& box,
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] + changes[i] < 0.0) continue;  // not so if the gradient is not a number
     kept.push_back(i);
-    kept_gradients.emplace_back(gradients[i]);
+    kept_gradients.push_back(all[i]);
     kept_values.push_back(values[i]);
     kept_rows.a.push_back(rows.a[i]);
     kept_rows.c.push_back(rows.c[i]);
     kept_rows.d.push_back(rows.d[i]);
   }
-  std::vector<double> step =
-      solve_mma_subproblem(comm, box, objective_gradient, kept_values, kept_gradients, kept_rows, report);
+  MmaVariables variables(comm, box, objective_gradient, kept_gradients);
+  report = solve_mma_subproblem(comm, variables, kept_values, kept_rows);
   std::vector<double> multipliers(values.size());
   for (std::size_t k = 0; k < kept.size(); ++k) multipliers[kept[k]] = report.multipliers[k];
   report.multipliers = std::move(multipliers);
-  return step;
+  return {variables.step().begin(), variables.step().end()};
 }
 
 }  // namespace
@@ -183,7 +169,7 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
   const MmaBox box = this->box(x, lower, upper, move_limit);
   MmaReport report;
   const std::vector<double> step =
-      solve_for_step(comm_, box, objective_gradient, shared, gradients, rows, report);
+      solve_subproblem(comm_, box, objective_gradient, shared, gradients, rows, report);
   for (std::size_t j = 0; j < n; ++j) {
     state_.before_previous[j] = std::exchange(state_.previous[j], x[j]);
     x[j] = std::clamp(x[j] + box.width[j] * step[j], lower[j], upper[j]);
