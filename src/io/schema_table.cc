@@ -112,7 +112,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "sequence", .variant = "file", .name = "dataset", .type = text, .default_value = "\"time\"", .meaning = "Dataset with axes [z][y][x], values in [0, 1]"},
 
     {.section = "layers", .name = "type", .type = choice, .default_value = "\"curved\"", .words = "curved", .later = "multi_planar", .meaning = "Layers between isosurfaces of the pseudo-time (curved)"},
-    {.section = "layers", .name = "count", .type = integer, .required = true, .range = "[1, 100000]", .words = "auto", .option = "-layers", .meaning = "Number of layers; auto: largest distance to the plate inside the part divided by the target thickness, rounded up"},
+    {.section = "layers", .name = "count", .type = integer, .required = true, .range = "[1, inf)", .words = "auto", .option = "-layers", .meaning = "Number of layers; auto: largest distance to the plate inside the part divided by the target thickness, rounded up"},
     {.section = "layers", .name = "time_points", .type = choice, .default_value = "\"uniform\"", .words = "uniform", .later = "variable", .meaning = "Pseudo-times at which layers end"},
 
     {.section = "projection", .name = "beta", .type = number, .default_value = "\"auto\"", .range = "(0, inf)", .words = "auto", .option = "-beta", .meaning = "Sharpness at the start; auto: 4 times the number of layers"},
