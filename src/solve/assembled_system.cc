@@ -22,6 +22,9 @@ constexpr double gamg_threshold = 0.01;
 /// nine decades the estimate can fall short by more than that, and the smoother, and with it the
 /// preconditioner, becomes indefinite.
 constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
+constexpr double safety_factor = 1.5;
+/// And by this one once the other was too small.
+constexpr double safest_factor = 3.0;
 
 /// Sets a PETSc option unless the user did. Asking for it marks it as read.
 void set_default_option(const std::string& name, const char* value) {
@@ -98,7 +101,7 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetOperators(solver_, matrix_, matrix_));
   PC pc = nullptr;
   check(KSPGetPC(solver_, &pc));
-  if (method_ != ReferenceMethod::direct)
+  if (method_ == ReferenceMethod::gamg)
     set_default_option("-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig",
                        chebyshev_transform);
   switch (method_) {
@@ -117,9 +120,9 @@ void AssembledSystem<Dim>::create_solver() {
 template <int Dim>
 void AssembledSystem<Dim>::set_up_gamg(PC pc) {
   check(PCSetType(pc, PCGAMG));
-  PetscReal threshold = gamg_relaxed_ ? 0.0 : gamg_threshold;
+  PetscReal threshold = relaxed_ ? 0.0 : gamg_threshold;
   check(PCGAMGSetThreshold(pc, &threshold, 1));
-  if (gamg_relaxed_) check(PCGAMGSetNSmooths(pc, 0));
+  if (relaxed_) check(PCGAMGSetNSmooths(pc, 0));
   check(MatSetNearNullSpace(matrix_, near_null_space()));
 }
 
@@ -157,6 +160,7 @@ void AssembledSystem<Dim>::set_up_multigrid(PC pc) {
     PC jacobi = nullptr;
     check(PCMGGetSmoother(pc, level, &smoother));
     check(KSPSetType(smoother, KSPCHEBYSHEV));
+    check(KSPChebyshevEstEigSet(smoother, 0.0, 0.1, 0.0, relaxed_ ? safest_factor : safety_factor));
     check(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 4));
     check(KSPGetPC(smoother, &jacobi));
     check(PCSetType(jacobi, PCJACOBI));
@@ -229,7 +233,7 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
 
   check(KSPSolve(solver_, load_, solution_));
   SolveReport report = last_report();
-  if (!report.converged && relax_gamg()) {
+  if (!report.converged && relax()) {
     check(KSPSolve(solver_, load_, solution_));
     report = last_report();
   }
@@ -263,12 +267,12 @@ SolveReport AssembledSystem<Dim>::last_report() const {
   return report;
 }
 
-/// Dropping weak couplings and smoothing the aggregates make GAMG faster, but in some graded layers the
-/// preconditioner is then not definite. Plain aggregates of the whole graph are slower and safe.
+/// What makes multigrid fast makes its preconditioner indefinite in some graded layers. Geometric multigrid then enlarges the
+/// smoother's eigenvalues further; GAMG does without dropping weak couplings and without smoothing the aggregates: slower and safe.
 template <int Dim>
-bool AssembledSystem<Dim>::relax_gamg() {
-  if (method_ != ReferenceMethod::gamg || gamg_relaxed_) return false;
-  gamg_relaxed_ = true;
+bool AssembledSystem<Dim>::relax() {
+  if (method_ == ReferenceMethod::direct || relaxed_) return false;
+  relaxed_ = true;
   create_solver();
   check(KSPSetUp(solver_));
   return true;

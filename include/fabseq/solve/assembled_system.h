@@ -72,13 +72,13 @@ class AssembledSystem {
   void set_up_direct(PC pc);
   NullSpaceHandle near_null_space() const;
   SolveReport last_report() const;
-  bool relax_gamg();
+  bool relax();
 
   const SystemDomain& domain_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   AssembledSolverSettings settings_;
   ReferenceMethod method_;
-  bool gamg_relaxed_ = false;
+  bool relaxed_ = false;
   MatHandle matrix_;
   KspHandle solver_;
   VecHandle load_, solution_;
