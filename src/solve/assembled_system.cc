@@ -22,9 +22,8 @@ constexpr double gamg_threshold = 0.01;
 /// nine decades the estimate can fall short by more than that, and the smoother, and with it the
 /// preconditioner, becomes indefinite.
 constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
-constexpr double safety_factor = 1.5;
 /// And by this one once the other was too small.
-constexpr double safest_factor = 3.0;
+constexpr const char* safest_transform = "0,0.1,0,3";
 
 /// Sets a PETSc option unless the user did. Asking for it marks it as read.
 void set_default_option(const std::string& name, const char* value) {
@@ -101,9 +100,11 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetOperators(solver_, matrix_, matrix_));
   PC pc = nullptr;
   check(KSPGetPC(solver_, &pc));
-  if (method_ == ReferenceMethod::gamg)
-    set_default_option("-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig",
-                       chebyshev_transform);
+  const std::string transform_option = "-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig";
+  if (method_ == ReferenceMethod::multigrid && relaxed_)
+    check(PetscOptionsSetValue(nullptr, transform_option.c_str(), safest_transform));
+  else if (method_ != ReferenceMethod::direct)
+    set_default_option(transform_option, chebyshev_transform);
   switch (method_) {
     case ReferenceMethod::multigrid:
       set_up_multigrid(pc);
@@ -160,7 +161,6 @@ void AssembledSystem<Dim>::set_up_multigrid(PC pc) {
     PC jacobi = nullptr;
     check(PCMGGetSmoother(pc, level, &smoother));
     check(KSPSetType(smoother, KSPCHEBYSHEV));
-    check(KSPChebyshevEstEigSet(smoother, 0.0, 0.1, 0.0, relaxed_ ? safest_factor : safety_factor));
     check(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 4));
     check(KSPGetPC(smoother, &jacobi));
     check(PCSetType(jacobi, PCJACOBI));
