@@ -210,6 +210,48 @@ TYPED_TEST(AssembledSystemTest, SaysWhenItDidNotConverge) {
   EXPECT_FALSE(report.reason.empty());
 }
 
+/// More of them than a factorization takes at a time, one of them zero.
+TYPED_TEST(AssembledSystemTest, SeveralLoadsAreSolvedLikeEachByItself) {
+  constexpr int Dim = TypeParam::value;
+  const Problem<Dim> problem(test::odd_domain<Dim>(), test::gallows<Dim>());
+  std::vector<std::vector<double>> loads(35, problem.load);
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    for (std::size_t i = 0; i < loads[k].size(); ++i)
+      loads[k][i] *= k == 3 ? 0.0 : 1.0 + test::noise(static_cast<std::int64_t>(i % 7), static_cast<int>(k));
+  for (const ReferenceMethod method : all_methods) {
+    auto system = problem.system(method);
+    std::vector<std::vector<double>> solutions(loads.size(), std::vector<double>(problem.load.size(), 7.0));
+    const std::vector<SolveReport> reports = system.solve(loads, solutions);
+    ASSERT_EQ(reports.size(), loads.size());
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+      EXPECT_TRUE(reports[k].converged) << reports[k].reason;
+      EXPECT_LE(reports[k].residual, 1e-12);
+      EXPECT_EQ(test::largest(solutions[k]) == 0.0, k == 3);
+      if (k == 3) continue;
+      EXPECT_LT(test::relative_difference(test::whole_node_field<Dim>(problem.grid(), solutions[k], Dim),
+                                          problem.solve(system, loads[k])),
+                1e-9);
+    }
+  }
+}
+
+TYPED_TEST(AssembledSystemTest, SaysWhichOfSeveralLoadsDidNotConverge) {
+  constexpr int Dim = TypeParam::value;
+  const Problem<Dim> problem(even_domain<Dim>(), bridge<Dim>());
+  const std::vector<double> zero(problem.load.size(), 0.0);
+  for (const ReferenceMethod method : {ReferenceMethod::direct, ReferenceMethod::gamg}) {
+    auto system = problem.system(method, 1e-30, 2);  // beyond rounding
+    const std::vector<std::vector<double>> loads = {zero, problem.load};
+    std::vector<std::vector<double>> solutions = loads;
+    const std::vector<SolveReport> reports = system.solve(loads, solutions);
+    EXPECT_TRUE(reports[0].converged);
+    EXPECT_FALSE(reports[1].converged);
+    EXPECT_EQ(reports[1].iterations, 2);
+    EXPECT_GT(reports[1].residual, 1e-30);
+    EXPECT_FALSE(reports[1].reason.empty());
+  }
+}
+
 /// One component, no support, both matrices: (K + M) 1 = M 1.
 TYPED_TEST(AssembledSystemTest, ConductionWithAReactionKeepsAConstant) {
   constexpr int Dim = TypeParam::value;

@@ -184,15 +184,16 @@ template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
   const Grid<Dim>& grid = part_.grid();
   const auto& corners = part_.first_corners();
-  std::vector<std::vector<double>> gradients;
-  std::vector<double> adjoint(domain_.fixed.size());
+  std::vector<std::vector<double>> loads, gradients;
+  for (const TimeDerivatives& row : rows) loads.push_back(adjoint_load(row));
+  std::vector<std::vector<double>> adjoints(rows.size(), std::vector<double>(domain_.fixed.size()));
+  const std::vector<SolveReport> reports = system_->solve(loads, adjoints);
   std::vector<double> ghosted(ghosted_temperature_.size());
   adjoint_iterations_.clear();
-  for (const TimeDerivatives& row : rows) {
-    const SolveReport report = system_->solve(adjoint_load(row), adjoint);
-    require_convergence(report, "a heat adjoint");
-    adjoint_iterations_.push_back(report.iterations);
-    grid.exchange(1).to_ghosted(adjoint, ghosted);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    require_convergence(reports[row], "a heat adjoint");
+    adjoint_iterations_.push_back(reports[row].iterations);
+    grid.exchange(1).to_ghosted(adjoints[row], ghosted);
     // dJ/dkappa_e = lambda^T K_0 T
     std::vector<double> gradient(corners.size(), 0.0);
     for (std::size_t e = 0; e < corners.size(); ++e)

@@ -1,7 +1,7 @@
 #include "fabseq/solve/assembled_system.h"
 
 #include "fabseq/base/log_event.h"
-#include "fabseq/solve/interpolation.h"
+#include "fabseq/solve/block_solve.h"
 
 #include <algorithm>
 
@@ -9,29 +9,8 @@ namespace fabseq {
 
 namespace {
 
-/// A factorization beats multigrid up to about this many unknowns (docs/performance.md).
-template <int Dim>
-constexpr std::int64_t direct_limit = Dim == 2 ? 200000 : 20000;
-/// More nodes than this on the coarsest level are too many for a factorization on every rank.
-constexpr PetscInt coarsest_limit = 4000;
-/// Geometric multigrid stops coarsening at this many nodes.
-constexpr std::int64_t coarsest_nodes = 400;
-/// Couplings weaker than this are dropped from GAMG's graph.
-constexpr double gamg_threshold = 0.01;
-/// Estimated largest eigenvalues are enlarged by this factor, not by PETSc's 1.1: where stiffness jumps by
-/// nine decades the estimate can fall short by more than that, and the smoother, and with it the
-/// preconditioner, becomes indefinite.
-constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
-/// And by this one once the other was too small.
-constexpr const char* safest_transform = "0,0.1,0,3";
-
-/// Sets a PETSc option unless the user did. Asking for it marks it as read.
-void set_default_option(const std::string& name, const char* value) {
-  PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
-  if (given == PETSC_FALSE) check(PetscOptionsSetValue(nullptr, name.c_str(), value));
-  check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
-}
+/// Right-hand sides a factorization takes at a time: as many as MUMPS works on at once, and no more memory.
+constexpr std::size_t block_columns = 32;
 
 }  // namespace
 
@@ -43,17 +22,6 @@ AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
   if (method_ == ReferenceMethod::automatic) method_ = preferred_method(*numbering_);
   create_matrix();
   create_solver();
-}
-
-template <int Dim>
-ReferenceMethod AssembledSystem<Dim>::preferred_method(const UnknownNumbering<Dim>& numbering) {
-  if (numbering.count() * numbering.components() <= direct_limit<Dim>) return ReferenceMethod::direct;
-  const std::vector<MatHandle> interpolations = make_interpolations(numbering, coarsest_nodes);
-  if (interpolations.empty()) return ReferenceMethod::gamg;
-  PetscInt coarsest = 0;
-  check(MatGetSize(interpolations.back(), nullptr, &coarsest));
-  return coarsest <= coarsest_limit * numbering.components() ? ReferenceMethod::multigrid
-                                                             : ReferenceMethod::gamg;
 }
 
 template <int Dim>
@@ -98,86 +66,8 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetResidualHistory(solver_, nullptr, PETSC_DECIDE, PETSC_TRUE));
   check(KSPSetOptionsPrefix(solver_, settings_.options_prefix.c_str()));
   check(KSPSetOperators(solver_, matrix_, matrix_));
-  PC pc = nullptr;
-  check(KSPGetPC(solver_, &pc));
-  const std::string transform_option = "-" + settings_.options_prefix + "mg_levels_ksp_chebyshev_esteig";
-  if (method_ == ReferenceMethod::multigrid && relaxed_)
-    check(PetscOptionsSetValue(nullptr, transform_option.c_str(), safest_transform));
-  else if (method_ != ReferenceMethod::direct)
-    set_default_option(transform_option, chebyshev_transform);
-  switch (method_) {
-    case ReferenceMethod::multigrid:
-      set_up_multigrid(pc);
-      break;
-    case ReferenceMethod::direct:
-      set_up_direct(pc);
-      break;
-    default:
-      set_up_gamg(pc);
-  }
+  set_up_preconditioner(solver_, matrix_, *numbering_, method_, relaxed_);
   check(KSPSetFromOptions(solver_));
-}
-
-template <int Dim>
-void AssembledSystem<Dim>::set_up_gamg(PC pc) {
-  check(PCSetType(pc, PCGAMG));
-  PetscReal threshold = relaxed_ ? 0.0 : gamg_threshold;
-  check(PCGAMGSetThreshold(pc, &threshold, 1));
-  if (relaxed_) check(PCGAMGSetNSmooths(pc, 0));
-  check(MatSetNearNullSpace(matrix_, near_null_space()));
-}
-
-template <int Dim>
-NullSpaceHandle AssembledSystem<Dim>::near_null_space() const {
-  NullSpaceHandle result;
-  const auto& grid = numbering_->grid();
-  if (numbering_->components() == 1) {
-    check(MatNullSpaceCreate(grid.comm(), PETSC_TRUE, 0, nullptr, result.receive()));
-    return result;
-  }
-  VecHandle coordinates;
-  check(VecDuplicate(load_, coordinates.receive()));
-  check(VecSetBlockSize(coordinates, Dim));
-  PetscScalar* values = nullptr;
-  check(VecGetArray(coordinates, &values));
-  std::size_t position = 0;
-  for (const int node : numbering_->owned_nodes())
-    for (const double x : grid.node_position(grid.owned_nodes().index(node))) values[position++] = x;
-  check(VecRestoreArray(coordinates, &values));
-  check(MatNullSpaceCreateRigidBody(coordinates, result.receive()));
-  return result;
-}
-
-template <int Dim>
-void AssembledSystem<Dim>::set_up_multigrid(PC pc) {
-  const std::vector<MatHandle> interpolations = make_interpolations(*numbering_, coarsest_nodes);
-  const auto levels = static_cast<PetscInt>(interpolations.size()) + 1;
-  check(PCSetType(pc, PCMG));
-  check(PCMGSetLevels(pc, levels, nullptr));
-  check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_BOTH));
-  for (PetscInt level = 1; level < levels; ++level) {
-    check(PCMGSetInterpolation(pc, level, interpolations[levels - 1 - level]));
-    KSP smoother = nullptr;
-    PC jacobi = nullptr;
-    check(PCMGGetSmoother(pc, level, &smoother));
-    check(KSPSetType(smoother, KSPCHEBYSHEV));
-    check(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 4));
-    check(KSPGetPC(smoother, &jacobi));
-    check(PCSetType(jacobi, PCJACOBI));
-  }
-  // The coarsest level keeps PCMG's default, a (redundant) LU factorization with a shift: coarse nodes beside
-  // a thin wall may depend on each other.
-}
-
-template <int Dim>
-void AssembledSystem<Dim>::set_up_direct(PC pc) {
-  check(PCSetType(pc, PCCHOLESKY));
-  check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  check(PCFactorSetUpMatSolverType(pc));
-  Mat factor = nullptr;
-  check(PCFactorGetMatrix(pc, &factor));
-  // MUMPS' own estimate of its workspace is too small for some small systems on several ranks.
-  check(MatMumpsSetIcntl(factor, 14, 200));
 }
 
 template <int Dim>
@@ -213,18 +103,36 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
 }
 
 template <int Dim>
+void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar* values) const {
+  const int block = numbering_->components();
+  std::size_t position = 0;
+  for (const int node : numbering_->owned_nodes())
+    for (int c = 0; c < block; ++c) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+      values[position++] = domain_.fixed[unknown] != 0 ? 0.0 : load[unknown];
+    }
+}
+
+/// Aggregates couple a node's components: rounding reaches fixed ones, too.
+template <int Dim>
+void AssembledSystem<Dim>::scatter_solution(const PetscScalar* values, std::span<double> solution) const {
+  const int block = numbering_->components();
+  std::fill(solution.begin(), solution.end(), 0.0);
+  std::size_t position = 0;
+  for (const int node : numbering_->owned_nodes())
+    for (int c = 0; c < block; ++c, ++position) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+      if (domain_.fixed[unknown] == 0) solution[unknown] = values[position];
+    }
+}
+
+template <int Dim>
 SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<double> solution) {
   static const LogEvent event("fabseq solve");
   const auto scope = event.enter();
-  const int block = numbering_->components();
-  const auto& nodes = numbering_->owned_nodes();
   PetscScalar* values = nullptr;
   check(VecGetArray(load_, &values));
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int c = 0; c < block; ++c) {
-      const std::size_t unknown = static_cast<std::size_t>(nodes[i]) * block + c;
-      values[i * block + c] = domain_.fixed[unknown] != 0 ? 0.0 : load[unknown];
-    }
+  gather_load(load, values);
   check(VecRestoreArray(load_, &values));
   std::fill(solution.begin(), solution.end(), 0.0);
   PetscReal size = 0.0;
@@ -237,17 +145,61 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
     check(KSPSolve(solver_, load_, solution_));
     report = last_report();
   }
-
   const PetscScalar* result = nullptr;
   check(VecGetArrayRead(solution_, &result));
-  // Aggregates couple a node's components: rounding reaches fixed ones, too.
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int c = 0; c < block; ++c) {
-      const std::size_t unknown = static_cast<std::size_t>(nodes[i]) * block + c;
-      solution[unknown] = domain_.fixed[unknown] != 0 ? 0.0 : result[i * block + c];
-    }
+  scatter_solution(result, solution);
   check(VecRestoreArrayRead(solution_, &result));
   return report;
+}
+
+template <int Dim>
+std::vector<SolveReport> AssembledSystem<Dim>::solve(std::span<const std::vector<double>> loads,
+                                                     std::span<std::vector<double>> solutions) {
+  std::vector<SolveReport> reports;
+  while (reports.size() < loads.size()) {
+    const std::size_t first = reports.size();
+    const std::size_t count = std::min(block_columns, loads.size() - first);
+    if (method_ == ReferenceMethod::direct && count > 1) {
+      const auto block = solve_side_by_side(loads.subspan(first, count), solutions.subspan(first, count));
+      reports.insert(reports.end(), block.begin(), block.end());
+    } else {
+      reports.push_back(solve(std::span<const double>(loads[first]), solutions[first]));
+    }
+  }
+  return reports;
+}
+
+template <int Dim>
+std::vector<SolveReport> AssembledSystem<Dim>::solve_side_by_side(std::span<const std::vector<double>> loads,
+                                                                  std::span<std::vector<double>> solutions) {
+  static const LogEvent event("fabseq block solve");
+  const auto scope = event.enter();
+  const std::size_t rows = numbering_->owned_nodes().size() * numbering_->components();
+  const auto columns = static_cast<PetscInt>(loads.size());
+  MatHandle load, solution;
+  check(MatCreateDense(numbering_->grid().comm(), static_cast<PetscInt>(rows), PETSC_DECIDE, PETSC_DETERMINE,
+                       columns, nullptr, load.receive()));
+  check(MatDuplicate(load, MAT_DO_NOT_COPY_VALUES, solution.receive()));
+  PetscScalar* values = nullptr;
+  check(MatDenseGetArrayWrite(load, &values));
+  for (PetscInt column = 0; column < columns; ++column) gather_load(loads[column], values + column * rows);
+  check(MatDenseRestoreArrayWrite(load, &values));
+
+  const BlockReport block = solve_block(solver_, load, solution, settings_.tolerance);
+  std::vector<SolveReport> reports;
+  const PetscScalar* result = nullptr;
+  check(MatDenseGetArrayRead(solution, &result));
+  for (PetscInt column = 0; column < columns; ++column) {
+    if (block.residuals[column] <= settings_.tolerance) {
+      reports.push_back(
+          {block.iterations, block.residuals[column], true, KSPConvergedReasons[KSP_CONVERGED_RTOL]});
+      scatter_solution(result + column * rows, solutions[column]);
+    } else {
+      reports.push_back(solve(std::span<const double>(loads[column]), solutions[column]));
+    }
+  }
+  check(MatDenseRestoreArrayRead(solution, &result));
+  return reports;
 }
 
 template <int Dim>
@@ -267,8 +219,6 @@ SolveReport AssembledSystem<Dim>::last_report() const {
   return report;
 }
 
-/// What makes multigrid fast makes its preconditioner indefinite in some graded layers. Geometric multigrid then enlarges the
-/// smoother's eigenvalues further; GAMG does without dropping weak couplings and without smoothing the aggregates: slower and safe.
 template <int Dim>
 bool AssembledSystem<Dim>::relax() {
   if (method_ == ReferenceMethod::direct || relaxed_) return false;

@@ -12,8 +12,7 @@ ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const Syste
       settings_(settings),
       numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
       keep_(numbering_->count() * Dim <= keep_limit) {
-  if (settings_.method == ReferenceMethod::automatic)
-    settings_.method = AssembledSystem<Dim>::preferred_method(*numbering_);
+  if (settings_.method == ReferenceMethod::automatic) settings_.method = preferred_method(*numbering_);
 }
 
 template <int Dim>
@@ -45,12 +44,14 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
                                                                       std::span<LaneVector> displacements) {
   std::vector<std::vector<SolveReport>> reports(loads.size(), std::vector<SolveReport>(lanes_));
   const auto unknowns = static_cast<std::size_t>(grid_.owned_nodes().count()) * Dim;
-  std::vector<double> displacement(unknowns);
+  std::vector<std::vector<double>> load(loads.size());
+  std::vector<std::vector<double>> displacement(loads.size(), std::vector<double>(unknowns));
   for (int lane = 0; lane < lanes_; ++lane) {
-    AssembledSystem<Dim>& system = assembled(lane);
+    for (std::size_t set = 0; set < loads.size(); ++set) load[set] = loads[set].lane(lane);
+    const std::vector<SolveReport> of_lane = assembled(lane).solve(load, displacement);
     for (std::size_t set = 0; set < loads.size(); ++set) {
-      reports[set][lane] = system.solve(loads[set].lane(lane), displacement);
-      displacements[set].set_lane(lane, displacement);
+      reports[set][lane] = of_lane[set];
+      displacements[set].set_lane(lane, displacement[set]);
     }
   }
   return reports;

@@ -4,6 +4,7 @@
 
 #include "fabseq/base/petsc.h"
 #include "fabseq/io/config.h"
+#include "fabseq/solve/preconditioner.h"
 #include "fabseq/solve/unknown_numbering.h"
 
 #include <initializer_list>
@@ -56,10 +57,11 @@ class AssembledSystem {
   /// back 0, as do nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw
   /// if it does not converge.
   SolveReport solve(std::span<const double> load, std::span<double> solution);
+  /// The same for several right-hand sides, with a report each. A factorization takes them side by side
+  /// (block_solve.h; -ksp_monitor does not see those), an iterative method one after the other.
+  std::vector<SolveReport> solve(std::span<const std::vector<double>> loads,
+                                 std::span<std::vector<double>> solutions);
 
-  /// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can
-  /// be coarsened far enough, else GAMG. Collective.
-  static ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering);
   /// The method in use, automatic resolved.
   ReferenceMethod method() const { return method_; }
   std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
@@ -67,10 +69,10 @@ class AssembledSystem {
  private:
   void create_matrix();
   void create_solver();
-  void set_up_gamg(PC pc);
-  void set_up_multigrid(PC pc);
-  void set_up_direct(PC pc);
-  NullSpaceHandle near_null_space() const;
+  void gather_load(std::span<const double> load, PetscScalar* values) const;
+  void scatter_solution(const PetscScalar* values, std::span<double> solution) const;
+  std::vector<SolveReport> solve_side_by_side(std::span<const std::vector<double>> loads,
+                                              std::span<std::vector<double>> solutions);
   SolveReport last_report() const;
   bool relax();
 

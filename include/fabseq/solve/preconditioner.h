@@ -1,0 +1,25 @@
+/// \file
+/// The preconditioners of the reference solver, made of stock PETSc: which one, and its set-up.
+#pragma once
+
+#include "fabseq/base/petsc.h"
+#include "fabseq/io/config.h"
+#include "fabseq/solve/unknown_numbering.h"
+
+#include <string>
+
+namespace fabseq {
+
+/// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can
+/// be coarsened far enough, else GAMG. Collective.
+template <int Dim>
+ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering);
+
+/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (not automatic).
+/// `safe`: slower, but positive definite in layers in which the fast settings are not. The user's options
+/// come on top, by KSPSetFromOptions. Collective.
+template <int Dim>
+void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& numbering,
+                           ReferenceMethod method, bool safe);
+
+}  // namespace fabseq
