@@ -93,6 +93,8 @@ template <int Dim>
 void run_task(const CommandLine& command_line, const Config& config) {
   PhaseTimer timer;
   const Setup<Dim> setup(PETSC_COMM_WORLD, config);
+  // A run for a larger machine can be checked on a small one.
+  if (command_line.task != Task::check) setup.require_memory_of_layers();
   switch (command_line.task) {
     case Task::optimize:
       return optimize(command_line, setup, timer);

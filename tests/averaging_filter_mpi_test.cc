@@ -10,8 +10,8 @@
 namespace fabseq {
 namespace {
 
-/// In element edges 0.4 to 0.5: less than one, about two, across several ranks, the whole part.
-const std::vector<double> radii = {0.2, 0.95, 1.3, 10.0};
+/// In element edges 0.4 to 0.5: less than one, about two, across several ranks, the whole part, beyond all indices.
+const std::vector<double> radii = {0.2, 0.95, 1.3, 10.0, 1e12};
 
 /// Weighted means by definition, on the whole grid; 0 outside the part.
 template <int Dim>

@@ -63,7 +63,8 @@ TEST(ConfigErrorsTest, MissingKeys) {
   }
   EXPECT_EQ(error_without("objective"), "/objective: missing; allowed: a list of objects");
   EXPECT_EQ(solid_error("sequence", "{}"), "/sequence/type: missing; allowed: heat, planar, file");
-  EXPECT_EQ(solid_error("layers", "{}"), "/layers/count: missing; allowed: \"auto\" or an integer >= 1");
+  EXPECT_EQ(solid_error("layers", "{}"),
+            "/layers/count: missing; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("objective.0", "{}"),
             "/objective/0/type: missing; allowed: distortion, layer_uniformity");
   EXPECT_EQ(solid_error("constraints.0", R"({"type": "layer_thickness"})"),
@@ -100,7 +101,13 @@ TEST(ConfigErrorsTest, OutOfRange) {
             "/material/poisson: found -1; allowed: a number in (-1, 0.5)");
   EXPECT_EQ(configure(solid, {{"material.poisson", "-0.99"}}).material.poisson, -0.99);
   EXPECT_EQ(solid_error("layers.count", "0"),
-            "/layers/count: found 0; allowed: \"auto\" or an integer >= 1, at most 2147483647");
+            "/layers/count: found 0; allowed: \"auto\" or an integer in [1, 10000]");
+  EXPECT_EQ(configure(solid, {{"layers.count", "10000"}}).layers.count, most_layers);
+  EXPECT_EQ(solid_error("layers.count", "10001"),
+            "/layers/count: found 10001; allowed: \"auto\" or an integer in [1, 10000]");
+  EXPECT_EQ(configure(solid, {{"baseline.layers", "10000"}}).baseline.layers, most_layers);
+  EXPECT_EQ(solid_error("baseline.layers", "1e9"),
+            "/baseline/layers: found 1000000000.0; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("projection.beta", "0"),
             "/projection/beta: found 0; allowed: \"auto\" or a number > 0");
   EXPECT_EQ(solid_error("solver.tolerance", "1"), "/solver/tolerance: found 1; allowed: a number in (0, 1)");
@@ -243,7 +250,8 @@ TEST(ConfigErrorsTest, NodeSetsOfTerms) {
 
 TEST(ConfigErrorsTest, KeysThatNeedEachOther) {
   EXPECT_EQ(error_of(solid, {{"layers.count", "auto"}, {"constraints", "[]"}}),
-            "/layers/count: found \"auto\" without a layer_thickness constraint; allowed: an integer >= 1, "
+            "/layers/count: found \"auto\" without a layer_thickness constraint; allowed: an integer in [1, "
+            "10000], "
             "or \"auto\" with a "
             "constraint of type layer_thickness");
   const std::string file = R"({"type": "file", "file": "t.h5"})";

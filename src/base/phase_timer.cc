@@ -1,12 +1,10 @@
 #include "fabseq/base/phase_timer.h"
 
-#include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
 
 #include <mpi.h>
 
 #include <string>
-#include <sys/resource.h>
 
 namespace fabseq {
 
@@ -25,12 +23,6 @@ PhaseTimer::Scope::Scope(PhaseTimer& timer, Phase phase) : timer_(timer), phase_
 PhaseTimer::Scope::~Scope() {
   (void)PetscLogStagePop();
   timer_.seconds_[static_cast<int>(phase_)] += MPI_Wtime() - start_;
-}
-
-std::int64_t peak_memory_bytes(MPI_Comm comm) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return sum(comm, 1024 * static_cast<std::int64_t>(usage.ru_maxrss));
 }
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 #include "fabseq/grid/grid.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
@@ -11,12 +12,18 @@ namespace fabseq {
 
 namespace {
 
+/// In floating point, which cannot overflow: indices up to 2^31 an axis would exceed 64 bits.
+template <int Dim>
+double node_count(const Index<Dim>& elements) {
+  double count = 1.0;
+  for (const int extent : elements) count *= extent + 1.0;
+  return count;
+}
+
 /// Throws if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
 template <int Dim>
 void require_countable(const Index<Dim>& elements, int components) {
-  // In floating point, which cannot overflow: indices up to 2^31 an axis would exceed 64 bits.
-  double values = components;
-  for (const int extent : elements) values *= extent + 1.0;
+  const double values = components * node_count<Dim>(elements);
   constexpr auto most = std::numeric_limits<PetscInt>::max();
   if (values <= static_cast<double>(most)) return;
   std::string count = std::to_string(values);
@@ -26,8 +33,11 @@ void require_countable(const Index<Dim>& elements, int components) {
                    std::to_string(most) + " are allowed (PETSc's indices)");
 }
 
+/// What grid and part take for a node, at the least (measured: 240).
+constexpr double bytes_per_node = 150.0;
+
 template <int Dim>
-void require_domain(const Domain<Dim>& domain) {
+void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
   for (int axis = 0; axis < Dim; ++axis) {
     if (domain.elements[axis] < 1)
       throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) +
@@ -37,6 +47,8 @@ void require_domain(const Domain<Dim>& domain) {
                        std::to_string(axis) + ", needs positive lengths");
   }
   require_countable<Dim>(domain.elements, Dim);  // the displacement
+  require_memory(comm, bytes_per_node * node_count<Dim>(domain.elements),
+                 "/domain/elements: " + to_text<Dim>(domain.elements));
 }
 
 /// Nodes that go with a rank's elements: as many, and one more at the upper end of the grid.
@@ -53,7 +65,7 @@ IndexBox<Dim> nodes_of(const IndexBox<Dim>& elements, const Index<Dim>& all) {
 template <int Dim>
 Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights)
     : comm_(comm), domain_(domain) {
-  require_domain<Dim>(domain);
+  require_domain<Dim>(comm, domain);
   for (int axis = 0; axis < Dim; ++axis) spacing_[axis] = domain.size[axis] / domain.elements[axis];
   decomposition_ = choose_decomposition<Dim>(comm, domain.elements, weights);
   set_up_boxes();

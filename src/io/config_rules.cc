@@ -113,7 +113,8 @@ void check_terms(const Config& config) {
 void check_layers(const Config& config) {
   if (config.layers.count || config.target_thickness()) return;
   refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
-         "an integer >= 1, or \"auto\" with a constraint of type layer_thickness");
+         "an integer in [1, " + std::to_string(most_layers) +
+             "], or \"auto\" with a constraint of type layer_thickness");
 }
 
 void check_projection(const Config& config) {

@@ -167,7 +167,8 @@ class Completion {
   [[noreturn]] void refuse_value(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     std::string allowed = allowed_values(key, dimension_);
     if (key.type == KeyType::vector) allowed += " (as many as domain.elements)";
-    if (key.type == KeyType::integer) allowed += ", at most 2147483647";
+    if (key.type == KeyType::integer && std::isinf(Interval::parse(key.range).high))
+      allowed += ", at most 2147483647";
     refuse(pointer, shown(value), allowed);
   }
 

@@ -112,7 +112,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "sequence", .variant = "file", .name = "dataset", .type = text, .default_value = "\"time\"", .meaning = "Dataset with axes [z][y][x], values in [0, 1]"},
 
     {.section = "layers", .name = "type", .type = choice, .default_value = "\"curved\"", .words = "curved", .later = "multi_planar", .meaning = "Layers between isosurfaces of the pseudo-time (curved)"},
-    {.section = "layers", .name = "count", .type = integer, .required = true, .range = "[1, inf)", .words = "auto", .option = "-layers", .meaning = "Number of layers; auto: largest distance to the plate inside the part divided by the target thickness, rounded up"},
+    {.section = "layers", .name = "count", .type = integer, .required = true, .range = "[1, 10000]", .words = "auto", .option = "-layers", .meaning = "Number of layers; auto: largest distance to the plate inside the part divided by the target thickness, rounded up"},
     {.section = "layers", .name = "time_points", .type = choice, .default_value = "\"uniform\"", .words = "uniform", .later = "variable", .meaning = "Pseudo-times at which layers end"},
 
     {.section = "projection", .name = "beta", .type = number, .default_value = "\"auto\"", .range = "(0, inf)", .words = "auto", .option = "-beta", .meaning = "Sharpness at the start; auto: 4 times the number of layers"},
@@ -141,7 +141,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "constraints", .variant = "layer_thickness", .name = "tolerance", .type = number, .default_value = "0.1", .range = "(0, 1)", .option = "-thickness_tolerance", .meaning = "Allowed deviation, relative to the target"},
     {.section = "constraints", .variant = "deposition_speed", .name = "slack", .type = number, .default_value = "1e-3", .range = "(0, 1)", .meaning = "By how much the built volume may lag behind, relative to the part's"},
 
-    {.section = "baseline", .name = "layers", .type = integer, .default_value = "\"auto\"", .range = "[1, inf)", .words = "auto", .option = "-baseline_layers", .meaning = "Number of planar layers; auto: height divided by the target thickness, else layers.count"},
+    {.section = "baseline", .name = "layers", .type = integer, .default_value = "\"auto\"", .range = "[1, 10000]", .words = "auto", .option = "-baseline_layers", .meaning = "Number of planar layers; auto: height divided by the target thickness, else layers.count"},
     {.section = "baseline", .name = "direction", .type = vector, .default_value = "\"auto\"", .words = "auto", .meaning = "Build direction, of any length; auto: the plate's normal"},
 
     {.section = "optimizer", .name = "max_iterations", .type = integer, .default_value = "400", .range = "[1, inf)", .option = "-max_iterations", .meaning = "Iterations at most"},

@@ -1,6 +1,7 @@
 #include "fabseq/optimize/run_output.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/checkpoint.h"

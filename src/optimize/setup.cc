@@ -1,6 +1,8 @@
 #include "fabseq/optimize/setup.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/memory.h"
+#include "fabseq/io/schema.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 
@@ -29,7 +31,7 @@ int Setup<Dim>::resolve_layer_count() const {
   if (config.layers.count) return *config.layers.count;
   const double height = geodesic_height(part, geodesic_distance(part));
   // A height that is a whole number of layers but for rounding needs no further one.
-  return std::max(1, static_cast<int>(std::ceil(height / *config.target_thickness() - 1e-9)));
+  return layers_of_target(height, std::ceil(height / *config.target_thickness() - 1e-9));
 }
 
 template <int Dim>
@@ -37,7 +39,32 @@ int Setup<Dim>::resolve_baseline_layers() const {
   if (config.baseline.layers) return *config.baseline.layers;
   if (!config.target_thickness()) return layer_count;
   const double height = planar_height(part, config.baseline.direction);
-  return std::max(1, static_cast<int>(std::lround(height / *config.target_thickness())));
+  return layers_of_target(height, std::round(height / *config.target_thickness()));
+}
+
+/// `rounded` layers, at least one, for a height; refuses the target thickness that makes too many.
+template <int Dim>
+int Setup<Dim>::layers_of_target(double height, double rounded) const {
+  if (rounded <= most_layers) return std::max(1, static_cast<int>(rounded));
+  std::size_t index = 0;
+  while (config.constraints[index].type != "layer_thickness") ++index;
+  refuse("/constraints/" + std::to_string(index) + "/target",
+         shown(*config.target_thickness()) + " for a height of " + shown(height),
+         "at least " + shown(height / most_layers) + ", that is up to " + std::to_string(most_layers) +
+             " layers");
+}
+
+template <int Dim>
+void Setup<Dim>::require_memory_of_layers() const {
+  const bool planar = baseline_layers > layer_count;
+  const double layers = std::max(layer_count, baseline_layers);
+  const double bytes =
+      layers * sizeof(double) *
+      (2.0 * static_cast<double>(part.count()) + Dim * static_cast<double>(grid.all_nodes().count()));
+  require_memory(grid.comm(), bytes,
+                 (planar ? "/baseline/layers: " : "/layers/count: ") +
+                     std::to_string(std::max(layer_count, baseline_layers)) + " layers on " +
+                     to_text<Dim>(grid.domain().elements) + " elements");
 }
 
 template class Setup<2>;

@@ -1,3 +1,4 @@
+#include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/hdf5_writer.h"

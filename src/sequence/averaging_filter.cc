@@ -1,5 +1,6 @@
 #include "fabseq/sequence/averaging_filter.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fabseq {
@@ -11,7 +12,9 @@ AveragingFilter<Dim>::AveragingFilter(const Part<Dim>& part, double radius) : pa
   Index<Dim> width{};
   IndexBox<Dim> reach;
   for (int axis = 0; axis < Dim; ++axis) {
-    width[axis] = static_cast<int>(std::floor(radius / grid.spacing()[axis]));
+    // No two elements are farther apart than the grid is long, however large the radius.
+    width[axis] = static_cast<int>(
+        std::min(std::floor(radius / grid.spacing()[axis]), grid.domain().elements[axis] - 1.0));
     reach.start[axis] = -width[axis];
     reach.size[axis] = 2 * width[axis] + 1;
   }

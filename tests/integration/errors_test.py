@@ -42,12 +42,25 @@ class ConfigErrorsTest(BadInputTest):
         self.assert_refused(plate_2d(), "-set", "layers", words=["-set", "layers", "path.to.key=VALUE"])
 
     def test_wrong_type(self):
-        self.assert_refused(plate_2d(), "-layers", "many", words=["/layers/count", '"many"', "integer >= 1"])
+        self.assert_refused(plate_2d(), "-layers", "many", words=["/layers/count", '"many"', "integer in [1, 10000]"])
         self.assert_refused(plate_2d(), "-set", "domain.size=[2,1,2]", words=["/domain", "[2,1,2]", "2 numbers"])
 
     def test_out_of_range(self):
         self.assert_refused(plate_2d(), "-poisson", "0.5", words=["/material/poisson", "found 0.5", "(-1, 0.5)"])
-        self.assert_refused(plate_2d(), "-layers", "0", words=["/layers/count", "found 0", ">= 1"])
+        self.assert_refused(plate_2d(), "-layers", "0", words=["/layers/count", "found 0", "[1, 10000]"])
+
+    def test_absurd_sizes(self):
+        """Numbers that size memory: refused before anything of that size is asked for."""
+        for arguments, words in (
+                (("-layers", "2147483647"), ["/layers/count", "found 2147483647", "[1, 10000]"]),
+                (("-baseline_layers", "2e9"), ["/baseline/layers", "[1, 10000]"]),
+                (("-layers", "auto", "-target", "1e-9"), ["/constraints/0/target", "found 1e-09", "10000 layers"]),
+                (("-target", "1e-300"), ["/constraints/0/target", "found 1e-300", "10000 layers"]),
+                (("-elements", "2147483647,1"), ["/domain/elements", "[2147483647,1]"]),
+                (("-elements", "1e5,1e5"), ["/domain/elements", "[100000,100000]"]),
+                (("-set", "node_sets.top.samples=2147483647"), ["/node_sets/top/samples", "2147483647", "21"]),
+                (("-set", "objective.2147483647.weight=1"), ["/objective/2147483647", "0 to 1"])):
+            self.assert_refused(plate_2d(), *arguments, words=words, timeout=60)
 
     def test_missing_key(self):
         config = plate_2d()

@@ -5,7 +5,6 @@
 #include <petscsys.h>
 
 #include <array>
-#include <cstdint>
 #include <string_view>
 
 namespace fabseq {
@@ -44,8 +43,5 @@ class PhaseTimer {
   std::array<double, phase_count> seconds_{};
   std::array<PetscLogStage, phase_count> stages_{};
 };
-
-/// Largest resident memory so far of all ranks of `comm` together, bytes. Collective.
-std::int64_t peak_memory_bytes(MPI_Comm comm);
 
 }  // namespace fabseq

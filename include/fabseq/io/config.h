@@ -53,6 +53,9 @@ struct SequenceSettings {
   std::string dataset = "time";   ///< file: its dataset, axes [z][y][x]
 };
 
+/// No part has as many layers; more are a slip, such as a target thickness in another unit.
+constexpr int most_layers = 10000;
+
 struct LayerSettings {
   std::optional<int> count;  ///< none: ceil(geodesic height / target thickness)
 };

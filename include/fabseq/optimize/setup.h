@@ -36,10 +36,14 @@ class Setup {
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
   double last_beta() const { return config.projection.max.value_or(13.5 * layer_count); }
+  /// Throws InputError if the densities and displacements of all layers are more than the machines of this
+  /// run can hold. Collective.
+  void require_memory_of_layers() const;
 
  private:
   int resolve_layer_count() const;
   int resolve_baseline_layers() const;
+  int layers_of_target(double height, double rounded) const;
 };
 
 extern template class Setup<2>;
