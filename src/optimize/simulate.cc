@@ -1,3 +1,4 @@
+#include "fabseq/base/error.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -36,6 +37,20 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
   }
 }
 
+/// Release from the plate; empty, and `failure` the reason, where its solve fails: the simulation is done by
+/// then and shall not be lost.
+template <int Dim>
+std::vector<double> try_release(const ProcessSimulation<Dim>& process, const LayerDensities& layers,
+                                AssembledSolverSettings solver, std::string& failure) {
+  solver.options_prefix = "release_";
+  try {
+    return release_displacement(process, layers, solver);
+  } catch (const NumericalError& error) {
+    failure = error.what();
+    return {};
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -53,8 +68,9 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), binary);
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
-  const std::vector<double> release = release_displacement(
-      pipeline.process(), state.layers, elasticity_solver_settings(setup.config, tolerance));
+  std::string failure;
+  const std::vector<double> release = try_release(
+      pipeline.process(), state.layers, elasticity_solver_settings(setup.config, tolerance), failure);
   const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
@@ -64,7 +80,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   fields.add_elements("density", setup.part.density());
   if (has_design) fields.add_elements("design", design_field);
   report.add_fields(fields, "");
-  fields.add_nodes("release_displacement", release, Dim);
+  if (failure.empty()) fields.add_nodes("release_displacement", release, Dim);
   fields.add_elements("residual_stress", stress, voigt_size<Dim>);
   Hdf5Writer file(setup.grid.comm(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
@@ -76,7 +92,9 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   file.close();
   directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 
-  Json record = Json::object({{"name", setup.config.name}, {"status", "converged"}, {"reason", "simulated"}});
+  Json record = Json::object({{"name", setup.config.name},
+                              {"status", failure.empty() ? "converged" : "failed"},
+                              {"reason", failure.empty() ? "simulated" : failure}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
   record.set("layer_displacement_norms", norms);
   record.set("seconds", seconds_record(timer.seconds(), MPI_Wtime() - start));
@@ -89,6 +107,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
     print(response.at("name").string() + " (" + response.at("type").string() +
           "): " + response.at("value").dump());
   print("results in " + directory.path());
+  if (!failure.empty()) throw NumericalError(failure);
 }
 
 template void run_simulate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);

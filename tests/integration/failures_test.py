@@ -49,6 +49,22 @@ class SolverTest(FailureTest):
                     run = self.run_config(ranks, hook_3d(), "-task", task, *self.never_converges)
                     self.assert_fails(run, NUMERICAL_FAILURE, *self.message)
 
+    def test_release(self):
+        """The simulation is done when the release fails: all its results are there."""
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                run = self.run_config(ranks, hook_3d(), "-task", "simulate", "-reference_method", "gamg",
+                                      "-release_ksp_max_it", 1)
+                message = self.assert_fails(run, NUMERICAL_FAILURE, "release", r"\b1 iterations", r"residual \d")
+                summary = run.json("summary.json")
+                self.assertEqual(summary["status"], "failed")
+                self.assertEqual(message, "fabseq: " + summary["reason"])
+                self.assertEqual(len(summary["layers"]), 3)
+                with h5py.File(run.path("result.h5"), "r") as file:
+                    self.assertGreater(np.abs(file["displacement"][()]).max(), 0.0)
+                    self.assertIn("residual_stress", file)
+                    self.assertNotIn("release_displacement", file)
+
     def test_heat(self):
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):

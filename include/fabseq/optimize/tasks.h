@@ -25,7 +25,8 @@ std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>
 template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
-/// -task simulate: the process simulation of a sequence; result.h5, summary.json.
+/// -task simulate: the process simulation of a sequence; result.h5, summary.json. If only the release fails,
+/// both are written without it before the NumericalError.
 template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
