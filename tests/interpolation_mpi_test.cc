@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/small_parts.h"
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -103,6 +104,30 @@ TYPED_TEST(InterpolationTest, OddGridsHaveNone) {
   const SystemDomain domain{1, on_grid.part.first_corners(),
                             std::vector<char>(on_grid.grid.owned_nodes().count(), 0)};
   EXPECT_TRUE(make_interpolations(UnknownNumbering<Dim>(on_grid.grid, domain), 1).empty());
+  const std::string count = std::to_string(on_grid.grid.domain().elements[0]);
+  EXPECT_EQ(coarsening_obstacle(on_grid.grid), "an odd number of elements, " + count + ", along x");
+  EXPECT_EQ(coarsening_obstacle(Elasticity<Dim>(false).on_grid.grid), "");
+}
+
+/// One rank an element along an axis: every other rank would keep no node.
+TYPED_TEST(InterpolationTest, RanksWithoutACoarseNodeAreAnObstacle) {
+  constexpr int Dim = TypeParam::value;
+  const int ranks = size_of(PETSC_COMM_WORLD);
+  if (ranks != 4) GTEST_SKIP() << "needs 4 ranks";
+  Domain<Dim> domain{{}, {}, 1.0};
+  domain.size.fill(1.0);
+  domain.elements.fill(2);
+  domain.elements[0] = 4;
+  // A heavy row along x, so that the ranks line up along it.
+  const Grid<Dim> grid(PETSC_COMM_WORLD, domain, [](const IndexBox<Dim>& box) {
+    std::vector<double> weights(static_cast<std::size_t>(box.count()), 1e-3);
+    box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+      if (std::all_of(element.begin() + 1, element.end(), [](int i) { return i == 0; }))
+        weights[offset] = 1.0;
+    });
+    return weights;
+  });
+  EXPECT_EQ(coarsening_obstacle(grid), "too few elements for 4 ranks");
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/memory.h"
+#include "fabseq/base/session.h"
 #include "fabseq/io/schema.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
+#include "fabseq/solve/interpolation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +26,17 @@ Setup<Dim>::Setup(MPI_Comm comm, const Config& config_)
                      std::min(ProcessSimulation<Dim>::batch_lanes, std::max(layer_count, baseline_layers)));
   for (const auto& [name, description] : config.node_sets)
     node_sets.emplace(name, make_node_set(part, name, description));
+  warn_about_method();
+}
+
+/// The solvers themselves say nothing: there are many of them.
+template <int Dim>
+void Setup<Dim>::warn_about_method() const {
+  if (config.solver.method != ReferenceMethod::multigrid) return;
+  const std::string obstacle = coarsening_obstacle(grid);
+  if (!obstacle.empty())
+    warn("/solver/reference_method: multigrid halves the grid, which has " + obstacle +
+         "; gamg is taken in its place");
 }
 
 template <int Dim>

@@ -18,8 +18,10 @@ template <int Dim>
 AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
                                       std::shared_ptr<const UnknownNumbering<Dim>> numbering,
                                       const AssembledSolverSettings& settings)
-    : domain_(domain), numbering_(std::move(numbering)), settings_(settings), method_(settings.method) {
-  if (method_ == ReferenceMethod::automatic) method_ = preferred_method(*numbering_);
+    : domain_(domain),
+      numbering_(std::move(numbering)),
+      settings_(settings),
+      method_(usable_method(settings.method, *numbering_)) {
   create_matrix();
   create_solver();
 }

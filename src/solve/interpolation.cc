@@ -57,6 +57,14 @@ std::array<std::vector<PetscInt>, Dim> gather_ranges(const Grid<Dim>& grid, cons
   return ranges;
 }
 
+template <int Dim>
+Level<Dim> finest_level(const Grid<Dim>& grid) {
+  Level<Dim> level;
+  level.elements = grid.domain().elements;
+  level.owned = grid.owned_nodes();
+  return level;
+}
+
 /// The next coarser level's boxes; false if the grid cannot be coarsened further.
 template <int Dim>
 bool coarsen_boxes(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
@@ -142,11 +150,20 @@ MatHandle interpolation(const Grid<Dim>& grid, int components, const Level<Dim>&
 }  // namespace
 
 template <int Dim>
+std::string coarsening_obstacle(const Grid<Dim>& grid) {
+  for (int axis = 0; axis < Dim; ++axis)
+    if (grid.domain().elements[axis] % 2 != 0)
+      return "an odd number of elements, " + std::to_string(grid.domain().elements[axis]) + ", along " +
+             static_cast<char>('x' + axis);
+  Level<Dim> coarse;
+  if (coarsen_boxes(grid, finest_level(grid), coarse)) return "";
+  return "too few elements for " + std::to_string(size_of(grid.comm())) + " ranks";
+}
+
+template <int Dim>
 std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest) {
   const Grid<Dim>& grid = numbering.grid();
-  Level<Dim> fine;
-  fine.elements = grid.domain().elements;
-  fine.owned = grid.owned_nodes();
+  Level<Dim> fine = finest_level(grid);
   fine.unknowns = numbering.owned_nodes();
   fine.count = numbering.count();
   std::vector<MatHandle> result;
@@ -160,6 +177,8 @@ std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numberin
   return result;
 }
 
+template std::string coarsening_obstacle<2>(const Grid<2>&);
+template std::string coarsening_obstacle<3>(const Grid<3>&);
 template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
 template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
 

@@ -97,7 +97,13 @@ void set_up_direct(PC pc) {
 }  // namespace
 
 template <int Dim>
-ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering) {
+ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim>& numbering) {
+  if (wanted == ReferenceMethod::multigrid) {
+    // One level would be the smoother alone.
+    if (!coarsening_obstacle(numbering.grid()).empty()) return ReferenceMethod::gamg;
+    return numbering.count() > coarsest_nodes ? wanted : ReferenceMethod::direct;
+  }
+  if (wanted != ReferenceMethod::automatic) return wanted;
   if (numbering.count() * numbering.components() <= direct_limit<Dim>) return ReferenceMethod::direct;
   const std::vector<MatHandle> interpolations = make_interpolations(numbering, coarsest_nodes);
   if (interpolations.empty()) return ReferenceMethod::gamg;
@@ -129,8 +135,8 @@ void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& 
     set_up_gamg(pc, matrix, numbering, safe);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                 \
-  template ReferenceMethod preferred_method<Dim>(const UnknownNumbering<Dim>&); \
+#define FABSEQ_INSTANTIATE(Dim)                                                               \
+  template ReferenceMethod usable_method<Dim>(ReferenceMethod, const UnknownNumbering<Dim>&); \
   template void set_up_preconditioner<Dim>(KSP, Mat, const UnknownNumbering<Dim>&, ReferenceMethod, bool);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

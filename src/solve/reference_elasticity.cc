@@ -12,7 +12,7 @@ ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const Syste
       settings_(settings),
       numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
       keep_(numbering_->count() * Dim <= keep_limit) {
-  if (settings_.method == ReferenceMethod::automatic) settings_.method = preferred_method(*numbering_);
+  settings_.method = usable_method(settings_.method, *numbering_);
 }
 
 template <int Dim>

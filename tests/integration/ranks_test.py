@@ -59,13 +59,34 @@ class RanksTest(FabseqTest):
                 self.assert_same(self.history(config, 4, "-reference_method", method), expected)
 
     def test_methods_agree(self):
+        """On a grid large enough for two levels of geometric multigrid."""
+        arguments = ("-elements", "16,8,16")
         for void in ("absent", "quiet"):
-            expected = self.history(hook_3d(), 1, "-reference_method", "direct", "-void", void)
+            expected = self.history(hook_3d(), 1, *arguments, "-reference_method", "direct", "-void", void)
             for method in ("gamg", "multigrid"):
                 for ranks in (2,) if SANITIZED else (1, 3):
                     with self.subTest(method=method, ranks=ranks, void=void):
-                        history = self.history(hook_3d(), ranks, "-reference_method", method, "-void", void)
+                        history = self.history(hook_3d(), ranks, *arguments, "-reference_method", method, "-void",
+                                               void)
                         self.assert_same(history, expected)
+
+    def test_multigrid_on_an_odd_grid_is_algebraic(self):
+        """It says so once, and gives the same."""
+        config = plate_2d()
+        config["domain"]["elements"] = [41, 24]
+        arguments = ("-max_iterations", 2, "-tolerance", "1e-11", "-reference_method")
+        expected = self.run_config(1, config, *arguments, "gamg")
+        self.assertEqual(expected.messages(), [])
+        run = self.run_config(2, config, *arguments, "multigrid")
+        self.assert_done(run)
+        self.assertEqual(len(run.messages()), 1, str(run))
+        for word in ("warning: /solver/reference_method", "odd", "41, along x", "gamg"):
+            self.assertIn(word, run.messages()[0])
+        self.assertIn("GAMG", run.stdout)
+        self.assert_same(run.history(), expected.history())
+        even = self.run_config(1, plate_2d(), "-elements", "40,24", *arguments, "multigrid")
+        self.assertEqual(even.messages(), [])
+        self.assertIn("geometric multigrid", even.stdout)
 
 
 if __name__ == "__main__":

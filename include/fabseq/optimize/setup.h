@@ -41,6 +41,7 @@ class Setup {
   void require_memory_of_layers() const;
 
  private:
+  void warn_about_method() const;
   int resolve_layer_count() const;
   int resolve_baseline_layers() const;
   int layers_of_target(double height, double rounded) const;

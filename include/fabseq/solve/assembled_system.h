@@ -62,7 +62,7 @@ class AssembledSystem {
   std::vector<SolveReport> solve(std::span<const std::vector<double>> loads,
                                  std::span<std::vector<double>> solutions);
 
-  /// The method in use, automatic resolved.
+  /// The method in use (usable_method())
   ReferenceMethod method() const { return method_; }
   std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
 

@@ -5,6 +5,7 @@
 #include "fabseq/base/petsc.h"
 #include "fabseq/solve/unknown_numbering.h"
 
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -16,6 +17,12 @@ namespace fabseq {
 template <int Dim>
 std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest);
 
+/// Why a grid cannot be coarsened even once, in words; empty if it can. Collective.
+template <int Dim>
+std::string coarsening_obstacle(const Grid<Dim>& grid);
+
+extern template std::string coarsening_obstacle<2>(const Grid<2>&);
+extern template std::string coarsening_obstacle<3>(const Grid<3>&);
 extern template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
 extern template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
 

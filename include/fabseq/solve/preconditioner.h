@@ -10,12 +10,13 @@
 
 namespace fabseq {
 
-/// What `automatic` stands for: a factorization for small systems, geometric multigrid where the grid can
-/// be coarsened far enough, else GAMG. Collective.
+/// The method to use. `automatic` stands for a factorization for small systems, geometric multigrid where the
+/// grid can be coarsened far enough, else GAMG; `multigrid` becomes GAMG where the grid cannot be coarsened
+/// (coarsening_obstacle()), and a factorization where it is as small as a coarsest level. Collective.
 template <int Dim>
-ReferenceMethod preferred_method(const UnknownNumbering<Dim>& numbering);
+ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim>& numbering);
 
-/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (not automatic).
+/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (one that usable_method() gave).
 /// `safe`: slower, but positive definite in layers in which the fast settings are not. The user's options
 /// come on top, by KSPSetFromOptions. Collective.
 template <int Dim>
