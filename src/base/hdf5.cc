@@ -52,16 +52,23 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-/// What is wrong with file or dataset, by a look at it from this rank alone; "" if nothing.
-std::string find_fault(const std::string& file_name, const std::string& dataset_name,
-                       const std::string& file_key, const std::string& dataset_key) {
+/// Opens a file for this rank alone; returns what is wrong with it, "" if nothing.
+std::string open_alone(const std::string& file_name, const std::string& file_key, Hdf5File& file) {
   errno = 0;
   if (!std::ifstream(file_name, std::ios::binary))
     return file_key + ": cannot open '" + file_name + "' (" + std::strerror(errno) +
            "), needs a readable HDF5 file";
   if (H5Fis_hdf5(file_name.c_str()) <= 0) return file_key + ": '" + file_name + "' is not an HDF5 file";
-  const Hdf5File file(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
-  if (!file) return file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";
+  file = Hdf5File(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  return file ? "" : file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";
+}
+
+/// What is wrong with file or dataset, by a look at it from this rank alone; "" if nothing.
+std::string find_fault(const std::string& file_name, const std::string& dataset_name,
+                       const std::string& file_key, const std::string& dataset_key) {
+  Hdf5File file;
+  const std::string fault = open_alone(file_name, file_key, file);
+  if (!fault.empty()) return fault;
   const Hdf5Dataset dataset(dataset_name.empty() ? H5I_INVALID_HID
                                                  : H5Dopen2(file, dataset_name.c_str(), H5P_DEFAULT));
   if (!dataset)
@@ -86,6 +93,21 @@ std::string hdf5_error() {
   (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &text);
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
+}
+
+bool hdf5_file_has(MPI_Comm comm, const std::string& file_name, const std::string& name,
+                   const std::string& file_key) {
+  silence_hdf5();
+  std::string fault;
+  bool found = false;
+  if (rank_of(comm) == 0) {
+    Hdf5File file;
+    fault = open_alone(file_name, file_key, file);
+    found = fault.empty() && H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
+  }
+  fault = broadcast(comm, fault);
+  if (!fault.empty()) throw InputError(fault);
+  return any(comm, found);
 }
 
 Hdf5ParallelDataset::Hdf5ParallelDataset(MPI_Comm comm, const std::string& file, const std::string& dataset,

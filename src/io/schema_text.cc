@@ -21,7 +21,8 @@ Options:
   -task TASK             optimize (default), simulate, evaluate, check_gradients, or check (writes nothing)
   -output DIR            output directory (default: output/NAME)
   -overwrite             write into a directory that already holds a run
-  -design FILE.h5        design for -task evaluate (datasets as in result.h5)
+  -design FILE.h5        design to start from, for every task but check: dataset design, as in result.h5 (missing:
+                         the initial values)
   -set path.to.key=VALUE sets a config key: VALUE is JSON, or else a string; entries of lists by index or type:
                          -set objective.1.weight=0.1, -set objective.layer_uniformity.weight=0.1
   -help, -version        print and end; -help_markdown: the keys as tables for the manual

@@ -1,4 +1,5 @@
 #include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/hdf5_writer.h"
@@ -15,8 +16,13 @@ template <int Dim>
 std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                                     const CommandLine& command_line) {
   if (!command_line.design_file || !sequence.has_design()) return sequence.initial_design();
-  std::vector<double> design = setup.part.restrict_to_part(
-      read_element_field(setup.grid, *command_line.design_file, "design", "-design", "-design"));
+  const std::string& file = *command_line.design_file;
+  if (!hdf5_file_has(setup.grid.comm(), file, "design", "-design")) {
+    warn("-design: '" + file + "' has no dataset 'design': the initial values are taken");
+    return sequence.initial_design();
+  }
+  std::vector<double> design =
+      setup.part.restrict_to_part(read_element_field(setup.grid, file, "design", "-design", "-design"));
   const DesignSpace space = sequence.space();
   constexpr double rounding = 1e-9;
   bool outside = false;
@@ -24,9 +30,8 @@ std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>
     outside =
         outside || !(value >= space.lower * (1.0 - rounding) && value <= space.upper * (1.0 + rounding));
   if (any(setup.grid.comm(), outside))
-    throw InputError("-design: " + *command_line.design_file + " has values outside the bounds " +
-                     Json(space.lower).dump() + " to " + Json(space.upper).dump() +
-                     " of /sequence/bounds on the part's elements");
+    throw InputError("-design: " + file + " has values outside the bounds " + Json(space.lower).dump() +
+                     " to " + Json(space.upper).dump() + " of /sequence/bounds on the part's elements");
   return design;
 }
 

@@ -217,6 +217,17 @@ class FileErrorsTest(BadInputTest):
         write_voxels(path, np.full((12, 20), 7.0), dataset="design")
         self.assert_refused(plate_2d(), *evaluate, words=["-design", "/sequence/bounds"])
 
+    def test_file_without_a_design(self):
+        """Then the initial values count, as without the option."""
+        write_voxels(os.path.join(self.directory, "design.h5"), np.ones((3, 3)))
+        for ranks in self.rank_counts:
+            expected = self.run_config(ranks, plate_2d(), "-task", "evaluate")
+            result = self.run_config(ranks, plate_2d(), "-task", "evaluate", "-design", "design.h5")
+            self.assert_done(result)
+            self.assertEqual(len(result.messages()), 1, str(result))
+            self.assertIn("-design: 'design.h5' has no dataset 'design'", result.messages()[0])
+            self.assertEqual(result.json("evaluation.json")["responses"], expected.json("evaluation.json")["responses"])
+
     def test_time_file(self):
         config = plate_2d()
         config["sequence"] = {"type": "file", "file": "time.h5"}
@@ -285,7 +296,7 @@ class CommandLineTest(FabseqTest):
             for option in ("-help", "--help", "-h"):
                 result = self.run_program(ranks, option, output="")
                 self.assert_done(result)
-                for word in ("Usage", "-max_iterations", "layer_thickness", "filter_radius", "Exit status"):
+                for word in ("Usage", "-max_iterations", "layer_thickness", "filter_radius", "Exit status", "every task but check"):
                     self.assertIn(word, result.stdout)
                 self.assertEqual(result.stdout.count("Usage"), 1)  # one rank prints
             result = self.run_program(ranks, "-version", output="")

@@ -58,6 +58,11 @@ void silence_hdf5();
 /// HDF5's own description of the last failed call of this rank ("" if there is none), for error messages.
 std::string hdf5_error();
 
+/// Whether a file has something of that name at its top level. Collective; throws InputError, which names
+/// `file_key`, if there is no such file or it is no HDF5 file.
+bool hdf5_file_has(MPI_Comm comm, const std::string& file_name, const std::string& name,
+                   const std::string& file_key);
+
 /// A numeric dataset opened by all ranks of a communicator for reading through MPI-IO. All members that say
 /// so are collective. `file_key` and `dataset_key` are the JSON pointers (or options) that errors name.
 class Hdf5ParallelDataset {

@@ -15,8 +15,8 @@ namespace fabseq {
 double evaluation_tolerance(const Config& config);
 constexpr double gradient_check_tolerance = 1e-12;
 
-/// The design to start from: that of -design FILE, or the sequence's own. Throws InputError if it does not
-/// fit the part or leaves the bounds.
+/// The design to start from: that of -design FILE, or the sequence's own, with a warning where the file has
+/// none. Throws InputError if it does not fit the part or leaves the bounds.
 template <int Dim>
 std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                                     const CommandLine& command_line);
