@@ -296,7 +296,8 @@ class CommandLineTest(FabseqTest):
             for option in ("-help", "--help", "-h"):
                 result = self.run_program(ranks, option, output="")
                 self.assert_done(result)
-                for word in ("Usage", "-max_iterations", "layer_thickness", "filter_radius", "Exit status", "every task but check"):
+                for word in ("Usage", "-max_iterations", "layer_thickness", "filter_radius", "Exit status",
+                             "every task but check"):
                     self.assertIn(word, result.stdout)
                 self.assertEqual(result.stdout.count("Usage"), 1)  # one rank prints
             result = self.run_program(ranks, "-version", output="")
