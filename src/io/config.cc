@@ -164,6 +164,11 @@ OptimizerSettings make_optimizer(const Json& value, VariableScale scale) {
 SolverSettings make_solver(const Json& value) {
   SolverSettings solver;
   solver.tolerance = value.at("tolerance").number();
+  solver.path = is(value, "path", "lanes") ? SolverPath::lanes : SolverPath::reference;
+  solver.cycle = is(value, "cycle", "v")   ? SolverCycle::v
+                 : is(value, "cycle", "w") ? SolverCycle::w
+                                           : SolverCycle::k;
+  solver.smoother_degree = integer(value, "smoother_degree");
   solver.method = is(value, "reference_method", "gamg")        ? ReferenceMethod::gamg
                   : is(value, "reference_method", "multigrid") ? ReferenceMethod::multigrid
                   : is(value, "reference_method", "direct")    ? ReferenceMethod::direct

@@ -157,7 +157,9 @@ constexpr ConfigKey keys_table[] = {
     {.section = "optimizer.asymptotes", .name = "floor", .type = number, .default_value = "0.1", .range = "(0, 10]", .meaning = "Least distance, relative to the variable's range"},
 
     {.section = "solver", .name = "tolerance", .type = number, .default_value = "1e-6", .range = "(0, 1)", .option = "-tolerance", .meaning = "Preconditioned residual of every solve, relative to a zero start"},
-    {.section = "solver", .name = "path", .type = choice, .default_value = "\"reference\"", .words = "reference", .later = "lanes", .option = "-solver_path", .meaning = "Solver: PETSc's own parts, one layer at a time (reference)"},
+    {.section = "solver", .name = "path", .type = choice, .default_value = "\"lanes\"", .words = "lanes reference", .option = "-solver_path", .meaning = "Solver: all layers of a batch at once (lanes), or PETSc's own parts, one layer at a time (reference)"},
+    {.section = "solver", .name = "cycle", .type = choice, .default_value = "\"k\"", .words = "k w v", .option = "-solver_cycle", .meaning = "Multigrid cycle of the lanes: conjugate gradients on the coarse levels (k), several visits (w: fewer reductions, for many ranks) or one (v)"},
+    {.section = "solver", .name = "smoother_degree", .type = integer, .default_value = "2", .range = "[1, 8]", .option = "-smoother_degree", .meaning = "Degree of the lanes' Chebyshev smoother, before and after"},
     {.section = "solver", .name = "reference_method", .type = choice, .default_value = "\"auto\"", .words = "auto gamg multigrid direct", .option = "-reference_method", .meaning = "Preconditioner of the reference path"},
 
     {.section = "output", .name = "every", .type = integer, .default_value = "15", .range = "[0, inf)", .unit = "iterations", .option = "-output_every", .meaning = "Iterations between two dumps of the fields; 0: none"},

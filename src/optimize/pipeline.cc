@@ -2,6 +2,7 @@
 
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/heat_sequence.h"
+#include "fabseq/solve/lane_elasticity.h"
 #include "fabseq/solve/reference_elasticity.h"
 
 #include <algorithm>
@@ -13,11 +14,25 @@ namespace {
 
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
+/// A lane that needs more than this is solved again by the reference path.
+constexpr int lane_iterations = 300;
+
+LaneCycle lane_cycle(const SolverSettings& settings) {
+  LaneCycle cycle;
+  cycle.kind = settings.cycle;
+  cycle.degree = settings.smoother_degree;
+  return cycle;
+}
 
 template <int Dim>
 std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& setup,
                                                               const ElasticModel<Dim>& model,
                                                               double tolerance) {
+  const SolverSettings& solver = setup.config.solver;
+  if (solver.path == SolverPath::lanes)
+    return std::make_unique<LaneElasticity<Dim>>(setup.grid, model.domain, model.material.poisson,
+                                                 lane_cycle(solver), lane_iterations,
+                                                 elasticity_solver_settings(setup.config, tolerance));
   return std::make_unique<ReferenceElasticity<Dim>>(setup.grid, model.domain, model.element.stiffness(),
                                                     elasticity_solver_settings(setup.config, tolerance));
 }

@@ -105,10 +105,15 @@ struct OptimizerSettings {
   double constraint_margin = 0.95;
 };
 
+enum class SolverPath { lanes, reference };
+enum class SolverCycle { v, w, k };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
 struct SolverSettings {
   double tolerance = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
+  SolverPath path = SolverPath::lanes;
+  SolverCycle cycle = SolverCycle::k;
+  int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
 };
 

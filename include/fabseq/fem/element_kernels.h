@@ -1,0 +1,126 @@
+/// \file
+/// One element of the lane kernels: from the modes of its two faces across x to its forces on them.
+#pragma once
+
+#include "fabseq/fem/lanes.h"
+#include "fabseq/fem/parity.h"
+
+#include <array>
+#include <cstdint>
+
+namespace fabseq {
+
+/// Even and odd combinations of the values at a face's corners, [component][mode]; in registers.
+template <int Dim, int Components, int Width>
+using FaceModes = std::array<std::array<Lanes<Width>, corner_count<Dim> / 2>, Components>;
+
+/// Elasticity with a stiffness factor an element and lane.
+template <int Dim, int Width>
+class ElasticKernel {
+ public:
+  static constexpr int dim = Dim;
+  static constexpr int components = Dim;
+  static constexpr int width = Width;
+  /// Coefficients an element in memory: [element][lane].
+  static constexpr int stride = Width;
+  using Modes = FaceModes<Dim, components, Width>;
+
+  /// Both must outlive the kernel.
+  ElasticKernel(const ParityMatrix<Dim, Dim>& matrix, const double* coefficients)
+      : matrix_(matrix), coefficients_(coefficients) {}
+
+  void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
+
+  /// Adds the forces on the lower face to `lower_forces` and sets those on the upper face.
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
+                                    Modes& lower_forces, Modes& upper_forces) const {
+    const auto factor = Lanes<Width>::load(coefficients_ + element * stride);
+#pragma GCC unroll 4
+    for (int face_class = 0; face_class < corner_count<Dim> / 2; ++face_class) {
+      std::array<Lanes<Width>, Dim> even, odd;
+#pragma GCC unroll 3
+      for (int a = 0; a < Dim; ++a) {
+        even[a] = lower[a][face_mode(face_class, a)] + upper[a][face_mode(face_class, a)];
+        odd[a] = lower[a][face_mode(face_class, a)] - upper[a][face_mode(face_class, a)];
+      }
+      // Class 2 f holds the odd modes of component 0 and the even ones of the others, class 2 f + 1 the rest.
+      std::swap(even[0], odd[0]);
+      std::array<Lanes<Width>, Dim> first, second;
+#pragma GCC unroll 3
+      for (int a = 0; a < Dim; ++a) {
+        first[a] = factor * row(2 * face_class, a, even);
+        second[a] = factor * row(2 * face_class + 1, a, odd);
+      }
+#pragma GCC unroll 3
+      for (int a = 0; a < Dim; ++a) {
+        lower_forces[a][face_mode(face_class, a)] += first[a] + second[a];
+        upper_forces[a][face_mode(face_class, a)] = a == 0 ? second[a] - first[a] : first[a] - second[a];
+      }
+    }
+  }
+
+ private:
+  /// Mode within a face that a component contributes to a class.
+  static constexpr int face_mode(int face_class, int component) {
+    return component == 0 ? face_class : face_class ^ (1 << (component - 1));
+  }
+  [[gnu::always_inline]] Lanes<Width> row(int parity_class, int a,
+                                          const std::array<Lanes<Width>, Dim>& modes) const {
+    auto sum = Lanes<Width>::zero();
+    bool empty = true;
+#pragma GCC unroll 3
+    for (int b = 0; b < Dim; ++b) {
+      if (!ParityMatrix<Dim, Dim>::couples(parity_class, a, b)) continue;
+      const Lanes<Width> term = modes[b] * matrix_.blocks[parity_class][a][b];
+      sum = empty ? term : sum + term;
+      empty = false;
+    }
+    return sum;
+  }
+
+  const ParityMatrix<Dim, Dim>& matrix_;
+  const double* coefficients_;
+};
+
+/// Conduction plus reaction with two coefficients an element that all lanes share: the lanes are right-hand
+/// sides of one system.
+template <int Dim, int Width>
+class HeatKernel {
+ public:
+  static constexpr int dim = Dim;
+  static constexpr int components = 1;
+  static constexpr int width = Width;
+  /// Coefficients an element in memory: diffusivity, reaction.
+  static constexpr int stride = 2;
+  using Modes = FaceModes<Dim, components, Width>;
+
+  HeatKernel(const ParityMatrix<Dim, 1>& conductivity, const ParityMatrix<Dim, 1>& mass,
+             const double* coefficients)
+      : conductivity_(conductivity), mass_(mass), coefficients_(coefficients) {}
+
+  void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
+
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
+                                    Modes& lower_forces, Modes& upper_forces) const {
+    const double diffusivity = coefficients_[element * stride];
+    const double reaction = coefficients_[element * stride + 1];
+#pragma GCC unroll 4
+    for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
+      const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
+      const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
+      lower_forces[0][mode] += even + odd;
+      upper_forces[0][mode] = even - odd;
+    }
+  }
+
+ private:
+  [[gnu::always_inline]] double entry(int mode, double diffusivity, double reaction) const {
+    return diffusivity * conductivity_.blocks[mode][0][0] + reaction * mass_.blocks[mode][0][0];
+  }
+
+  const ParityMatrix<Dim, 1>& conductivity_;
+  const ParityMatrix<Dim, 1>& mass_;
+  const double* coefficients_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,52 @@
+/// \file
+/// Memory of the lane solver.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Allocates on cache lines, so that a vector register never straddles two.
+template <class Value>
+struct CacheLineAllocator {
+  using value_type = Value;
+  static constexpr std::align_val_t alignment{64};
+
+  CacheLineAllocator() = default;
+  template <class Other>
+  CacheLineAllocator(const CacheLineAllocator<Other>&) {
+  }  // NOLINT(google-explicit-constructor): as allocators do
+
+  Value* allocate(std::size_t count) {
+    return static_cast<Value*>(::operator new(count * sizeof(Value), alignment));
+  }
+  void deallocate(Value* place, std::size_t) { ::operator delete(place, alignment); }
+  friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
+};
+
+/// [node][component][lane] on a level's own nodes, or [element][lane].
+using LaneArray = std::vector<double, CacheLineAllocator<double>>;
+using SingleLaneArray = std::vector<float, CacheLineAllocator<float>>;
+
+/// A number a lane.
+template <int Width>
+using LaneScalars = std::array<double, Width>;
+
+/// Copies lanes of `from` (`from_width` wide) to the leading ones of `to`; where there are fewer, the first of
+/// them again.
+template <class Array>
+void select_lanes(const Array& from, int from_width, std::span<const int> lanes, Array& to, int to_width) {
+  const std::size_t count = from.size() / from_width;
+  to.resize(count * to_width);
+  for (std::size_t i = 0; i < count; ++i)
+    for (int lane = 0; lane < to_width; ++lane)
+      to[i * to_width + lane] =
+          from[i * from_width + (lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0])];
+}
+
+}  // namespace fabseq

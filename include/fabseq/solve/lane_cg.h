@@ -1,0 +1,92 @@
+/// \file
+/// Conjugate gradients for several lanes at once.
+#pragma once
+
+#include "fabseq/solve/lane_multigrid.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// How a lane's solve ended.
+struct LaneOutcome {
+  int iterations = 0;
+  double residual = 0.0;  ///< |M (f - K u)| relative to |M f|, docs/formulation.md 4.1
+  bool converged = false;
+  bool finite = true;  ///< false: something was not a number
+};
+
+/// When to stop.
+struct LaneStop {
+  double tolerance = 1e-6;
+  int max_iterations = 200;
+};
+
+/// Flexible conjugate gradients with lane multigrid, every lane with scalars and a convergence test of its
+/// own. When half of the lanes or fewer are left, they go on in a solver half as wide. Collective on the
+/// grid's communicator.
+template <class Problem, int Width>
+class LaneCg {
+ public:
+  using Multigrid = LaneMultigrid<Problem, Width>;
+  using Scalars = LaneScalars<Width>;
+  using Half = LaneCg<Problem, std::max(1, Width / 2)>;
+
+  /// `hierarchy` and `problem` must outlive the solver.
+  LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
+
+  /// The solver for half as many lanes, made at first use.
+  Half& half();
+  Multigrid& multigrid() { return multigrid_; }
+  /// Sets up the multigrid for the coefficients given to its finest level.
+  void set_up() { positive_ = multigrid_.set_up(); }
+  /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
+  /// `load` is overwritten.
+  std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
+
+ private:
+  template <class, int>
+  friend class LaneCg;
+
+  /// Where the iteration is, apart from the vectors.
+  struct State {
+    int iteration = 0;
+    std::array<bool, Width> active{};
+    Scalars start{};     ///< |M f|^2
+    Scalars decrease{};  ///< r . M r of the last step
+    Scalars energy{};    ///< p . K p of the last step
+    std::array<LaneOutcome, Width> outcome{};
+  };
+  void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+  void judge(State& state, const Scalars& size, const LaneStop& stop) const;
+  bool narrow(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+
+  LaneHierarchy<Problem::dim>& hierarchy_;
+  const Problem& problem_;
+  LaneCycle cycle_;
+  Multigrid multigrid_;
+  std::array<bool, Width> positive_{};
+  LaneArray preconditioned_, direction_, image_;
+  std::unique_ptr<Half> half_;  ///< made at first use
+};
+
+extern template class LaneCg<LaneElasticityProblem<2>, 8>;
+extern template class LaneCg<LaneElasticityProblem<2>, 4>;
+extern template class LaneCg<LaneElasticityProblem<2>, 2>;
+extern template class LaneCg<LaneElasticityProblem<2>, 1>;
+extern template class LaneCg<LaneElasticityProblem<3>, 8>;
+extern template class LaneCg<LaneElasticityProblem<3>, 4>;
+extern template class LaneCg<LaneElasticityProblem<3>, 2>;
+extern template class LaneCg<LaneElasticityProblem<3>, 1>;
+extern template class LaneCg<LaneHeatProblem<2>, 8>;
+extern template class LaneCg<LaneHeatProblem<2>, 4>;
+extern template class LaneCg<LaneHeatProblem<2>, 2>;
+extern template class LaneCg<LaneHeatProblem<2>, 1>;
+extern template class LaneCg<LaneHeatProblem<3>, 8>;
+extern template class LaneCg<LaneHeatProblem<3>, 4>;
+extern template class LaneCg<LaneHeatProblem<3>, 2>;
+extern template class LaneCg<LaneHeatProblem<3>, 1>;
+
+}  // namespace fabseq

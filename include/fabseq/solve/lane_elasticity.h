@@ -1,0 +1,60 @@
+/// \file
+/// The elasticity solver that solves all layers of a batch at once.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+#include "fabseq/solve/elasticity_solver.h"
+#include "fabseq/solve/lane_cg.h"
+#include "fabseq/solve/lane_layout.h"
+#include "fabseq/solve/reference_elasticity.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// A layer a lane: flexible conjugate gradients with lane multigrid. A lane that does not converge is solved
+/// again by the reference path, with a warning. Not a number anywhere: that lane's report says so at once.
+template <int Dim>
+class LaneElasticity : public ElasticitySolver<Dim> {
+ public:
+  /// Lanes of a batch at most.
+  static constexpr int widest = 8;
+
+  /// The grid and `domain` must outlive the solver. `reference`: of the fallback; its tolerance is the
+  /// lanes', too. Collective.
+  LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
+                 int max_iterations, const AssembledSolverSettings& reference);
+
+  void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
+  std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
+                                              std::span<LaneVector> displacements) override;
+  std::string description() const override;
+
+ private:
+  /// Calls `use` with the narrowest solver for this many lanes.
+  template <class Use>
+  void with_solver(int lanes, Use&& use);
+  void solve_again(const LaneVector& load, LaneVector& displacement, int lane, SolveReport& report);
+
+  const Grid<Dim>& grid_;
+  const SystemDomain& domain_;
+  LaneElasticityProblem<Dim> problem_;
+  double poisson_;
+  AssembledSolverSettings reference_settings_;
+  LaneStop stop_;
+  LaneHierarchy<Dim> hierarchy_;
+  LaneLayout<Dim> layout_;
+  LaneCg<LaneElasticityProblem<Dim>, widest> solver_;
+  std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
+  int first_layer_ = 0, lanes_ = 0;
+  std::vector<double> stiffness_;  ///< of the current batch, [element][lane], for the fallback
+  LaneArray load_, displacement_;
+  std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
+};
+
+extern template class LaneElasticity<2>;
+extern template class LaneElasticity<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,102 @@
+/// \file
+/// Geometric multigrid for several lanes at once.
+#pragma once
+
+#include "fabseq/io/config.h"
+#include "fabseq/solve/band_cholesky.h"
+#include "fabseq/solve/lane_operator.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// What the multigrid does in a cycle. Levels below the finest are visited once (V), several times as a fixed
+/// iteration (W: fewer reductions, for many ranks), or in several steps of conjugate gradients (K: strongest;
+/// needs a flexible method outside).
+struct LaneCycle {
+  SolverCycle kind = SolverCycle::k;
+  int degree = 2;                   ///< of the Chebyshev smoother, before and after
+  std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
+
+  int steps_on(int level) const {
+    if (kind == SolverCycle::v) return 1;
+    return steps[std::min<std::size_t>(level - 1, steps.size() - 1)];
+  }
+};
+
+/// A preconditioner for K x = b in every lane: Chebyshev smoothing with node blocks, coarse operators by
+/// re-discretization with the mean of the children's coefficients, band Cholesky on the last level. Vectors
+/// as LaneOperator's, on the finest level. Collective on the grid's communicator.
+template <class Problem, int Width>
+class LaneMultigrid {
+ public:
+  static constexpr int dim = Problem::dim;
+  static constexpr int components = Problem::components;
+  static constexpr int block = components * Width;
+  using Operator = LaneOperator<Problem, Width>;
+  using Scalars = LaneScalars<Width>;
+
+  /// `hierarchy` must outlive the multigrid.
+  LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
+
+  Operator& finest() { return *levels_.front().matrix; }
+  /// To be called when the finest level's coefficients have been filled in. False in lanes whose last level
+  /// is not positive definite (then their operators are not).
+  std::array<bool, Width> set_up();
+  /// Takes over lanes of a wider multigrid on the same hierarchy, without setting up.
+  template <int Wider>
+  void select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes);
+
+  /// x = M b.
+  void apply(const double* b, double* x) { visit(0, b, x); }
+
+ private:
+  template <class, int>
+  friend class LaneMultigrid;
+
+  struct Level {
+    std::unique_ptr<Operator> matrix;
+    LaneArray residual, step;                            ///< of the smoother
+    LaneArray right, solution;                           ///< below the finest
+    LaneArray rest, direction, image, scratch, product;  ///< of conjugate gradients
+  };
+  void coarsen_coefficients(int level);
+  void factor(std::array<bool, Width>& positive);
+  /// One cycle from zero on a level: x = M b.
+  void visit(int level, const double* b, double* x);
+  void restrict_residual(int level);
+  /// Solves on a level below the finest, from its `right` to its `solution`.
+  void solve(int level);
+  void iterate(int level, int steps);
+  void conjugate_gradients(int level, int steps);
+  void solve_directly();
+  void sum(int level, std::span<double> scalars) const;
+
+  LaneHierarchy<dim>& hierarchy_;
+  LaneCycle cycle_;
+  std::vector<Level> levels_;
+  BandNumbering<dim> numbering_;
+  static constexpr int factors = Problem::own_operators ? Width : 1;
+  std::array<std::shared_ptr<BandCholesky>, factors> factors_;
+  std::vector<double> direct_values_;
+};
+
+/// y += factor x in every lane.
+template <int Width>
+void add_scaled(const LaneScalars<Width>& factor, const LaneArray& x, LaneArray& y) {
+  const auto scale = Lanes<Width>::load(factor.data());
+  for (std::size_t i = 0; i < y.size(); i += Width)
+    (Lanes<Width>::load(&y[i]) + scale * Lanes<Width>::load(&x[i])).store(&y[i]);
+}
+
+/// y = x + factor y in every lane.
+template <int Width>
+void scale_and_add(const LaneScalars<Width>& factor, const LaneArray& x, LaneArray& y) {
+  const auto scale = Lanes<Width>::load(factor.data());
+  for (std::size_t i = 0; i < y.size(); i += Width)
+    (Lanes<Width>::load(&x[i]) + scale * Lanes<Width>::load(&y[i])).store(&y[i]);
+}
+
+}  // namespace fabseq

@@ -1,0 +1,231 @@
+/// \file
+/// Definitions of LaneMultigrid, for the files that instantiate it.
+#pragma once
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/solve/lane_multigrid.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+template <class Problem, int Width>
+LaneMultigrid<Problem, Width>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem,
+                                             const LaneCycle& cycle)
+    : hierarchy_(hierarchy), cycle_(cycle) {
+  for (int index = 0; index < hierarchy.count(); ++index) {
+    Level& level = levels_.emplace_back();
+    level.matrix = std::make_unique<Operator>(hierarchy.level(index), problem);
+    const std::size_t size = level.matrix->size();
+    const bool last = index + 1 == hierarchy.count();
+    const bool iterated = !last && index > 0 && cycle_.steps_on(index) > 1;
+    if (!last) {
+      level.residual.resize(size);
+      level.step.resize(size);
+    }
+    if (index > 0) {
+      level.right.resize(size);
+      level.solution.resize(size);
+    }
+    for (LaneArray* array : {&level.rest, &level.direction, &level.image, &level.scratch, &level.product})
+      if (iterated) array->resize(size);
+  }
+  const auto& last = hierarchy.level(hierarchy.count() - 1);
+  numbering_ = BandNumbering<dim>(last.mesh, components);
+}
+
+template <class Problem, int Width>
+std::array<bool, Width> LaneMultigrid<Problem, Width>::set_up() {
+  for (int level = 0; level + 1 < hierarchy_.count(); ++level) {
+    levels_[level].matrix->set_up();
+    coarsen_coefficients(level);
+  }
+  std::array<bool, Width> positive;
+  positive.fill(true);
+  factor(positive);
+  return positive;
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::coarsen_coefficients(int level) {
+  constexpr int stride = Operator::Kernel::stride;
+  const LaneLevel<dim>& fine = hierarchy_.level(level);
+  const LaneArray& from = levels_[level].matrix->coefficients();
+  LaneArray& to = levels_[level + 1].matrix->coefficients();
+  std::fill(to.begin(), to.end(), 0.0);
+  double share = 1.0;
+  for (const int factor : fine.factors) share /= factor;
+  for (std::size_t element = 0; element < fine.parent.size(); ++element)
+    for (int i = 0; i < stride; ++i)
+      to[fine.parent[element] * stride + i] += share * from[element * stride + i];
+  if (fine.distributed && !hierarchy_.level(level + 1).distributed)
+    sum_in_place(fine.comm, {to.data(), to.size()});
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::factor(std::array<bool, Width>& positive) {
+  Operator& matrix = *levels_.back().matrix;
+  const LaneLevel<dim>& level = matrix.level();
+  constexpr int stride = Operator::Kernel::stride;
+  constexpr int size = Problem::element_size;
+  const auto& rows = numbering_.rows();
+  std::vector<char> held(rows.size(), 0);
+  for (const std::int64_t unknown : level.fixed) held[unknown] = 1;
+  for (int lane = 0; lane < factors; ++lane) {
+    factors_[lane] = std::make_shared<BandCholesky>();
+    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
+  }
+  for (const auto& row : level.mesh.rows())
+    for (int e = 0; e < row.length; ++e) {
+      const double* coefficients = &matrix.coefficients()[(row.element + e) * stride];
+      std::array<std::int64_t, size> unknowns;
+      for (int i = 0; i < size; ++i) {
+        const int corner = i / components;
+        unknowns[i] = (row.node[corner / 2] + e + corner % 2) * components + i % components;
+      }
+      for (int i = 0; i < size; ++i)
+        for (int j = 0; j < size; ++j) {
+          if (held[unknowns[i]] != 0 || held[unknowns[j]] != 0) continue;
+          for (int lane = 0; lane < factors; ++lane)
+            factors_[lane]->add(rows[unknowns[i]], rows[unknowns[j]],
+                                Problem::template entry<Width>(matrix.matrices(), i, j, coefficients, lane));
+        }
+    }
+  for (int lane = 0; lane < factors; ++lane)
+    if (!factors_[lane]->factor()) positive[lane] = false;
+}
+
+template <class Problem, int Width>
+template <int Wider>
+void LaneMultigrid<Problem, Width>::select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes) {
+  for (std::size_t level = 0; level < levels_.size(); ++level)
+    levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
+  for (int lane = 0; lane < factors; ++lane)
+    factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::visit(int index, const double* b, double* x) {
+  Level& level = levels_[index];
+  if (index + 1 == hierarchy_.count()) {
+    if (index == 0) {
+      levels_[0].right.assign(b, b + level.matrix->size());
+      levels_[0].solution.resize(level.matrix->size());
+      solve_directly();
+      std::copy(levels_[0].solution.begin(), levels_[0].solution.end(), x);
+    }
+    return;
+  }
+  level.matrix->smooth(b, x, level.step.data(), cycle_.degree, true);
+  level.matrix->residual_part(b, x, level.residual.data());
+  restrict_residual(index);
+  solve(index + 1);
+  hierarchy_.level(index).transfer.template prolong_add<components, Width>(levels_[index + 1].solution.data(),
+                                                                           x);
+  level.matrix->clear_held(x);
+  level.matrix->smooth(b, x, level.step.data(), cycle_.degree, false);
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::restrict_residual(int index) {
+  LaneLevel<dim>& fine = hierarchy_.level(index);
+  LaneLevel<dim>& coarse = hierarchy_.level(index + 1);
+  Level& below = levels_[index + 1];
+  std::fill(below.right.begin(), below.right.end(), 0.0);
+  fine.transfer.template restrict_add<components, Width>(levels_[index].residual.data(), below.right.data());
+  if (coarse.distributed)
+    sum_over_holders(coarse, below.right.data(), block);
+  else if (fine.distributed)
+    sum_in_place(fine.comm, {below.right.data(), below.right.size()});
+  below.matrix->clear_held(below.right.data());
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::solve(int index) {
+  const int steps = cycle_.steps_on(index);
+  if (index + 1 == hierarchy_.count())
+    solve_directly();
+  else if (steps == 1)
+    visit(index, levels_[index].right.data(), levels_[index].solution.data());
+  else if (cycle_.kind == SolverCycle::w)
+    iterate(index, steps);
+  else
+    conjugate_gradients(index, steps);
+}
+
+/// x += M (b - K x): symmetric, and positive if the largest eigenvalue of M K is below 2.
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::iterate(int index, int steps) {
+  Level& level = levels_[index];
+  visit(index, level.right.data(), level.solution.data());
+  for (int step = 1; step < steps; ++step) {
+    level.matrix->apply(level.solution.data(), level.image.data());
+    for (std::size_t i = 0; i < level.rest.size(); ++i) level.rest[i] = level.right[i] - level.image[i];
+    visit(index, level.rest.data(), level.scratch.data());
+    for (std::size_t i = 0; i < level.rest.size(); ++i) level.solution[i] += level.scratch[i];
+  }
+}
+
+/// Flexible conjugate gradients with one reduction a step: with z = M r and w = K z, the new direction
+/// p = z - (z.q / p.q) p_old has the image q = w - (z.q / p.q) q_old and p.q = z.w - (z.q)^2 / p.q_old.
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::conjugate_gradients(int index, int steps) {
+  Level& level = levels_[index];
+  Operator& matrix = *level.matrix;
+  level.rest = level.right;
+  std::fill(level.solution.begin(), level.solution.end(), 0.0);
+  std::fill(level.direction.begin(), level.direction.end(), 0.0);
+  std::fill(level.image.begin(), level.image.end(), 0.0);
+  Scalars energy;  // p . K p
+  energy.fill(0.0);
+  for (int step = 0; step < steps; ++step) {
+    visit(index, level.rest.data(), level.scratch.data());
+    std::array<double, static_cast<std::size_t>(3) * Width> sums;
+    const Scalars own = matrix.apply(level.scratch.data(), level.product.data());
+    const Scalars decrease = matrix.dot(level.rest.data(), level.scratch.data());
+    const Scalars overlap = matrix.dot(level.scratch.data(), level.image.data());
+    std::copy(own.begin(), own.end(), sums.begin());
+    std::copy(decrease.begin(), decrease.end(), sums.begin() + Width);
+    std::copy(overlap.begin(), overlap.end(), sums.begin() + 2 * Width);
+    sum(index, sums);
+    Scalars beta, alpha, back;
+    for (int lane = 0; lane < Width; ++lane) {
+      beta[lane] = energy[lane] > 0.0 ? -sums[2 * Width + lane] / energy[lane] : 0.0;
+      energy[lane] = sums[lane] + beta[lane] * sums[2 * Width + lane];
+      alpha[lane] = energy[lane] > 0.0 ? sums[Width + lane] / energy[lane] : 0.0;
+      back[lane] = -alpha[lane];
+    }
+    scale_and_add<Width>(beta, level.scratch, level.direction);
+    add_scaled<Width>(alpha, level.direction, level.solution);
+    if (step + 1 == steps) break;
+    scale_and_add<Width>(beta, level.product, level.image);
+    add_scaled<Width>(back, level.image, level.rest);
+  }
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::solve_directly() {
+  Level& last = levels_.back();
+  const auto& rows = numbering_.rows();
+  direct_values_.resize(rows.size() * Width);
+  for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
+    for (int lane = 0; lane < Width; ++lane)
+      direct_values_[lane * rows.size() + rows[unknown]] = last.right[unknown * Width + lane];
+  if constexpr (Problem::own_operators) {
+    for (int lane = 0; lane < Width; ++lane)
+      factors_[lane]->solve({&direct_values_[lane * rows.size()], rows.size()}, 1);
+  } else {
+    factors_[0]->solve(direct_values_, Width);
+  }
+  for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
+    for (int lane = 0; lane < Width; ++lane)
+      last.solution[unknown * Width + lane] = direct_values_[lane * rows.size() + rows[unknown]];
+  last.matrix->clear_held(last.solution.data());
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::sum(int index, std::span<double> scalars) const {
+  if (hierarchy_.level(index).distributed) sum_in_place(hierarchy_.level(index).comm, scalars);
+}
+
+}  // namespace fabseq

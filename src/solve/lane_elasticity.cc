@@ -1,0 +1,114 @@
+#include "fabseq/solve/lane_elasticity.h"
+
+#include "fabseq/base/log_event.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+
+#include <sstream>
+
+namespace fabseq {
+
+template <int Dim>
+LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson,
+                                    const LaneCycle& cycle, int max_iterations,
+                                    const AssembledSolverSettings& reference)
+    : grid_(grid),
+      domain_(domain),
+      problem_(grid.domain().thickness, poisson),
+      poisson_(poisson),
+      reference_settings_(reference),
+      stop_{reference.tolerance, max_iterations},
+      hierarchy_(grid, domain),
+      layout_(grid, hierarchy_.level(0), Dim),
+      solver_(hierarchy_, problem_, cycle) {
+  for (const int corner : domain.first_corners)
+    numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
+}
+
+template <int Dim>
+template <class Use>
+void LaneElasticity<Dim>::with_solver(int lanes, Use&& use) {
+  if (lanes > 4)
+    use.template operator()<8>(solver_);
+  else if (lanes > 2)
+    use.template operator()<4>(solver_.half());
+  else if (lanes > 1)
+    use.template operator()<2>(solver_.half().half());
+  else
+    use.template operator()<1>(solver_.half().half().half());
+}
+
+template <int Dim>
+void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness,
+                                        bool /*changed*/) {
+  static const LogEvent event("fabseq lane set-up");
+  const auto scope = event.enter();
+  first_layer_ = first_layer;
+  lanes_ = lanes;
+  stiffness_.assign(stiffness.begin(), stiffness.end());
+  with_solver(lanes, [&]<int Width>(auto& solver) {
+    LaneArray& coefficients = solver.multigrid().finest().coefficients();
+    for (std::size_t e = 0; e < numbers_.size(); ++e)
+      for (int lane = 0; lane < Width; ++lane)
+        coefficients[numbers_[e] * Width + lane] = stiffness[e * lanes + (lane < lanes ? lane : 0)];
+    solver.set_up();
+  });
+}
+
+template <int Dim>
+std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const LaneVector> loads,
+                                                                 std::span<LaneVector> displacements) {
+  static const LogEvent event("fabseq lane solve");
+  const auto scope = event.enter();
+  std::vector<std::vector<SolveReport>> reports(loads.size());
+  for (std::size_t set = 0; set < loads.size(); ++set) {
+    with_solver(lanes_, [&]<int Width>(auto& solver) {
+      layout_.to_mesh(loads[set], Width, load_);
+      for (const LaneOutcome& outcome : solver.solve(load_, displacement_, lanes_, stop_))
+        reports[set].push_back({outcome.iterations, outcome.residual, outcome.converged,
+                                outcome.finite ? "iteration limit" : "not a number"});
+      layout_.to_owned(displacement_, Width, displacements[set]);
+    });
+    for (int lane = 0; lane < lanes_; ++lane)
+      if (!reports[set][lane].converged && std::isfinite(reports[set][lane].residual))
+        solve_again(loads[set], displacements[set], lane, reports[set][lane]);
+  }
+  return reports;
+}
+
+template <int Dim>
+void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displacement, int lane,
+                                      SolveReport& report) {
+  std::ostringstream text;
+  text << "layer " << first_layer_ + lane + 1 << ": " << report.iterations
+       << " iterations of the lane solver left a relative preconditioned residual of " << report.residual
+       << "; solving it again by the reference path";
+  warn(text.str());
+  if (!fallback_)
+    fallback_ = std::make_unique<ReferenceElasticity<Dim>>(
+        grid_, domain_, ElementMatrices<Dim>(grid_.spacing(), grid_.domain().thickness, poisson_).stiffness(),
+        reference_settings_);
+  std::vector<double> stiffness(numbers_.size());
+  for (std::size_t e = 0; e < numbers_.size(); ++e) stiffness[e] = stiffness_[e * lanes_ + lane];
+  LaneVector one_load(load.nodes, load.components, 1), solution(load.nodes, load.components, 1);
+  one_load.set_lane(0, load.lane(lane));
+  fallback_->set_operators(first_layer_ + lane, 1, stiffness, true);
+  report = fallback_->solve({&one_load, 1}, {&solution, 1})[0][0];
+  displacement.set_lane(lane, solution.lane(0));
+}
+
+template <int Dim>
+std::string LaneElasticity<Dim>::description() const {
+  std::ostringstream text;
+  const auto& finest = hierarchy_.level(0);
+  std::int64_t nodes = 0;
+  for (const auto& range : finest.counted) nodes += range.end - range.begin;
+  text << "lanes: flexible CG + multigrid, " << hierarchy_.count() << " levels, "
+       << sum(grid_.comm(), nodes * Dim) << " unknowns a layer, up to " << widest << " layers at once";
+  return text.str();
+}
+
+template class LaneElasticity<2>;
+template class LaneElasticity<3>;
+
+}  // namespace fabseq
