@@ -1,10 +1,7 @@
 #include "fabseq/base/error.h"
-#include "fabseq/io/schema.h"
+#include "fabseq/io/schema_value.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <limits>
 
 namespace fabseq {
 
@@ -31,17 +28,10 @@ std::string name_list(const Keys& keys) { return join(names(keys), ", "); }
   throw InputError(message + " allowed here: " + name_list(keys));
 }
 
-bool has_word(std::string_view words, const Json& value) {
-  if (!value.is_string()) return false;
-  const std::vector<std::string> list = split(words, ' ');
-  return std::find(list.begin(), list.end(), value.string()) != list.end();
-}
-
 /// Fills in one document against the table.
 class Completion {
  public:
-  Completion(int dimension, std::string directory)
-      : dimension_(dimension), directory_(std::move(directory)) {}
+  Completion(int dimension, std::string directory) : context_{dimension, std::move(directory)} {}
 
   /// The object `value` with the keys of a section, complete.
   Json section(const Json& value, const std::string& pointer, const std::string& path) const {
@@ -60,7 +50,7 @@ class Completion {
     Keys result;
     for (const ConfigKey& key : config_keys()) {
       if (key.section != path || (!key.variant.empty() && key.variant != variant)) continue;
-      if (key.dimension == 0 || key.dimension == dimension_) result.push_back(&key);
+      if (key.dimension == 0 || key.dimension == context_.dimension) result.push_back(&key);
     }
     return result;
   }
@@ -115,39 +105,15 @@ class Completion {
       result.set(name, checked(key, *given, pointer));
       return;
     }
-    if (key.required) throw InputError(pointer + ": missing; allowed: " + allowed_values(key, dimension_));
-    const bool other = dimension_ == 2 && !key.default_2d.empty();
+    if (key.required)
+      throw InputError(pointer + ": missing; allowed: " + allowed_values(key, context_.dimension));
+    const bool other = context_.dimension == 2 && !key.default_2d.empty();
     const std::string text(other ? key.default_2d : key.default_value);
     if (!text.empty()) result.set(name, checked(key, Json::parse(text, "default of " + name), pointer));
   }
 
   Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (key.type != KeyType::choice && has_word(key.words, value)) return value;
     switch (key.type) {
-      case KeyType::flag:
-        return flag(key, value, pointer);
-      case KeyType::integer:
-        return integer(key, value, pointer);
-      case KeyType::number:
-        if (!is_number_in_range(key, value)) refuse_value(key, value, pointer);
-        return value;
-      case KeyType::text:
-        if (!value.is_string() || value.string().empty()) refuse_value(key, value, pointer);
-        return value;
-      case KeyType::path:
-        return path(key, value, pointer);
-      case KeyType::choice:
-        return choice(key, value, pointer);
-      case KeyType::axis:
-      case KeyType::face:
-        return named_direction(key, value, pointer);
-      case KeyType::vector:
-      case KeyType::integer_vector:
-      case KeyType::bounds:
-      case KeyType::strain:
-        return numbers(key, value, pointer);
-      case KeyType::points:
-        return points(key, value, pointer);
       case KeyType::shapes:
         return shape_list(key, value, pointer);
       case KeyType::section:
@@ -158,109 +124,13 @@ class Completion {
         return shape(value, pointer, "part");
       case KeyType::node_sets:
         return node_set_map(key, value, pointer);
-      case KeyType::unavailable:
-        break;
+      default:
+        return checked_value(key, value, pointer, context_);
     }
-    return value;
-  }
-
-  [[noreturn]] void refuse_value(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    std::string allowed = allowed_values(key, dimension_);
-    if (key.type == KeyType::vector) allowed += " (as many as domain.elements)";
-    if (key.type == KeyType::integer && std::isinf(Interval::parse(key.range).high))
-      allowed += ", at most 2147483647";
-    refuse(pointer, shown(value), allowed);
-  }
-
-  [[noreturn]] void refuse_later(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    refuse_unavailable(pointer, shown(value), allowed_values(key, dimension_));
-  }
-
-  Json flag(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_boolean()) refuse_value(key, value, pointer);
-    if (!key.later.empty() && value.boolean()) refuse_later(key, value, pointer);
-    return value;
-  }
-
-  static bool is_number_in_range(const ConfigKey& key, const Json& value) {
-    if (!value.is_number() || !std::isfinite(value.number())) return false;
-    return Interval::parse(key.range).contains(value.number());
-  }
-
-  static bool is_integer_in_range(const ConfigKey& key, const Json& value) {
-    return is_number_in_range(key, value) && std::floor(value.number()) == value.number() &&
-           std::abs(value.number()) <= std::numeric_limits<int>::max();
-  }
-
-  Json integer(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!is_integer_in_range(key, value)) refuse_value(key, value, pointer);
-    if (!key.later.empty() && value.number() != 0.0) refuse_later(key, value, pointer);
-    return static_cast<std::int64_t>(value.number());  // 1e3 is an integer, too
-  }
-
-  Json path(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_string() || value.string().empty()) refuse_value(key, value, pointer);
-    const std::filesystem::path full = std::filesystem::path(directory_) / value.string();
-    std::error_code error;
-    const std::filesystem::path canonical = std::filesystem::weakly_canonical(full, error);
-    return error ? full.lexically_normal().string() : canonical.string();
-  }
-
-  Json choice(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (has_word(key.words, value)) return value;
-    if (has_word(key.later, value)) refuse_later(key, value, pointer);
-    refuse_value(key, value, pointer);
-  }
-
-  Json named_direction(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    const std::size_t length = key.type == KeyType::axis ? 1 : 2;
-    const bool valid = value.is_string() && value.string().size() == length && value.string()[0] >= 'x' &&
-                       value.string()[0] < 'x' + dimension_ &&
-                       (length == 1 || value.string()[1] == '-' || value.string()[1] == '+');
-    if (!valid) refuse_value(key, value, pointer);
-    return value;
-  }
-
-  std::size_t entries(const ConfigKey& key) const {
-    if (key.type == KeyType::bounds) return 2;
-    if (key.type == KeyType::strain) return dimension_ == 2 ? 3 : 6;
-    return static_cast<std::size_t>(dimension_);
-  }
-
-  Json numbers(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (key.type == KeyType::strain && value.is_object()) {
-      for (const std::string& word : split(key.later, ' ')) {
-        if (value.find(word) != nullptr) refuse_later(key, value, pointer);
-      }
-    }
-    if (!value.is_array() || value.items().size() != entries(key)) refuse_value(key, value, pointer);
-    Json result = Json::array();
-    for (std::size_t i = 0; i < value.items().size(); ++i) {
-      const Json& item = value.items()[i];
-      const bool integers = key.type == KeyType::integer_vector;
-      const bool valid = integers ? is_integer_in_range(key, item) : is_number_in_range(key, item);
-      if (!valid) refuse_value(key, item, pointer_to(pointer, i));
-      result.append(integers ? Json(static_cast<std::int64_t>(item.number())) : item);
-    }
-    const bool ascending =
-        key.type != KeyType::bounds || value.items()[0].number() < value.items()[1].number();
-    if (!ascending) refuse_value(key, value, pointer);
-    return result;
-  }
-
-  Json points(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array() || value.items().size() < 3) refuse_value(key, value, pointer);
-    for (std::size_t i = 0; i < value.items().size(); ++i) {
-      const Json& item = value.items()[i];
-      const bool valid = item.is_array() && item.items().size() == 2 &&
-                         is_number_in_range(key, item.items()[0]) && is_number_in_range(key, item.items()[1]);
-      if (!valid) refuse(pointer_to(pointer, i), shown(item), "a list of 2 numbers");
-    }
-    return value;
   }
 
   Json shape_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array() || value.items().empty()) refuse_value(key, value, pointer);
+    if (!value.is_array() || value.items().empty()) refuse_value(key, value, pointer, context_);
     Json result = Json::array();
     for (std::size_t i = 0; i < value.items().size(); ++i) {
       result.append(shape(value.items()[i], pointer_to(pointer, i), ""));
@@ -269,7 +139,7 @@ class Completion {
   }
 
   Json section_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array()) refuse_value(key, value, pointer);
+    if (!value.is_array()) refuse_value(key, value, pointer, context_);
     Json result = Json::array();
     for (std::size_t i = 0; i < value.items().size(); ++i) {
       result.append(section(value.items()[i], pointer_to(pointer, i), subsection(key)));
@@ -278,7 +148,7 @@ class Completion {
   }
 
   Json node_set_map(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_object()) refuse_value(key, value, pointer);
+    if (!value.is_object()) refuse_value(key, value, pointer, context_);
     Json result = Json::object();
     for (const auto& [name, member] : value.members()) {
       result.set(name, shape(member, pointer_to(pointer, name), "node_sets.NAME"));
@@ -311,8 +181,7 @@ class Completion {
     return result;
   }
 
-  int dimension_;
-  std::string directory_;
+  ValueContext context_;
 };
 
 /// The entries of domain.elements decide; what else may be wrong with them is found later.
