@@ -16,7 +16,7 @@ step() {
 }
 
 sources() { find include src tests benchmarks \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
-shell_scripts() { find scripts .ci -type f \( -name '*.sh' -o -path '.ci/run' \) -print0; }
+shell_scripts() { find scripts benchmarks .ci -type f \( -name '*.sh' -o -path '.ci/run' \) -print0; }
 python_scripts() { find scripts tests benchmarks -name '*.py' -print0 2>/dev/null || true; }
 
 format() { sources | xargs -0 clang-format --dry-run -Werror; }

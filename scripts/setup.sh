@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what is missing (Debian 12; as root or with sudo) and builds the program.
 #
-#   scripts/setup.sh [--ci] [--preset NAME]
+#   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
 #   --ci           also install what scripts/lint.sh needs
+#   --benchmarks   also install Google Benchmark and build benchmarks/kernels, now and with this preset from now on
 #   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -13,11 +14,13 @@ packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin 
   libgtest-dev libopenblas0-serial python3-numpy python3-h5py python3-matplotlib python3-paraview xvfb xauth)
 ci_packages=(clang-format clang-tidy)
 preset=release
+cmake_options=()
 while (($#)); do
   case $1 in
     --ci) packages+=("${ci_packages[@]}") ;;
+    --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON) ;;
     --preset) preset=${2:?"--preset needs a name"}; shift ;;
-    *) echo "usage: scripts/setup.sh [--ci] [--preset NAME]" >&2; exit 2 ;;
+    *) echo "usage: scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]" >&2; exit 2 ;;
   esac
   shift
 done
@@ -70,5 +73,5 @@ select_blas() {
 
 install_missing
 select_blas
-cmake --preset "$preset" --log-level=WARNING
+cmake --preset "$preset" --log-level=WARNING "${cmake_options[@]}"
 cmake --build --preset "$preset" --parallel "$(compile_jobs)"

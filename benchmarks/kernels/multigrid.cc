@@ -1,0 +1,145 @@
+#include "fabseq/solve/band_cholesky.h"
+#include "fabseq/solve/lane_multigrid_impl.h"
+
+#include "kernels/graded_part.h"
+#include "kernels/groups.h"
+#include "kernels/kernel_cost.h"
+#include <functional>
+
+namespace benchmarks {
+
+namespace {
+
+using fabseq::LaneArray;
+using Problem = GradedPart::Problem;
+constexpr int lanes = GradedPart::lanes;
+using Operator = fabseq::LaneOperator<Problem, lanes>;
+
+/// A box with its finest operator set up, and a few vectors.
+struct Box {
+  explicit Box(int elements)
+      : part(GradedPart::Shape::box, {elements, elements / 2, elements}),
+        level(part.hierarchy().level(0)),
+        matrix(level, part.problem()),
+        right(part.load()),
+        solution(right.size()),
+        extra(right.size()),
+        cost(operator_cost<Problem, lanes>(level.mesh)) {
+    part.fill(matrix.coefficients());
+    matrix.set_up();
+    matrix.smooth(right.data(), solution.data(), extra.data(), 2, true);
+  }
+
+  GradedPart part;
+  fabseq::LaneLevel<3>& level;
+  Operator matrix;
+  LaneArray right, solution, extra;
+  Cost cost;  ///< of K x
+};
+
+/// The operator with further words and flops an unknown. K x itself reads x and writes a vector.
+Cost with(Cost cost, double words, double flops) {
+  cost.bytes += words * word * cost.unknowns;
+  cost.flops += flops * cost.unknowns;
+  return cost;
+}
+
+/// Inverse node blocks: six single precision numbers for three unknowns, five flops an unknown.
+constexpr double block_words = 6.0 * sizeof(float) / (3.0 * word);
+constexpr double block_flops_an_unknown = 5.0;
+/// Step from zero: reads b and the blocks, writes x.
+constexpr double first_words = 2.0 + block_words;
+constexpr double first_flops = block_flops_an_unknown + 1.0;
+/// Another step: reads b and the blocks beside what K x moves; difference, blocks, scale and addition.
+constexpr double step_words = 1.0 + block_words;
+constexpr double step_flops = 3.0 + block_flops_an_unknown;
+
+void add_smoothers(int elements) {
+  add("smoother/one_step", 12, [=](benchmark::State& state) {
+    Box box(elements);
+    measure(state, with(box.cost, step_words, step_flops),
+            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 1, false); });
+  });
+  // Before the coarse correction: the old step is x itself, which is there.
+  add("smoother/degree_2_from_zero", 12, [=](benchmark::State& state) {
+    Box box(elements);
+    measure(state, with(box.cost, first_words + step_words, first_flops + step_flops + 2.0),
+            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 2, true); });
+  });
+  // After it: two sweeps; the step is written by the first and read by the second.
+  add("smoother/degree_2", 8, [=](benchmark::State& state) {
+    Box box(elements);
+    Cost cost = with(box.cost, 2.0 * step_words + 2.0, 2.0 * step_flops + 2.0);
+    cost.bytes += box.cost.bytes;
+    cost.flops += box.cost.flops;
+    measure(state, cost,
+            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 2, false); });
+  });
+}
+
+void add_residual(int elements) {
+  // K x and x . K x; the product can be had in passing.
+  add("operator/with_inner_product", 12, [=](benchmark::State& state) {
+    Box box(elements);
+    measure(state, with(box.cost, 0.0, 2.0),
+            [&] { benchmark::DoNotOptimize(box.matrix.apply(box.solution.data(), box.extra.data())[0]); });
+  });
+  add("residual", 12, [=](benchmark::State& state) {
+    Box box(elements);
+    measure(state, with(box.cost, 1.0, 1.0),
+            [&] { box.matrix.residual_part(box.right.data(), box.solution.data(), box.extra.data()); });
+  });
+}
+
+/// Flops are few and not counted.
+void add_transfers(int elements) {
+  const auto sizes = [](const Box& box, const LaneArray& coarse, double fine_words, double coarse_words) {
+    const auto unknowns = static_cast<double>(box.solution.size());
+    return Cost{.unknowns = unknowns,
+                .bytes = word * (fine_words * unknowns + coarse_words * static_cast<double>(coarse.size()))};
+  };
+  const auto coarse_vector = [](Box& box) {
+    return LaneArray(static_cast<std::size_t>(box.part.hierarchy().level(1).mesh.nodes()) * 3 * lanes, 1e-9);
+  };
+  add("transfer/prolong", 20, [=](benchmark::State& state) {
+    Box box(elements);
+    const LaneArray coarse = coarse_vector(box);
+    measure(state, sizes(box, coarse, 2.0, 1.0),
+            [&] { box.level.transfer.prolong_add<3, lanes>(coarse.data(), box.solution.data()); });
+  });
+  add("transfer/restrict", 20, [=](benchmark::State& state) {
+    Box box(elements);
+    LaneArray coarse = coarse_vector(box);
+    measure(state, sizes(box, coarse, 1.0, 2.0),
+            [&] { box.level.transfer.restrict_add<3, lanes>(box.right.data(), coarse.data()); });
+  });
+}
+
+/// The last level of 80 x 40 x 80 elements by itself: a hierarchy of one level solves directly. The factor of
+/// every lane passes twice.
+void add_coarse_solve() {
+  add("coarse/solve", 40, [](benchmark::State& state) {
+    GradedPart part(GradedPart::Shape::v, {10, 5, 10});
+    fabseq::LaneMultigrid<Problem, lanes> multigrid(part.hierarchy(), part.problem(), {});
+    part.fill(multigrid.finest().coefficients());
+    multigrid.set_up();
+    const LaneArray right = part.load();
+    LaneArray solution(right.size());
+    const fabseq::BandNumbering<3> numbering(part.hierarchy().level(0).mesh, 3);
+    const auto unknowns = static_cast<double>(right.size());
+    const double band = unknowns * (numbering.bandwidth() + 1);
+    measure(state, {unknowns, 2.0 * word * band, 4.0 * band},
+            [&] { multigrid.apply(right.data(), solution.data()); });
+  });
+}
+
+}  // namespace
+
+void add_multigrid(int elements) {
+  add_residual(elements);
+  add_smoothers(elements);
+  add_transfers(elements);
+  add_coarse_solve();
+}
+
+}  // namespace benchmarks
