@@ -152,6 +152,15 @@ std::vector<double> stress_voigt(const std::array<Point<Dim>, Dim>& tensor) {
     return {tensor[0][0], tensor[1][1], tensor[2][2], tensor[0][1], tensor[1][2], tensor[2][0]};
 }
 
+/// Whether a symmetric matrix of `size` rows is positive definite.
+inline bool is_positive_definite(std::vector<double> matrix, int size) {
+  std::vector<double> unused(size, 0.0);
+  const int one = 1;
+  int info = 0;
+  dposv_("L", &size, &one, matrix.data(), &size, unused.data(), &size, &info);
+  return info == 0;
+}
+
 /// A dense system over all nodes of a grid, [node][component], nodes lexicographic. Unknowns that no element
 /// touches come out 0.
 template <int Dim>
