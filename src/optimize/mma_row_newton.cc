@@ -50,11 +50,12 @@ void MmaRowNewton::set_residuals(const MmaRowPoint& point) {
   pull_ = has_z_ ? rows_.a0 - point.zeta - dot(rows_.a, point.lambda) : 0.0;
 }
 
-double MmaRowNewton::largest_residual() const {
-  double largest = std::abs(pull_);
-  for (std::size_t i = 0; i < m_; ++i) {
-    largest = std::max({largest, std::abs(row_[i]), std::abs(elastic_[i]) / (1.0 + rows_.c[i])});
-  }
+double MmaRowNewton::largest_residual(double size) const {
+  double largest = std::abs(pull_) / (1.0 + rows_.a0);
+  for (std::size_t i = 0; i < m_; ++i)
+    largest = std::max(largest, std::abs(elastic_[i]) / (1.0 + rows_.c[i]));
+  largest *= size;
+  for (const double residual : row_) largest = std::max(largest, std::abs(residual));
   return largest;
 }
 

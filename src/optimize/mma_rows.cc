@@ -102,7 +102,7 @@ double RowModel::largest_step(const MmaRowPoint& direction) {
 // have to grow, whether it is long.
 bool RowModel::good(const MmaRowPoint& direction, double t, double mean) const {
   const auto [next, least] = products(direction, t);
-  const bool far = newton_.largest_residual() > far_residual * size_ && t > long_step;
+  const bool far = newton_.largest_residual(size_) > far_residual * size_ && t > long_step;
   return least >= neighborhood * next && (far || next <= (1.0 - 0.01 * t) * mean);
 }
 
@@ -137,7 +137,7 @@ MmaMultipliers RowModel::solve() {
     }
     const double mean = products(zero, 0.0).mean;
     const double enough = std::max(residual_tolerance * size_, rounding * terms);
-    if ((newton_.largest_residual() <= enough && mean <= product_tolerance * size_) ||
+    if ((newton_.largest_residual(size_) <= enough && mean <= product_tolerance * size_) ||
         !newton_.factorize(point_))
       break;
     const double t = choose_direction(mean);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 extern "C" void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
@@ -23,6 +24,12 @@ constexpr double tolerance = 1e-9;     // of the rows' conditions, over the larg
 constexpr double overshoot = 0.5;
 constexpr int cut_steps_limit = 12;
 constexpr double most_caution = 0.9, least_caution = 0.02;
+// Rarely Newton goes in circles nevertheless. From so many cut steps on the least caution grows with each.
+constexpr int circling_steps = 20;
+constexpr double growing_caution = 0.015;
+// Rounding may end above the tolerance: after so many steps without a smaller residual this one is good, too.
+constexpr int stall_limit = 20;
+constexpr double stalled_factor = 1e3;  // times the tolerance
 constexpr double rounding = 1e-14;
 constexpr int step_limit = 300, cut_limit = 12;
 
@@ -62,6 +69,8 @@ class Solver {
   double ascent() const;
   double ascent_rounding() const;
   double residual() const;
+  bool stalled(double residual);
+  void set_caution(bool good);
 
   MPI_Comm comm_;
   MmaVariables& variables_;
@@ -71,6 +80,8 @@ class Solver {
   double tolerance_ = tolerance;
   double barrier_ = first_barrier, caution_ = least_caution;
   int cut_steps_ = 0;
+  double least_residual_ = std::numeric_limits<double>::infinity();
+  int idle_steps_ = 0;      // since it fell
   bool predicted_ = false;  // function_ belongs to the last barrier and is only extrapolated to this one
   std::vector<double> lambda_, y_, direction_, function_;
   double z_ = 0.0;
@@ -188,6 +199,23 @@ void Solver::lower_barrier() {
   barrier_ = next;
 }
 
+// Takes note of a step's residual; whether it has not fallen for long.
+bool Solver::stalled(double residual) {
+  ++idle_steps_;
+  if (residual < 0.9 * least_residual_) {
+    least_residual_ = residual;
+    idle_steps_ = 0;
+  }
+  return idle_steps_ >= stall_limit;
+}
+
+void Solver::set_caution(bool good) {
+  if (!good) ++cut_steps_;
+  const double next = good ? caution_ * caution_ : std::sqrt(caution_);
+  const double least = std::max(least_caution, growing_caution * (cut_steps_ - circling_steps));
+  caution_ = std::clamp(next, std::min(least, most_caution), most_caution);
+}
+
 MmaReport Solver::solve() {
   MmaReport report;
   if (m_ == 0) barrier_ = final_barrier;
@@ -198,18 +226,14 @@ MmaReport Solver::solve() {
     predicted_ = false;
     ++report.newton_steps;
     report.kkt_residual = residual();
-    if (barrier_ == final_barrier && report.kkt_residual <= tolerance_) break;
+    const double enough = (stalled(report.kkt_residual) ? stalled_factor : 1.0) * tolerance_;
+    if (barrier_ == final_barrier && report.kkt_residual <= enough) break;
     if (report.newton_steps == step_limit) {
       throw NumericalError("MMA: the subproblem has not converged after " + std::to_string(step_limit) +
                            " steps, residual " + std::to_string(report.kkt_residual));
     }
-    caution_ =
-        good ? std::max(least_caution, caution_ * caution_) : std::min(most_caution, std::sqrt(caution_));
-    if (good) {
-      lower_barrier();
-    } else {
-      ++cut_steps_;
-    }
+    set_caution(good);
+    if (good) lower_barrier();
   }
   report.multipliers = lambda_;
   for (std::size_t i = 0; i < m_; ++i)

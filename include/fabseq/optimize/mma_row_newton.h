@@ -46,7 +46,9 @@ class MmaRowNewton {
 
   /// Residuals of the linear equations at a point, for the directions and largest_residual().
   void set_residuals(const MmaRowPoint& point);
-  double largest_residual() const;
+  /// Largest of them; `size` is what rows are measured with. The equations in multipliers have a size of their
+  /// own, and rounding keeps their residuals from becoming as small as that of the rows may be.
+  double largest_residual(double size) const;
 
   /// Factors the matrix of the directions at a point; false if it is beyond repair.
   bool factorize(const MmaRowPoint& point);
