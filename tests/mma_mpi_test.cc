@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include "support/share.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,6 +16,9 @@
 
 namespace fabseq {
 namespace {
+
+using test::Share;
+using test::whole_vector;
 
 /// Values and gradients of all functions at a point known on every rank.
 struct Evaluation {
@@ -32,29 +36,6 @@ struct Problem {
   int iterations = 60;
   MmaSettings settings{};
 };
-
-/// This rank's share of a vector: contiguous and uneven, empty on the last rank where there are three or more.
-struct Share {
-  Share(MPI_Comm comm, std::size_t count) {
-    const int ranks = size_of(comm) > 2 ? size_of(comm) - 1 : size_of(comm);
-    const int rank = rank_of(comm);
-    begin = std::min(count, count * rank / ranks);
-    end = rank >= ranks ? begin : count * (rank + 1) / ranks;
-  }
-  std::vector<double> of(const std::vector<double>& whole) const {
-    return {whole.begin() + static_cast<std::ptrdiff_t>(begin),
-            whole.begin() + static_cast<std::ptrdiff_t>(end)};
-  }
-  std::size_t begin = 0, end = 0;
-};
-
-std::vector<double> whole_vector(MPI_Comm comm, const Share& share, const std::vector<double>& local,
-                                 std::size_t count) {
-  std::vector<double> whole(count, 0.0);
-  std::copy(local.begin(), local.end(), whole.begin() + static_cast<std::ptrdiff_t>(share.begin));
-  sum_in_place(comm, whole);
-  return whole;
-}
 
 std::vector<double> minimize(MPI_Comm comm, const Problem& problem, MmaReport* report = nullptr) {
   const std::size_t count = problem.start.size();
@@ -288,7 +269,7 @@ TEST(Mma, KeepsMoveLimitBoundsAndFixedVariables) {
 
 TEST(Mma, RefusesNumbersThatAreNone) {
   const Share share(PETSC_COMM_WORLD, 4);
-  std::vector<double> x(share.end - share.begin, 0.5);
+  std::vector<double> x(share.size(), 0.5);
   const std::vector<double> lower(x.size(), 0.0), upper(x.size(), 1.0);
   std::vector<double> gradient(x.size(), 1.0);
   if (share.begin == 0 && !gradient.empty()) gradient[0] = std::numeric_limits<double>::quiet_NaN();
