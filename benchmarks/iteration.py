@@ -1,83 +1,147 @@
 #!/usr/bin/python3
-"""Seconds of a design iteration by phase, for one config and several solver methods in one run:
+"""Seconds of a design iteration by phase, of one config with several solvers in one go:
 
-    benchmarks/iteration.py configs/voxel_part.json [--ranks 2] [--iterations 3] [--methods multigrid gamg] [--json FILE] [-- OPTIONS]
+    benchmarks/iteration.sh configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE PROGRAM]
 
-OPTIONS go to the program as they are. Medians over all iterations but the first (which sets up what later ones reuse), unless there is only one.
-The limit printed beside them is memory bandwidth (a triad on the same ranks, before and after): these machines are noisy, so
-compare figures of one run only.
+The tolerance of each reference method is the one that gives its displacement the same true error as the lanes' unless
+--reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over the iterations but the
+first (unless there is only one). A solve's seconds hold its share of set-up, assembly and loads. The last column is the faster reference
+method by the lanes. Memory bandwidth (a triad, one core) stands beside them, before and after: compare figures of one run only.
 """
 import argparse
-import json
 import os
 import statistics
-import subprocess
 import sys
 import tempfile
-import time
 
-import numpy as np
+import program_run
+from displacement_error import TIGHT, DisplacementErrors
+from program_run import LANES, METHODS, REFERENCES, method_options
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer", "output", "total"]
+COMPARED = [*PHASES, "seconds_a_solve", "peak_memory_gigabytes"]
 
 
-def triad_bandwidth():
-    """GB/s of a = b + s c on one core, best of five."""
-    b, c = np.ones(8_000_000), np.ones(8_000_000)
-    a = np.empty_like(b)
-    best = 0.0
-    for _ in range(5):
-        start = time.perf_counter()
-        np.multiply(c, 3.0, out=a)
-        np.add(a, b, out=a)
-        best = max(best, 5 * 8 * a.size / (time.perf_counter() - start) / 1e9)
-    return best
-
-
-def run(options, method, directory):
-    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OPENBLAS_NUM_THREADS="1",
-                       OMPI_MCA_rmaps_base_oversubscribe="1")
-    command = ["mpirun", "-np", str(options.ranks), options.program, "-config", options.config, "-output", directory, "-overwrite",
-               "-max_iterations", str(options.iterations), "-set", f"solver.reference_method={method}",
-               "-set", "output.every=0", "-set", "output.checkpoint_every=0", *options.rest]
-    result = subprocess.run(command, env=environment, capture_output=True, text=True)
-    if result.returncode != 0:
-        sys.exit(f"{method}: status {result.returncode}: {result.stderr.strip().splitlines()[0]}")
-    lines = [json.loads(line) for line in open(os.path.join(directory, "history.jsonl"))]
+def measure(options, method, tolerance, directory):
+    """Figures of one run, medians over its iterations."""
+    arguments = ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *method_options(method, tolerance)]
+    program_run.run(options, options.ranks, directory, arguments)
+    lines = program_run.read_lines(directory, "history.jsonl")
+    peak = lines[-1]["peak_memory_bytes"] / 1e9
     lines = lines[1:] or lines
-    solves = [len(line["solver_iterations"]["primal"]) + len(line["solver_iterations"]["adjoint"]) for line in lines]
+    iterations = [line["solver_iterations"] for line in lines]
+    solves = [len(i["primal"]) + len(i["adjoint"]) for i in iterations]
     record = {phase: statistics.median(line["seconds"][phase] for line in lines) for phase in PHASES}
     record["seconds_a_solve"] = statistics.median(
         (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves))
-    record["iterations_primal"] = statistics.median(i for line in lines for i in line["solver_iterations"]["primal"])
-    record["iterations_adjoint"] = statistics.median(i for line in lines for i in line["solver_iterations"]["adjoint"])
+    for kind in ("primal", "adjoint"):
+        record["iterations_" + kind] = statistics.median(i for lists in iterations for i in lists[kind])
+        record["most_iterations_" + kind] = max(i for lists in iterations for i in lists[kind])
     record["solves"] = solves[-1]
-    record["peak_memory_gigabytes"] = lines[-1]["peak_memory_bytes"] / 1e9
+    record["peak_memory_gigabytes"] = peak
     return record
 
 
-def main():
+def solver_settings(options, method, tolerance, directory):
+    """What the solver is, all its options: those of the config, and for a reference method what PETSc says of it."""
+    view = os.path.join(directory, "view.txt")
+    petsc = [] if method == LANES else ["-elasticity_ksp_view", ":" + view]
+    output = os.path.join(directory, "settings")
+    arguments = ["-task", "simulate", "-layers", 1, *method_options(method, tolerance), *petsc]
+    _, printed = program_run.run(options, options.ranks, output, arguments)
+    record = {"description": printed.splitlines()[0], "config": program_run.read_json(output, "config.json")["solver"]}
+    if petsc:
+        with open(view, encoding="utf-8") as file:
+            record["petsc"] = file.read().splitlines()
+        os.remove(view)
+    return record
+
+
+def choose_tolerances(options, errors):
+    tolerances = {LANES: options.tolerance}
+    for method in options.methods:
+        if method == LANES:
+            continue
+        if options.reference_tolerance is None:
+            tolerances[method] = errors.matching_tolerance(method, options.tolerance)
+        else:
+            tolerances[method] = options.reference_tolerance
+    return tolerances
+
+
+def print_settings(settings):
+    for method, record in settings.items():
+        print(f"== {method}: {record['description']}")
+        print("   config: " + ", ".join(f"{key} {value}" for key, value in record["config"].items()))
+        for line in record.get("petsc", []):
+            print("   " + line)
+
+
+def print_table(methods, tolerances, results, found):
+    def row(name, values, last=""):
+        print(f"{name:24s}" + "".join(f"{value:>12s}" for value in values) + last)
+
+    references = [m for m in methods if m != LANES]
+    row("", methods, "   reference / lanes" if references and LANES in methods else "")
+    row("tolerance", [f"{tolerances[m]:.2g}" for m in methods])
+    if found:
+        row("error of displacement", [f"{found[m, tolerances[m]]:.2g}" for m in methods])
+    # The faster reference method: by the whole iteration.
+    fastest = min(references, key=lambda m: results[m]["total"], default=None)
+    for key in results[methods[0]]:
+        last = ""
+        if fastest and LANES in methods and key in COMPARED and results[LANES][key] > 0:
+            last = f"{results[fastest][key] / results[LANES][key]:20.2f}"
+        row(key, [f"{results[m][key]:.3f}" for m in methods], last)
+
+
+def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("config")
-    parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--iterations", type=int, default=3)
-    parser.add_argument("--methods", nargs="+", default=["multigrid", "gamg"], choices=["multigrid", "gamg", "direct"])
-    parser.add_argument("--program", default=os.path.join(ROOT, "build/release/fabseq"))
-    parser.add_argument("--json")
-    parser.add_argument("rest", nargs="*")
-    options = parser.parse_args()
-    bandwidth = [triad_bandwidth()]
+    program_run.add_common_options(parser)
+    parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
+    parser.add_argument("--iterations", type=int, default=2, metavar="I", help="design iterations of a run (default: %(default)s)")
+    parser.add_argument("--methods", nargs="+", default=[LANES, "multigrid", "gamg"], choices=METHODS, metavar="METHOD",
+                        help=f"of {', '.join(METHODS)}; the lanes and the first two unless given")
+    parser.add_argument("--tolerance", type=float, default=1e-5, metavar="T", help="of the lanes (default: %(default)s)")
+    parser.add_argument("--reference-tolerance", type=float, metavar="T", help="of every reference method (default: searched for)")
+    parser.add_argument("--error", action="store_true", help=f"measure the true errors against a solve to {TIGHT:g}; the search does so anyway")
+    parser.add_argument("--error-layers", type=int, metavar="N", help="measure errors with this many layers, to save time")
+    parser.add_argument("--exact", choices=METHODS, metavar="METHOD", help="of the solve that errors are measured against (default: the first reference method)")
+    options = program_run.parse(parser)
+    if options.iterations < 1:
+        parser.error("--iterations: at least 1")
+    return options
+
+
+def main():
+    options = parse_arguments()
+    references = [m for m in options.methods if m in REFERENCES]
     with tempfile.TemporaryDirectory() as directory:
-        results = {method: run(options, method, os.path.join(directory, method)) for method in options.methods}
-    bandwidth.append(triad_bandwidth())
-    print(f"{os.path.basename(options.config)}, {options.ranks} ranks, {options.iterations} iterations, {os.cpu_count()} cores, "
-          f"triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
-    print(f"{'':24s}" + "".join(f"{method:>12s}" for method in results))
-    for key in next(iter(results.values())):
-        print(f"{key:24s}" + "".join(f"{record[key]:12.3f}" for record in results.values()))
+        errors = None
+        if options.error or (references and options.reference_tolerance is None):
+            errors = DisplacementErrors(options, directory, options.exact or (references + ["multigrid"])[0])
+        tolerances = choose_tolerances(options, errors)
+        if errors:
+            for method in options.methods:
+                errors.error(method, tolerances[method])
+            errors.error(LANES if errors.exact != LANES else "multigrid", TIGHT)  # whether the exact one is
+        settings = {m: solver_settings(options, m, tolerances[m], directory) for m in options.methods}
+        bandwidth = [program_run.triad_bandwidth()]
+        samples = {method: [] for method in options.methods}
+        for _ in range(options.repetitions):
+            for method in options.methods:
+                samples[method].append(measure(options, method, tolerances[method], os.path.join(directory, method)))
+        bandwidth.append(program_run.triad_bandwidth())
+    results = {method: program_run.medians(of_method) for method, of_method in samples.items()}
+    print_settings(settings)
+    print(f"\n{os.path.basename(options.config)}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
+          f"repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
+    print_table(options.methods, tolerances, results, errors.found if errors else {})
     if options.json:
-        json.dump({"config": options.config, "ranks": options.ranks, "triad": bandwidth, "methods": results}, open(options.json, "w"), indent=1)
+        program_run.write_json(options.json, {
+            "config": options.config, "arguments": sys.argv[1:], "ranks": options.ranks, "triad": bandwidth,
+            "tolerances": {m: tolerances[m] for m in options.methods}, "errors": errors.record() if errors else None,
+            "medians": results, "samples": samples, "settings": settings})
 
 
 if __name__ == "__main__":
