@@ -4,6 +4,7 @@
 
 #include "fabseq/io/config.h"
 #include "fabseq/solve/band_cholesky.h"
+#include "fabseq/solve/island_modes.h"
 #include "fabseq/solve/lane_operator.h"
 
 #include <memory>
@@ -17,7 +18,8 @@ namespace fabseq {
 /// needs a flexible method outside).
 struct LaneCycle {
   SolverCycle kind = SolverCycle::k;
-  int degree = 2;                   ///< of the Chebyshev smoother, before and after
+  int degree = 2;       ///< of the Chebyshev smoother, before and after
+  bool islands = true;  ///< rigid motions of stiff islands, where lanes have operators of their own
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
 
   int steps_on(int level) const {
@@ -63,6 +65,7 @@ class LaneMultigrid {
     LaneArray rest, direction, image, scratch, product;  ///< of conjugate gradients
   };
   void coarsen_coefficients(int level);
+  void find_islands();
   void factor(std::array<bool, Width>& positive);
   /// One cycle from zero on a level: x = M b.
   void visit(int level, const double* b, double* x);
@@ -78,6 +81,8 @@ class LaneMultigrid {
   LaneCycle cycle_;
   std::vector<Level> levels_;
   BandNumbering<dim> numbering_;
+  std::unique_ptr<IslandMap<dim>> island_map_;
+  IslandModes<Problem, Width> islands_;
   static constexpr int factors = Problem::own_operators ? Width : 1;
   std::array<std::shared_ptr<BandCholesky>, factors> factors_;
   std::vector<double> direct_values_;

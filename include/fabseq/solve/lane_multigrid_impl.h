@@ -40,10 +40,22 @@ std::array<bool, Width> LaneMultigrid<Problem, Width>::set_up() {
     levels_[level].matrix->set_up();
     coarsen_coefficients(level);
   }
+  find_islands();
   std::array<bool, Width> positive;
   positive.fill(true);
   factor(positive);
   return positive;
+}
+
+template <class Problem, int Width>
+void LaneMultigrid<Problem, Width>::find_islands() {
+  if constexpr (Problem::own_operators) {
+    if (!cycle_.islands || hierarchy_.count() == 1) return;
+    Level& finest = levels_.front();
+    if (!island_map_) island_map_ = std::make_unique<IslandMap<dim>>(hierarchy_.level(0));
+    islands_.set_up(*finest.matrix, island_map_->find(finest.matrix->coefficients(), Width), finest.residual,
+                    finest.step);
+  }
 }
 
 template <class Problem, int Width>
@@ -100,6 +112,7 @@ template <int Wider>
 void LaneMultigrid<Problem, Width>::select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes) {
   for (std::size_t level = 0; level < levels_.size(); ++level)
     levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
+  islands_.template select<Wider>(from.islands_, lanes);
   for (int lane = 0; lane < factors; ++lane)
     factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
 }
@@ -122,6 +135,8 @@ void LaneMultigrid<Problem, Width>::visit(int index, const double* b, double* x)
   solve(index + 1);
   hierarchy_.level(index).transfer.template prolong_add<components, Width>(levels_[index + 1].solution.data(),
                                                                            x);
+  if (index == 0 && !islands_.empty())
+    islands_.add_correction(hierarchy_.level(0), level.residual.data(), x);
   level.matrix->clear_held(x);
   level.matrix->smooth(b, x, level.step.data(), cycle_.degree, false);
 }

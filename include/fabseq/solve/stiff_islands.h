@@ -1,0 +1,33 @@
+/// \file
+/// Stiff islands in soft surroundings: what a multigrid cycle does not see.
+#pragma once
+
+#include "fabseq/grid/index_box.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Nodes that move with an island.
+struct StiffIslands {
+  int count = 0;
+  std::vector<int> node_island;  ///< of each node of the box, lexicographic; -1: none
+};
+
+/// Basins of the stiffness field, found by letting it sink: elements join face-adjacent ones in the order of
+/// decreasing stiffness (to about a fifth), down to three times the least there is. A basin is an island if
+/// it holds no supported element and its peak is `contrast` times stiffer than the saddle where it meets
+/// another. A node belongs to the basin of its stiffest element. At most `most` islands, the largest.
+/// `stiffness`: of each element of the box, lexicographic, 0 where there is none. `supported`: whether an
+/// element has a held node.
+template <int Dim>
+StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const double> stiffness,
+                                std::span<const char> supported, double contrast = 100.0, int most = 8);
+
+extern template StiffIslands find_stiff_islands<2>(const Index<2>&, std::span<const double>,
+                                                   std::span<const char>, double, int);
+extern template StiffIslands find_stiff_islands<3>(const Index<3>&, std::span<const double>,
+                                                   std::span<const char>, double, int);
+
+}  // namespace fabseq
