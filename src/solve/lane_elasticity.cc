@@ -17,7 +17,7 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       problem_(grid.domain().thickness, poisson),
       poisson_(poisson),
       reference_settings_(reference),
-      stop_{reference.tolerance, max_iterations},
+      stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
       solver_(hierarchy_, problem_, cycle) {

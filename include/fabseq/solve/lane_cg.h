@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fabseq/solve/lane_multigrid.h"
+#include "fabseq/solve/spectrum_estimate.h"
 
 #include <memory>
 #include <string>
@@ -18,10 +19,12 @@ struct LaneOutcome {
   bool finite = true;  ///< false: something was not a number
 };
 
-/// When to stop.
+/// When to stop: at a preconditioned residual of `tolerance`, and not before the error, as the spectrum lets it
+/// be estimated, is within `error_factor` times as much.
 struct LaneStop {
   double tolerance = 1e-6;
   int max_iterations = 200;
+  double error_factor = 2.0;
 };
 
 /// Flexible conjugate gradients with lane multigrid, every lane with scalars and a convergence test of its
@@ -57,6 +60,7 @@ class LaneCg {
     Scalars start{};     ///< |M f|^2
     Scalars decrease{};  ///< r . M r of the last step
     Scalars energy{};    ///< p . K p of the last step
+    std::array<SpectrumEstimate, Width> spectrum;
     std::array<LaneOutcome, Width> outcome{};
   };
   void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);

@@ -45,7 +45,9 @@ void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Lane
     outcome.iterations = state.iteration;
     outcome.finite = std::isfinite(size[lane]);
     outcome.residual = state.start[lane] > 0.0 ? std::sqrt(size[lane] / state.start[lane]) : 0.0;
-    outcome.converged = outcome.finite && outcome.residual <= stop.tolerance;
+    outcome.converged =
+        outcome.finite && outcome.residual <= stop.tolerance &&
+        outcome.residual <= stop.error_factor * stop.tolerance * state.spectrum[lane].smallest();
     if (outcome.converged || !outcome.finite) state.active[lane] = false;
   }
 }
@@ -90,6 +92,7 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
       const bool moves = state.active[lane] && state.energy[lane] > 0.0;
       alpha[lane] = moves ? state.decrease[lane] / state.energy[lane] : 0.0;
       back[lane] = -alpha[lane];
+      state.spectrum[lane].add(alpha[lane], beta[lane]);
     }
     add_scaled<Width>(alpha, direction_, solution);
     add_scaled<Width>(back, image_, rest);
@@ -129,6 +132,7 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
       narrower.start[i] = state.start[lanes[i]];
       narrower.decrease[i] = state.decrease[lanes[i]];
       narrower.energy[i] = state.energy[lanes[i]];
+      narrower.spectrum[i] = state.spectrum[lanes[i]];
       narrower.outcome[i] = state.outcome[lanes[i]];
     }
     LaneArray half_rest, half_solution;
