@@ -14,27 +14,16 @@ namespace {
 
 constexpr double poisson = 0.3;
 constexpr double min_stiffness = 1e-9;
-constexpr double sharpness = 50.0;
 constexpr int layer_count = 25;
 constexpr std::array<int, GradedPart::lanes> layers{2, 5, 9, 13, 15, 17, 21, 25};
-
-/// How much of an element with pseudo-time `time` is there after `layer` (docs/formulation.md 3).
-double stage_density(double time, int layer) {
-  if (layer == 0) return 0.0;
-  if (layer == layer_count) return 1.0;
-  const double threshold = static_cast<double>(layer) / layer_count;
-  const double below = std::tanh(sharpness * threshold);
-  return 1.0 - (below + std::tanh(sharpness * (time - threshold))) /
-                   (below + std::tanh(sharpness * (1.0 - threshold)));
-}
 
 /// part of configs/v_shape.json.
 bool inside_v(const Point<3>& at) { return (at[2] < 0.6 || at[0] > 1.2) && at[2] > at[0] - 1.0; }
 
 }  // namespace
 
-GradedPart::GradedPart(Shape shape, const Index<3>& elements)
-    : grid_(MPI_COMM_SELF, {{2.0, 1.0, 2.0}, elements}, {}), problem_(1.0, poisson) {
+GradedPart::GradedPart(Shape shape, const Index<3>& elements, double sharpness)
+    : grid_(MPI_COMM_SELF, {{2.0, 1.0, 2.0}, elements}, {}), sharpness_(sharpness), problem_(1.0, poisson) {
   fabseq::SystemDomain domain;
   domain.components = 3;
   grid_.owned_elements().for_each([&](const Index<3>& element, std::int64_t) {
@@ -50,13 +39,22 @@ GradedPart::GradedPart(Shape shape, const Index<3>& elements)
   hierarchy_ = std::make_unique<fabseq::LaneHierarchy<3>>(grid_, domain);
 }
 
+double GradedPart::stage_density(const Element& element, int layer) const {
+  if (layer == 0) return 0.0;
+  if (layer == layer_count) return 1.0;
+  const double threshold = static_cast<double>(layer) / layer_count;
+  const double below = std::tanh(sharpness_ * threshold);
+  return 1.0 - (below + std::tanh(sharpness_ * (element.time - threshold))) /
+                   (below + std::tanh(sharpness_ * (1.0 - threshold)));
+}
+
 void GradedPart::fill(LaneArray& coefficients) const {
   const auto& mesh = hierarchy_->level(0).mesh;
   for (const Element& element : elements_)
     for (int lane = 0; lane < lanes; ++lane)
       coefficients[static_cast<std::size_t>(mesh.element_number(element.index)) * lanes + lane] =
           min_stiffness +
-          (1.0 - min_stiffness) * std::pow(std::max(0.0, stage_density(element.time, layers[lane])), 3);
+          (1.0 - min_stiffness) * std::pow(std::max(0.0, stage_density(element, layers[lane])), 3);
 }
 
 LaneArray GradedPart::load() const {
@@ -66,9 +64,8 @@ LaneArray GradedPart::load() const {
   LaneArray load(static_cast<std::size_t>(mesh.nodes()) * 3 * lanes, 0.0);
   for (const Element& element : elements_)
     for (int lane = 0; lane < lanes; ++lane) {
-      const double share = std::pow(std::max(0.0, stage_density(element.time, layers[lane]) -
-                                                      stage_density(element.time, layers[lane] - 1)),
-                                    3);
+      const double share = std::pow(
+          std::max(0.0, stage_density(element, layers[lane]) - stage_density(element, layers[lane] - 1)), 3);
       for (int corner = 0; corner < 8; ++corner) {
         Index<3> node = element.index;
         for (int axis = 0; axis < 3; ++axis) node[axis] += (corner >> axis) & 1;

@@ -12,16 +12,18 @@
 
 namespace benchmarks {
 
-/// Eight layers of the 25 of configs/v_shape.json, from the first to the last, with tilted plane layers of its
-/// final sharpness. Every rank has a whole part of its own.
+/// Eight layers of the 25 of configs/v_shape.json, from the first to the last, as tilted planes. Every rank has
+/// a whole part of its own.
 class GradedPart {
  public:
   static constexpr int lanes = 8;
   using Problem = fabseq::LaneElasticityProblem<3>;
 
   enum class Shape { v, box };
+  /// Sharpness that an optimization of 25 layers begins and ends with.
+  static constexpr double first_sharpness = 100.0, last_sharpness = 337.5;
   /// Without the elements that the shape leaves out.
-  GradedPart(Shape shape, const fabseq::Index<3>& elements);
+  GradedPart(Shape shape, const fabseq::Index<3>& elements, double sharpness = first_sharpness);
 
   fabseq::LaneHierarchy<3>& hierarchy() { return *hierarchy_; }
   const Problem& problem() const { return problem_; }
@@ -36,7 +38,11 @@ class GradedPart {
     double time = 0.0;  ///< pseudo-time
   };
 
+  /// How much of an element is there after a layer (docs/formulation.md 3).
+  double stage_density(const Element& element, int layer) const;
+
   fabseq::Grid<3> grid_;
+  double sharpness_;
   Problem problem_;
   std::vector<Element> elements_;
   std::unique_ptr<fabseq::LaneHierarchy<3>> hierarchy_;

@@ -14,8 +14,8 @@ using Solver = fabseq::LaneCg<GradedPart::Problem, GradedPart::lanes>;
 constexpr int lanes = GradedPart::lanes;
 
 struct System {
-  explicit System(int elements)
-      : part(GradedPart::Shape::v, {elements, elements / 2, elements}),
+  System(int elements, double sharpness)
+      : part(GradedPart::Shape::v, {elements, elements / 2, elements}, sharpness),
         solver(part.hierarchy(), part.problem(), {}) {
     part.fill(solver.multigrid().finest().coefficients());
     solver.set_up();
@@ -26,32 +26,37 @@ struct System {
   Solver solver;
 };
 
-}  // namespace
-
 /// dof/s: unknowns of the finest level by the time of the whole set-up or solve. Bytes and flops depend on
 /// the iterations of each lane and are not counted.
+void measure_solve(benchmark::State& state, int elements, double sharpness) {
+  System system(elements, sharpness);
+  const LaneArray load = system.part.load();
+  LaneArray right, solution;
+  double iterations = 0.0;
+  const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] {
+    right = load;  // the solver overwrites it
+    const fabseq::LaneStop stop{1e-5, 200};
+    for (const auto& outcome : system.solver.solve(right, solution, lanes, stop)) {
+      iterations = std::max(iterations, static_cast<double>(outcome.iterations));
+      if (!outcome.converged) state.SkipWithError("a lane did not converge");
+    }
+  });
+  state.counters["seconds_a_lane"] = seconds / lanes;
+  state.counters["iterations"] = iterations;
+}
+
+}  // namespace
+
 void add_solve(int elements) {
-  add("set_up/v_shape", 2, [=](benchmark::State& state) {
-    System system(elements);
+  add("set_up/v_shape", 4, [=](benchmark::State& state) {
+    System system(elements, GradedPart::first_sharpness);
     const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] { system.solver.set_up(); });
     state.counters["seconds_a_lane"] = seconds / lanes;
   });
-  add("solve/v_shape", 1, [=](benchmark::State& state) {
-    System system(elements);
-    const LaneArray load = system.part.load();
-    LaneArray right, solution;
-    double iterations = 0.0;
-    const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] {
-      right = load;  // the solver overwrites it
-      const fabseq::LaneStop stop{1e-5, 200};
-      for (const auto& outcome : system.solver.solve(right, solution, lanes, stop)) {
-        iterations = std::max(iterations, static_cast<double>(outcome.iterations));
-        if (!outcome.converged) state.SkipWithError("a lane did not converge");
-      }
-    });
-    state.counters["seconds_a_lane"] = seconds / lanes;
-    state.counters["iterations"] = iterations;
-  });
+  add("solve/v_shape/first_sharpness", 1,
+      [=](benchmark::State& state) { measure_solve(state, elements, GradedPart::first_sharpness); });
+  add("solve/v_shape/last_sharpness", 1,
+      [=](benchmark::State& state) { measure_solve(state, elements, GradedPart::last_sharpness); });
 }
 
 }  // namespace benchmarks
