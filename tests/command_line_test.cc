@@ -1,10 +1,10 @@
 #include "fabseq/io/command_line.h"
 
-#include "fabseq/base/error.h"
 #include "fabseq/io/schema.h"
 
 #include <gtest/gtest.h>
 
+#include "support/refusal.h"
 #include <set>
 
 namespace fabseq {
@@ -16,12 +16,7 @@ CommandLine parse(std::vector<const char*> words) {
 }
 
 std::string error_of(const std::vector<const char*>& words) {
-  try {
-    (void)parse(words);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal([&] { (void)parse(words); });
 }
 
 using Overrides = std::vector<std::pair<std::string, std::string>>;

@@ -1,10 +1,10 @@
 /// The grid's boxes, numbers and exchanges, against PETSc's own and against exact counts, with unequal
 /// spacings and odd sizes.
-#include "fabseq/base/error.h"
 #include "fabseq/grid/grid.h"
 
 #include <gtest/gtest.h>
 
+#include "support/refusal.h"
 #include "support/whole_field.h"
 #include <algorithm>
 #include <numeric>
@@ -182,35 +182,25 @@ TEST(Grid, KnowsItsGeometry) {
   EXPECT_DOUBLE_EQ(plane.node_position({7, 3})[1], 0.6);
 }
 
-template <class Function>
-std::string refusal(Function&& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Grid, RefusesMoreValuesThanIndicesHold) {
   if (sizeof(PetscInt) > 4) GTEST_SKIP() << "PETSc with 64-bit indices";
-  const std::string nodes = refusal([] {
+  const std::string nodes = test::refusal([] {
     Grid<3>(PETSC_COMM_WORLD, {{1, 1, 1}, {1999, 1999, 999}, 1.0}, nullptr);
   });
   EXPECT_NE(nodes.find("/domain/elements: [1999,1999,999] "), std::string::npos) << nodes;
   EXPECT_NE(nodes.find("12000000000 values"), std::string::npos) << nodes;
   EXPECT_NE(nodes.find("at most 2147483647"), std::string::npos) << nodes;
   const Grid<2> grid(PETSC_COMM_WORLD, {{1, 1}, {99, 99}, 1.0}, nullptr);
-  const std::string values = refusal([&] { (void)grid.node_dm(300000); });
+  const std::string values = test::refusal([&] { (void)grid.node_dm(300000); });
   EXPECT_NE(values.find("3000000000 values"), std::string::npos) << values;
 }
 
 TEST(Grid, RefusesAnEmptyDomain) {
-  EXPECT_NE(refusal([] {
+  EXPECT_NE(test::refusal([] {
               Grid<2>(PETSC_COMM_WORLD, {{1, 1}, {4, 0}, 1.0}, nullptr);
             }).find("/domain/elements"),
             std::string::npos);
-  EXPECT_NE(refusal([] {
+  EXPECT_NE(test::refusal([] {
               Grid<2>(PETSC_COMM_WORLD, {{1, -1}, {4, 4}, 1.0}, nullptr);
             }).find("/domain/size"),
             std::string::npos);

@@ -1,9 +1,9 @@
 /// Node sets: which nodes, and which of them are samples, against the rule written out by hand.
-#include "fabseq/base/error.h"
 #include "fabseq/grid/node_set.h"
 
 #include <gtest/gtest.h>
 
+#include "support/refusal.h"
 #include "support/shapes.h"
 #include "support/whole_field.h"
 
@@ -78,13 +78,8 @@ TEST_F(NodeSetTest, FollowsTheIndexRuleForAnyCount) {
 }
 
 TEST_F(NodeSetTest, RefusesEmptySetsAndTooManySamples) {
-  const auto refusal = [&](const Shape& shape, int samples) -> std::string {
-    try {
-      (void)make_node_set<3>(part_, "rim", {shape, samples});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [&](const Shape& shape, int samples) {
+    return test::refusal([&] { (void)make_node_set<3>(part_, "rim", {shape, samples}); });
   };
   EXPECT_EQ(refusal(box({0, 0, 2}, {1.4, 0.9, 2.5}), 0).rfind("/node_sets/rim: no node", 0), 0u);
   const std::string many = refusal(box({0, 0.9, 1.5}, {1.4, 0.9, 1.5}), 9);

@@ -1,11 +1,11 @@
 /// Parts: pieces against a serial union-find, refusals, extents, touched nodes, balance.
-#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/part.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include "support/refusal.h"
 #include "support/shapes.h"
 #include "support/whole_field.h"
 #include <algorithm>
@@ -17,19 +17,10 @@ namespace fabseq {
 namespace {
 
 using test::box;
+using test::refusal;
 using test::union_of;
 
 const BuildPlate bottom{2, false};
-
-template <class Function>
-std::string refusal(Function&& f) {
-  try {
-    f();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 template <int Dim>
 std::string part_refusal(const Domain<Dim>& domain, const Shape& shape, const BuildPlate& plate,

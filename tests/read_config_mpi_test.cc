@@ -1,11 +1,11 @@
 /// Reading a config on several ranks: rank 0 reads, all ranks agree on config and errors.
-#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/io/command_line.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include "support/refusal.h"
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
@@ -54,12 +54,7 @@ class ReadConfigTest : public testing::Test {
   /// The error of this rank after making sure that all ranks have the same.
   std::string error_of(const std::vector<std::string>& settings, Task task = Task::optimize,
                        const std::string& file = "config.json") const {
-    std::string text = "no error";
-    try {
-      (void)read(settings, task, file);
-    } catch (const InputError& error) {
-      text = error.what();
-    }
+    const std::string text = test::refusal([&] { (void)read(settings, task, file); });
     const bool same = text == broadcast(PETSC_COMM_WORLD, text);
     EXPECT_FALSE(any(PETSC_COMM_WORLD, !same));
     return text;

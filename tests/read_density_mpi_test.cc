@@ -1,6 +1,5 @@
 /// Voxel files of all kinds, written by one rank through plain HDF5, read in parallel; and every way they can
 /// be wrong.
-#include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/part.h"
@@ -8,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include "support/refusal.h"
 #include "support/shapes.h"
 #include "support/whole_field.h"
 #include <cmath>
@@ -109,12 +109,7 @@ class ReadDensity : public testing::Test {
     return test::whole_element_field<3>(grid, own);
   }
   static std::string refusal(const PartDescription& description) {
-    try {
-      (void)read(description);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return test::refusal([&] { (void)read(description); });
   }
 
   static std::string directory_;

@@ -2,23 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include "support/shapes.h"
 #include <cmath>
 
 namespace fabseq {
 namespace {
 
+using test::box;
+using test::combine;
 using Point = std::vector<double>;
 
 constexpr double tolerance = 1e-3;
 constexpr double within = 0.9e-3, beyond = 1.1e-3;  ///< distances from the surface
-
-Shape box(Point low, Point high) {
-  Shape shape;
-  shape.kind = Shape::Kind::box;
-  shape.first = std::move(low);
-  shape.second = std::move(high);
-  return shape;
-}
 
 Shape half_space(Point point, Point normal) {
   Shape shape;
@@ -50,13 +45,6 @@ Shape polygon(std::vector<std::array<double, 2>> points, int axis = 2) {
   shape.kind = Shape::Kind::polygon;
   shape.points = std::move(points);
   shape.axis = axis;
-  return shape;
-}
-
-Shape combine(Shape::Kind kind, std::vector<Shape> operands) {
-  Shape shape;
-  shape.kind = kind;
-  shape.operands = std::move(operands);
   return shape;
 }
 

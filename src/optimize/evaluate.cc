@@ -55,12 +55,9 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory(
-      setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name), command_line.overwrite);
-  directory.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
+  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.grid.comm());
 
-  const bool binary = setup.config.projection.binary || setup.config.sequence.type == SequenceType::planar;
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), binary);
+  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<GradientRow> rows = all_components<Dim>(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
@@ -75,7 +72,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
     file.template write_fields<Dim>(fields);
   }
   file.close();
-  Json record = Json::object({{"beta", setup.first_beta()}, {"binary", binary}});
+  Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
   const SolverIterations& solves = pipeline.iterations();
   record.set("solver_iterations",

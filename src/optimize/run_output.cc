@@ -16,11 +16,6 @@ namespace fabseq {
 
 namespace {
 
-template <int Dim>
-std::string output_path(const Setup<Dim>& setup, const CommandLine& command_line) {
-  return command_line.output.value_or("output/" + setup.config.name);
-}
-
 Json lists(const std::vector<std::vector<double>>& values) {
   Json result = Json::array();
   for (const auto& list : values) result.append(list);
@@ -33,14 +28,11 @@ template <int Dim>
 RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
-      directory_(setup.grid.comm(), output_path(setup, command_line), command_line.overwrite),
+      directory_(make_output_directory(setup.config, command_line, setup.grid.comm())),
       history_(directory_),
       progress_(setup.grid.comm()),
       start_(MPI_Wtime()),
-      iteration_start_(start_) {
-  directory_.write("config.json",
-                   config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
-}
+      iteration_start_(start_) {}
 
 template <int Dim>
 void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {

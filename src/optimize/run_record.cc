@@ -6,6 +6,8 @@
 
 namespace fabseq {
 
+namespace {
+
 Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
   char petsc[256];
   check(PetscGetVersion(petsc, sizeof petsc));
@@ -20,6 +22,15 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
                                   {"hdf5", H5_VERS_INFO},
                                   {"ranks", size_of(comm)}}));
   return record;
+}
+
+}  // namespace
+
+OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+  OutputDirectory directory(comm, command_line.output.value_or("output/" + config.name),
+                            command_line.overwrite);
+  directory.write("config.json", config_record(config, command_line, comm).dump(2) + "\n");
+  return directory;
 }
 
 Json seconds_record(const std::array<double, phase_count>& phases, double total) {

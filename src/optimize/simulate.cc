@@ -60,12 +60,9 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory(
-      setup.grid.comm(), command_line.output.value_or("output/" + setup.config.name), command_line.overwrite);
-  directory.write("config.json", config_record(setup.config, command_line, setup.grid.comm()).dump(2) + "\n");
+  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.grid.comm());
 
-  const bool binary = setup.config.projection.binary || setup.config.sequence.type == SequenceType::planar;
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), binary);
+  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
   std::string failure;

@@ -2,12 +2,12 @@
 /// Two small configs, and what becomes of them with some keys set: for the tests of the configuration.
 #pragma once
 
-#include "fabseq/base/error.h"
 #include "fabseq/io/command_line.h"
 #include "fabseq/io/config.h"
 
 #include <gtest/gtest.h>
 
+#include "support/refusal.h"
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,13 +44,9 @@ inline Config configure(const char* text, const Settings& settings = {}) {
 
 /// The message of the error, which must be one line.
 inline std::string error_of(const char* text, const Settings& settings) {
-  try {
-    (void)configure(text, settings);
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return "no error";
+  std::string message = test::refusal([&] { (void)configure(text, settings); });
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  return message;
 }
 
 inline std::string solid_error(const std::string& path, const std::string& value) {

@@ -16,8 +16,9 @@
 
 namespace fabseq {
 
-/// The effective config with the key `run`: command line, versions, ranks.
-Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm);
+/// Makes the directory that -output names and writes config.json: the effective config with the key `run`
+/// (command line, versions, ranks). Collective.
+OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm);
 /// Seconds of each phase and "total" as an object.
 Json seconds_record(const std::array<double, phase_count>& phases, double total);
 

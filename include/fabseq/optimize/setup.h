@@ -36,6 +36,8 @@ class Setup {
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
   double last_beta() const { return config.projection.max.value_or(13.5 * layer_count); }
+  /// Whether layers are steps, not smooth: where that is asked for, and planar ones.
+  bool binary() const { return config.projection.binary || config.sequence.type == SequenceType::planar; }
   /// Throws InputError if the densities and displacements of all layers are more than the machines of this
   /// run can hold. Collective.
   void require_memory_of_layers() const;
