@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/brute_force.h"
-#include "support/masked_box.h"
+#include "support/lane_physics.h"
 #include <algorithm>
 #include <vector>
 
@@ -16,105 +15,20 @@ namespace {
 /// Relative to the size of the terms that are summed up at a node.
 constexpr double rounding = 2e-15;
 
-template <int Dim>
-Point<Dim> spacing() {
-  Point<Dim> result{};
-  for (int axis = 0; axis < Dim; ++axis) result[axis] = 0.5 - 0.1 * axis;
-  return result;
-}
-template <int Dim>
-test::BruteForceElement<Dim> brute_force() {
-  return {spacing<Dim>(), Dim == 2 ? 0.25 : 1.0, 0.3};
-}
-template <int Dim>
-ElementMatrices<Dim> library() {
-  return ElementMatrices<Dim>(spacing<Dim>(), Dim == 2 ? 0.25 : 1.0, 0.3);
-}
-
-/// Another stiffness in every lane and element.
-template <int Dim_>
-struct Elasticity {
-  static constexpr int Dim = Dim_;
-  static constexpr int components = Dim;
-  template <int Width>
-  using Kernel = ElasticKernel<Dim, Width>;
-
-  template <int Width>
-  std::vector<double> coefficients(const test::MaskedBox<Dim>& box) const {
-    std::vector<double> result;
-    box.for_each_active([&](const Index<Dim>&, std::int64_t offset) {
-      for (int lane = 0; lane < Width; ++lane) result.push_back(test::wild_factor(offset, lane));
-    });
-    return result;
-  }
-  template <int Width>
-  Kernel<Width> kernel(const std::vector<double>& coefficients) const {
-    return {parity, coefficients.data()};
-  }
-  std::vector<double> element_matrix(std::int64_t offset, int lane) const {
-    std::vector<double> result = matrix;
-    for (double& entry : result) entry *= test::wild_factor(offset, lane);
-    return result;
-  }
-
-  ParityMatrix<Dim, Dim> parity{library<Dim>().stiffness()};
-  std::vector<double> matrix = [] {
-    const auto entries = brute_force<Dim>().template matrix<element_unknowns<Dim>>(
-        [](int i, int j) { return brute_force<Dim>().stiffness(i, j); });
-    return std::vector<double>(entries.begin(), entries.end());
-  }();
-};
-
-/// One operator for all lanes.
-template <int Dim_>
-struct Heat {
-  static constexpr int Dim = Dim_;
-  static constexpr int components = 1;
-  static constexpr int corners = corner_count<Dim>;
-  template <int Width>
-  using Kernel = HeatKernel<Dim, Width>;
-
-  static double reaction(std::int64_t offset) { return 10.0 * test::noise(offset, 3); }
-  template <int Width>
-  std::vector<double> coefficients(const test::MaskedBox<Dim>& box) const {
-    std::vector<double> result;
-    box.for_each_active([&](const Index<Dim>&, std::int64_t offset) {
-      result.push_back(test::wild_factor(offset, 0));
-      result.push_back(reaction(offset));
-    });
-    return result;
-  }
-  template <int Width>
-  Kernel<Width> kernel(const std::vector<double>& coefficients) const {
-    return {conductivity_parity, mass_parity, coefficients.data()};
-  }
-  std::vector<double> element_matrix(std::int64_t offset, int) const {
-    std::vector<double> result(conductivity.size());
-    for (std::size_t i = 0; i < result.size(); ++i)
-      result[i] = test::wild_factor(offset, 0) * conductivity[i] + reaction(offset) * mass[i];
-    return result;
-  }
-
-  ParityMatrix<Dim, 1> conductivity_parity{library<Dim>().conductivity()};
-  ParityMatrix<Dim, 1> mass_parity{library<Dim>().consistent_mass()};
-  SquareMatrix<corners> conductivity = brute_force<Dim>().template matrix<corners>(
-      [](int i, int j) { return brute_force<Dim>().conductivity(i, j); });
-  SquareMatrix<corners> mass =
-      brute_force<Dim>().template matrix<corners>([](int i, int j) { return brute_force<Dim>().mass(i, j); });
-};
-
 /// A box, its mesh, and vectors on both. Values at nodes differ by many decades, too.
 template <class Physics, int Width>
 struct Sweep {
   static constexpr int Dim = Physics::Dim;
   static constexpr int components = Physics::components;
   static constexpr int block = components * Width;
+  using Kernel = typename Physics::Problem::template Kernel<Width>;
 
   explicit Sweep(const test::MaskedBox<Dim>& box_)
-      : box(box_),
-        mesh(box.elements, box.active),
-        coefficients(physics.template coefficients<Width>(box)),
-        window(mesh.window() * block, 0.0) {
+      : box(box_), mesh(box.elements, box.active), window(mesh.window() * block, 0.0) {
+    box.for_each_active([&](const Index<Dim>&, std::int64_t element) {
+      for (int entry = 0; entry < Kernel::stride; ++entry)
+        coefficients.push_back(Physics::coefficient(element, entry));
+    });
     for (int lane = 0; lane < Width; ++lane) {
       auto& values = plain.emplace_back();
       for (std::int64_t i = 0; i < box.nodes.count() * components; ++i)
@@ -138,7 +52,8 @@ struct Sweep {
   template <class Finish>
   std::vector<double> run(Finish&& finish, std::size_t shared_nodes = 0) {
     std::vector<double> shared(shared_nodes * block, NAN);
-    sweep(mesh, physics.template kernel<Width>(coefficients), x.data(), window.data(), shared.data(), finish);
+    const Kernel kernel = Physics::Problem::template kernel<Width>(physics.matrices, coefficients.data());
+    sweep(mesh, kernel, x.data(), window.data(), shared.data(), finish);
     for (const double value : window) EXPECT_EQ(value, 0.0) << "the window is not clean";
     return shared;
   }
@@ -163,8 +78,7 @@ struct Sweep {
 
 template <class T>
 class LaneSweepTest : public testing::Test {};
-using AllPhysics = testing::Types<Elasticity<2>, Elasticity<3>, Heat<2>, Heat<3>>;
-TYPED_TEST_SUITE(LaneSweepTest, AllPhysics);
+TYPED_TEST_SUITE(LaneSweepTest, test::AllPhysics);
 
 TYPED_TEST(LaneSweepTest, AgreesWithPlainSums) {
   for (const auto& box : test::masked_boxes<TypeParam::Dim>())
