@@ -61,6 +61,7 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
     return std::find(state.active.begin(), state.active.end(), true) != state.active.end();
   };
   while (any_active()) {
+    multigrid_.be_patient(state.iteration >= cycle_.patience);
     multigrid_.apply(rest.data(), preconditioned_.data());
     std::array<double, static_cast<std::size_t>(3) * Width> sums{};
     const Scalars size = matrix.dot(preconditioned_.data(), preconditioned_.data());

@@ -21,10 +21,13 @@ struct LaneCycle {
   int degree = 2;       ///< of the Chebyshev smoother, before and after
   bool islands = true;  ///< rigid motions of stiff islands, where lanes have operators of their own
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
+  std::vector<int> patient_steps{4, 4, 2};  ///< the same for lanes that take long (K only)
+  int patience = 10;                        ///< iterations before a lane counts as one that takes long
 
-  int steps_on(int level) const {
+  int steps_on(int level, bool patient) const {
     if (kind == SolverCycle::v) return 1;
-    return steps[std::min<std::size_t>(level - 1, steps.size() - 1)];
+    const std::vector<int>& list = patient && kind == SolverCycle::k ? patient_steps : steps;
+    return list[std::min<std::size_t>(level - 1, list.size() - 1)];
   }
 };
 
@@ -51,6 +54,8 @@ class LaneMultigrid {
   template <int Wider>
   void select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes);
 
+  /// From now on with more steps on the coarse levels, or not; only for flexible methods.
+  void be_patient(bool patient) { patient_ = patient; }
   /// x = M b.
   void apply(const double* b, double* x) { visit(0, b, x); }
 
@@ -79,6 +84,7 @@ class LaneMultigrid {
 
   LaneHierarchy<dim>& hierarchy_;
   LaneCycle cycle_;
+  bool patient_ = false;
   std::vector<Level> levels_;
   BandNumbering<dim> numbering_;
   std::unique_ptr<IslandMap<dim>> island_map_;

@@ -18,7 +18,8 @@ LaneMultigrid<Problem, Width>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, cons
     level.matrix = std::make_unique<Operator>(hierarchy.level(index), problem);
     const std::size_t size = level.matrix->size();
     const bool last = index + 1 == hierarchy.count();
-    const bool iterated = !last && index > 0 && cycle_.steps_on(index) > 1;
+    const bool iterated =
+        !last && index > 0 && std::max(cycle_.steps_on(index, false), cycle_.steps_on(index, true)) > 1;
     if (!last) {
       level.residual.resize(size);
       level.step.resize(size);
@@ -135,8 +136,7 @@ void LaneMultigrid<Problem, Width>::visit(int index, const double* b, double* x)
   solve(index + 1);
   hierarchy_.level(index).transfer.template prolong_add<components, Width>(levels_[index + 1].solution.data(),
                                                                            x);
-  if (index == 0 && !islands_.empty())
-    islands_.add_correction(hierarchy_.level(0), level.residual.data(), x);
+  if (index == 0 && !islands_.empty()) islands_.add_correction(hierarchy_.level(0), level.residual.data(), x);
   level.matrix->clear_held(x);
   level.matrix->smooth(b, x, level.step.data(), cycle_.degree, false);
 }
@@ -157,7 +157,7 @@ void LaneMultigrid<Problem, Width>::restrict_residual(int index) {
 
 template <class Problem, int Width>
 void LaneMultigrid<Problem, Width>::solve(int index) {
-  const int steps = cycle_.steps_on(index);
+  const int steps = cycle_.steps_on(index, patient_);
   if (index + 1 == hierarchy_.count())
     solve_directly();
   else if (steps == 1)
