@@ -279,7 +279,6 @@ TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   EXPECT_EQ(solid_error("objective.0.after_release", "false"), "no error");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "5"), "/optimizer/coarse_iterations: 5" + later + "0");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "0"), "no error");
-  EXPECT_EQ(solid_error("solver.path", "lanes"), "/solver/path: \"lanes\"" + later + "reference");
   EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"),
             "/material/inherent_strain: {\"tangential\":-0.01,\"normal\":0}" + later +
                 "a list of 6 numbers (xx, yy, zz, xy, yz, zx)");

@@ -23,7 +23,7 @@ class FailureTest(FabseqTest):
 
 
 class SolverTest(FailureTest):
-    never_converges = ("-reference_method", "gamg", "-elasticity_ksp_max_it", 1)
+    never_converges = ("-solver_path", "reference", "-reference_method", "gamg", "-elasticity_ksp_max_it", 1)
     message = (r"layer 1\b", r"\b1 iterations", r"residual \d")
 
     def test_optimize_leaves_a_checkpoint_and_a_summary(self):
