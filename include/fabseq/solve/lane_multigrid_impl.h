@@ -114,8 +114,12 @@ void LaneMultigrid<Problem, Width>::select(LaneMultigrid<Problem, Wider>& from, 
   for (std::size_t level = 0; level < levels_.size(); ++level)
     levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
   islands_.template select<Wider>(from.islands_, lanes);
-  for (int lane = 0; lane < factors; ++lane)
-    factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+  for (int lane = 0; lane < factors; ++lane) {
+    if constexpr (Problem::own_operators)
+      factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+    else
+      factors_[lane] = from.factors_[lane];  // the one for all lanes
+  }
 }
 
 template <class Problem, int Width>
