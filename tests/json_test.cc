@@ -1,6 +1,5 @@
 #include "fabseq/io/json.h"
 
-
 #include <gtest/gtest.h>
 
 #include "support/refusal.h"

@@ -67,7 +67,7 @@ std::string open_alone(const std::string& file_name, const std::string& file_key
 std::string find_fault(const std::string& file_name, const std::string& dataset_name,
                        const std::string& file_key, const std::string& dataset_key) {
   Hdf5File file;
-  const std::string fault = open_alone(file_name, file_key, file);
+  std::string fault = open_alone(file_name, file_key, file);
   if (!fault.empty()) return fault;
   const Hdf5Dataset dataset(dataset_name.empty() ? H5I_INVALID_HID
                                                  : H5Dopen2(file, dataset_name.c_str(), H5P_DEFAULT));
