@@ -70,8 +70,8 @@ def choose_tolerances(options, errors):
 
 
 def print_settings(settings):
-    for method, record in settings.items():
-        print(f"== {method}: {record['description']}")
+    for record in settings.values():
+        print("== " + record["description"])
         print("   config: " + ", ".join(f"{key} {value}" for key, value in record["config"].items()))
         for line in record.get("petsc", []):
             print("   " + line)
