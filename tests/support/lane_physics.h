@@ -35,10 +35,16 @@ struct ElasticPhysics {
 
   /// Entry of an element's coefficients as the kernel takes them.
   static double coefficient(std::int64_t element, int lane) { return wild_factor(element, lane); }
-  std::vector<double> element_matrix(std::int64_t element, int lane) const {
+  /// `coefficients(entry)`: here the stiffness, of a lane.
+  template <class Coefficients>
+  std::vector<double> matrix_with(Coefficients&& coefficients) const {
     std::vector<double> result(matrix.begin(), matrix.end());
-    for (double& entry : result) entry *= coefficient(element, lane);
+    const double factor = coefficients(0);
+    for (double& entry : result) entry *= factor;
     return result;
+  }
+  std::vector<double> element_matrix(std::int64_t element, int lane) const {
+    return matrix_with([&](int) { return coefficient(element, lane); });
   }
 
   Problem problem{lane_thickness<Dim>, lane_element<Dim>().poisson};
@@ -59,11 +65,16 @@ struct HeatPhysics {
   static double coefficient(std::int64_t element, int entry) {
     return entry == 0 ? wild_factor(element, 0) : 10.0 * noise(element, 3);
   }
-  std::vector<double> element_matrix(std::int64_t element, int) const {
+  template <class Coefficients>
+  std::vector<double> matrix_with(Coefficients&& coefficients) const {
     std::vector<double> result(conductivity.size());
+    const double diffusivity = coefficients(0), reaction = coefficients(1);
     for (std::size_t i = 0; i < result.size(); ++i)
-      result[i] = coefficient(element, 0) * conductivity[i] + coefficient(element, 1) * mass[i];
+      result[i] = diffusivity * conductivity[i] + reaction * mass[i];
     return result;
+  }
+  std::vector<double> element_matrix(std::int64_t element, int) const {
+    return matrix_with([&](int entry) { return coefficient(element, entry); });
   }
 
   Problem problem{lane_thickness<Dim>, false};

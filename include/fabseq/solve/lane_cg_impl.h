@@ -44,7 +44,7 @@ void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Lane
     LaneOutcome& outcome = state.outcome[lane];
     outcome.iterations = state.iteration;
     outcome.finite = std::isfinite(size[lane]);
-    outcome.residual = state.start[lane] > 0.0 ? std::sqrt(size[lane] / state.start[lane]) : 0.0;
+    outcome.residual = state.start[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / state.start[lane]);
     outcome.converged =
         outcome.finite && outcome.residual <= stop.tolerance &&
         outcome.residual <= stop.error_factor * stop.tolerance * state.spectrum[lane].smallest();
