@@ -1,7 +1,6 @@
 #include "fabseq/process/elastic_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace fabseq {
@@ -30,28 +29,6 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const MaterialSettings& 
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     std::fill_n(domain.fixed.begin() + offset * Dim, Dim, part.on_plate(node) ? 1 : 0);
   });
-}
-
-template <int Dim>
-double ElasticModel<Dim>::stiffness(double stage_density) const {
-  return settings.min_stiffness +
-         (1.0 - settings.min_stiffness) * std::pow(std::max(stage_density, 0.0), settings.stiffness_penalty);
-}
-
-template <int Dim>
-double ElasticModel<Dim>::stiffness_derivative(double stage_density) const {
-  return (1.0 - settings.min_stiffness) * settings.stiffness_penalty *
-         std::pow(std::max(stage_density, 0.0), settings.stiffness_penalty - 1.0);
-}
-
-template <int Dim>
-double ElasticModel<Dim>::load(double layer_density) const {
-  return std::pow(std::max(layer_density, 0.0), settings.strain_penalty);
-}
-
-template <int Dim>
-double ElasticModel<Dim>::load_derivative(double layer_density) const {
-  return settings.strain_penalty * std::pow(std::max(layer_density, 0.0), settings.strain_penalty - 1.0);
 }
 
 template struct ElasticModel<2>;

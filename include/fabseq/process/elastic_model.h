@@ -8,7 +8,9 @@
 #include "fabseq/io/config.h"
 #include "fabseq/solve/unknown_numbering.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace fabseq {
@@ -30,11 +32,28 @@ struct ElasticModel {
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
 
   /// Stiffness factor of an element with this stage density.
-  double stiffness(double stage_density) const;
-  double stiffness_derivative(double stage_density) const;
+  double stiffness(double stage_density) const {
+    return settings.min_stiffness +
+           (1.0 - settings.min_stiffness) * power(stage_density, settings.stiffness_penalty);
+  }
+  double stiffness_derivative(double stage_density) const {
+    return (1.0 - settings.min_stiffness) * settings.stiffness_penalty *
+           power(stage_density, settings.stiffness_penalty - 1.0);
+  }
   /// Load factor of an element with this layer density.
-  double load(double layer_density) const;
-  double load_derivative(double layer_density) const;
+  double load(double layer_density) const { return power(layer_density, settings.strain_penalty); }
+  double load_derivative(double layer_density) const {
+    return settings.strain_penalty * power(layer_density, settings.strain_penalty - 1.0);
+  }
+
+ private:
+  /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and layer.
+  static double power(double base, double exponent) {
+    const double positive = std::max(base, 0.0);
+    if (exponent == 3.0) return positive * positive * positive;
+    if (exponent == 2.0) return positive * positive;
+    return std::pow(positive, exponent);
+  }
 };
 
 extern template struct ElasticModel<2>;

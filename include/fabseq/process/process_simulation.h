@@ -4,6 +4,7 @@
 
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/layer_elements.h"
 #include "fabseq/solve/elasticity_solver.h"
 
 #include <memory>
@@ -58,11 +59,9 @@ class ProcessSimulation {
 
  private:
   void set_operators(const LayerDensities& densities, int first, int lanes, bool changed);
-  LaneVector loads(const LayerDensities& densities, int first, int lanes) const;
-  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
-                       const LaneVector& adjoints, DensityDerivatives& derivatives) const;
 
   const ElasticModel<Dim>& model_;
+  LayerElements<Dim> elements_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
   ProcessResult result_;
   std::vector<int> adjoint_iterations_;

@@ -1,0 +1,62 @@
+/// \file
+/// What the elements contribute to the systems of a batch of layers, and to their derivatives
+/// (docs/formulation.md 4.1, 8).
+#pragma once
+
+#include "fabseq/fem/parity.h"
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/elastic_model.h"
+#include "fabseq/solve/lane_vector.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Loops over elements for layers side by side. Arguments `first` and `lanes`: the batch is layers first ...
+/// first + lanes - 1.
+template <int Dim>
+class LayerElements {
+ public:
+  /// The model must outlive the object.
+  explicit LayerElements(const ElasticModel<Dim>& model);
+
+  /// Stiffness factor of each element of the model, [element][lane].
+  std::vector<double> stiffness(const LayerDensities& densities, int first, int lanes) const;
+  /// Sets `load` to f_j, a lane a layer. Collective.
+  void set_load(const LayerDensities& densities, int first, LaneVector& load) const;
+  /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments du
+  /// of the batch and its adjoints lambda. Collective.
+  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
+                       const LaneVector& adjoints, DensityDerivatives& derivatives) const;
+
+ private:
+  /// Part elements begin ... end - 1, and the layers of a chunk of lanes.
+  struct Block {
+    std::size_t begin = 0, end = 0;
+    int first_layer = 0;
+  };
+  /// Elements taken at once: small enough for the cache to hold what a pass leaves to the next.
+  static constexpr std::size_t block_size = 256;
+
+  /// Calls `use.operator()<Width>(block, first lane)` for all elements and `lanes` lanes.
+  template <class Use>
+  void for_blocks(int first, int lanes, Use&& use) const;
+  template <int Width>
+  void add_load(const LayerDensities& densities, const Block& block, double* load, int lanes) const;
+  template <int Width>
+  void add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
+                       const double* lambda, int lanes, DensityDerivatives& derivatives) const;
+  /// Whether this rank has all nodes, so that owned and ghosted ones are the same.
+  bool has_all_nodes() const;
+  /// Values on the ghosted nodes; `room` holds them if they are not the owned ones. Collective.
+  const double* ghosted(const LaneVector& owned, std::vector<double>& room) const;
+
+  const ElasticModel<Dim>& model_;
+  ParityMatrix<Dim, Dim> stiffness_;
+};
+
+extern template class LayerElements<2>;
+extern template class LayerElements<3>;
+
+}  // namespace fabseq

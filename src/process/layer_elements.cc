@@ -1,0 +1,149 @@
+#include "fabseq/process/layer_elements.h"
+
+#include "fabseq/base/log_event.h"
+#include "fabseq/fem/element_energy.h"
+#include "fabseq/fem/lane_chunks.h"
+
+#include <algorithm>
+#include <array>
+
+namespace fabseq {
+
+template <int Dim>
+LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
+    : model_(model), stiffness_(model.element.stiffness()) {}
+
+template <int Dim>
+template <class Use>
+void LayerElements<Dim>::for_blocks(int first, int lanes, Use&& use) const {
+  const std::size_t elements = model_.part_position.size();
+  for (std::size_t begin = 0; begin < elements; begin += block_size)
+    for_lane_chunks(lanes, [&]<int Width>(int lane) {
+      const Block block{begin, std::min(begin + block_size, elements), first + lane};
+      use.template operator()<Width>(block, lane);
+    });
+}
+
+template <int Dim>
+std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densities, int first,
+                                                  int lanes) const {
+  // Elements outside the part, where the model has any, carry the least stiffness.
+  std::vector<double> result(model_.domain.first_corners.size() * lanes, model_.settings.min_stiffness);
+  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
+    for (int i = 0; i < Width; ++i) {
+      const auto& stage = densities.stage[block.first_layer + i];
+      for (std::size_t e = block.begin; e < block.end; ++e)
+        result[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane + i] =
+            model_.stiffness(stage[e]);
+    }
+  });
+  return result;
+}
+
+template <int Dim>
+void LayerElements<Dim>::set_load(const LayerDensities& densities, int first, LaneVector& load) const {
+  static const LogEvent event("fabseq loads");
+  const auto scope = event.enter();
+  const Grid<Dim>& grid = model_.part.grid();
+  const int lanes = load.lanes;
+  std::vector<double> room;
+  if (!has_all_nodes()) room.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes);
+  std::vector<double>& values = has_all_nodes() ? load.values : room;
+  std::fill(load.values.begin(), load.values.end(), 0.0);
+  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
+    add_load<Width>(densities, block, &values[lane], lanes);
+  });
+  if (!has_all_nodes()) grid.exchange(Dim * lanes).add_to_owned(room, load.values);
+}
+
+template <int Dim>
+template <int Width>
+void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& block, double* load,
+                                  int lanes) const {
+  std::array<double, block_size * Width> factors;
+  for (int i = 0; i < Width; ++i) {
+    const auto& layer = densities.layer[block.first_layer + i];
+    for (std::size_t e = block.begin; e < block.end; ++e)
+      factors[(e - block.begin) * Width + i] = model_.load(layer[e]);
+  }
+  const auto& corners = model_.part.first_corners();
+  const auto& offsets = model_.part.grid().corner_offsets();
+  for (std::size_t e = block.begin; e < block.end; ++e) {
+    const double* of_element = &factors[(e - block.begin) * Width];
+    // An element belongs to few layers.
+    if (std::all_of(of_element, of_element + Width, [](double factor) { return factor == 0.0; })) continue;
+    const auto factor = Lanes<Width>::load(of_element);
+    for (int corner = 0; corner < corner_count<Dim>; ++corner)
+      for (int a = 0; a < Dim; ++a) {
+        double* place = load + (static_cast<std::size_t>(corners[e] + offsets[corner]) * Dim + a) * lanes;
+        (Lanes<Width>::load(place) + factor * model_.strain_load[corner * Dim + a]).store(place);
+      }
+  }
+}
+
+template <int Dim>
+void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int first,
+                                         const LaneVector& increments, const LaneVector& adjoints,
+                                         DensityDerivatives& derivatives) const {
+  static const LogEvent event("fabseq derivatives");
+  const auto scope = event.enter();
+  const int lanes = increments.lanes;
+  for (int layer = first; layer < first + lanes; ++layer) {
+    DensityDerivatives::touch(derivatives.stage[layer], model_.part_position.size());
+    DensityDerivatives::touch(derivatives.layer[layer], model_.part_position.size());
+  }
+  std::vector<double> u_room, lambda_room;
+  const double* u = ghosted(increments, u_room);
+  const double* lambda = ghosted(adjoints, lambda_room);
+  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
+    add_derivatives<Width>(densities, block, u + lane, lambda + lane, lanes, derivatives);
+  });
+}
+
+template <int Dim>
+template <int Width>
+void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
+                                         const double* lambda, int lanes,
+                                         DensityDerivatives& derivatives) const {
+  std::array<double, block_size * Width> mutual, work;
+  const ElementEnergy<Dim, Width> energies(stiffness_, model_.strain_load);
+  energies.for_each(std::span(model_.part.first_corners()).subspan(block.begin, block.end - block.begin),
+                    model_.part.grid().corner_offsets(), u, lambda, lanes,
+                    [&](std::size_t e, const auto& energy) {
+                      energy.mutual.store(&mutual[e * Width]);
+                      energy.work.store(&work[e * Width]);
+                    });
+  for (int i = 0; i < Width; ++i) {
+    const int layer = block.first_layer + i;
+    const double* stage_density = densities.stage[layer].data();
+    const double* layer_density = densities.layer[layer].data();
+    double* d_stage = derivatives.stage[layer].data();
+    double* d_layer = derivatives.layer[layer].data();
+    for (std::size_t e = block.begin; e < block.end; ++e) {
+      const std::size_t at = (e - block.begin) * Width + i;
+      d_stage[e] += model_.stiffness_derivative(stage_density[e]) * mutual[at];
+      d_layer[e] -= model_.load_derivative(layer_density[e]) * work[at];
+    }
+  }
+}
+
+template <int Dim>
+bool LayerElements<Dim>::has_all_nodes() const {
+  const Grid<Dim>& grid = model_.part.grid();
+  return grid.owned_nodes().size == grid.all_nodes().size;
+}
+
+template <int Dim>
+const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<double>& room) const {
+  if (has_all_nodes()) return owned.values.data();
+  const Grid<Dim>& grid = model_.part.grid();
+  const int components = Dim * owned.lanes;
+  room.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()) * components);
+  grid.exchange(components).to_ghosted(owned.values, room);
+  return room.data();
+}
+
+template class LayerElements<2>;
+template class LayerElements<3>;
+
+}  // namespace fabseq
