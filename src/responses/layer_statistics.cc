@@ -2,10 +2,41 @@
 
 #include "fabseq/base/mpi.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace fabseq {
+
+namespace {
+
+/// Sum of term(e) over the elements. The partial sums are independent of each other: the compiler turns them
+/// into vectors.
+template <class Term>
+double sum_over(std::size_t elements, Term&& term) {
+  constexpr std::size_t lanes = 8;
+  std::array<double, lanes> partial{};
+  const std::size_t whole = elements - elements % lanes;
+  for (std::size_t e = 0; e < whole; e += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) partial[lane] += term(e + lane);
+  double total = 0.0;
+  for (std::size_t e = whole; e < elements; ++e) total += term(e);
+  for (const double value : partial) total += value;
+  return total;
+}
+
+/// Weight of a layer without and with the floor, and its weighted magnitude; this rank's part.
+std::array<double, 3> layer_sums(const std::vector<double>& density, const std::vector<double>& magnitude) {
+  const double* d = density.data();
+  const double* m = magnitude.data();
+  const double volume = sum_over(density.size(), [d](std::size_t e) { return d[e]; });
+  const double weighted =
+      sum_over(magnitude.size(), [d, m](std::size_t e) { return (d[e] + layer_density_floor) * m[e]; });
+  return {volume, volume + layer_density_floor * static_cast<double>(density.size()), weighted};
+}
+
+}  // namespace
 
 double LayerStatistics::coefficient_of_variation(int layer) const {
   return std::sqrt(std::max(deviation[layer], 0.0) / weight[layer]) / mean[layer];
@@ -27,6 +58,14 @@ std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double chara
   return result;
 }
 
+LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
+                     const std::vector<double>& magnitude) {
+  std::array<double, 3> sums = layer_sums(layers.layer[layer], magnitude);
+  sum_in_place(comm, sums);
+  const double mean = sums[2] / sums[1];
+  return {sums[1], mean, (layers.time_points[layer + 1] - layers.time_points[layer]) / mean};
+}
+
 template <int Dim>
 LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const PseudoTime<Dim>& time,
                                  const LayerDensities& layers) {
@@ -34,31 +73,28 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
   const bool defined = sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
   const int count = layers.count();
-  std::vector<double> sums(3 * static_cast<std::size_t>(count),
-                           0.0);  // weight, floorless weight, weighted magnitude
-  for (int j = 0; j < count; ++j)
-    for (std::size_t e = 0; e < layers.layer[j].size(); ++e) {
-      const double density = layers.layer[j][e];
-      sums[3 * j] += density + layer_density_floor;
-      sums[3 * j + 1] += density;
-      if (defined) sums[3 * j + 2] += (density + layer_density_floor) * magnitude[e];
-    }
+  std::vector<double> sums;
+  for (const auto& density : layers.layer) {
+    const auto of_layer = layer_sums(density, magnitude);
+    sums.insert(sums.end(), of_layer.begin(), of_layer.end());
+  }
   sum_in_place(comm, sums);
 
   LayerStatistics result;
   const double undefined = std::numeric_limits<double>::quiet_NaN();
   for (int j = 0; j < count; ++j) {
-    result.weight.push_back(sums[3 * j]);
-    result.volume.push_back(sums[3 * j + 1] * context.part.grid().element_volume());
-    result.mean.push_back(defined ? sums[3 * j + 2] / sums[3 * j] : undefined);
+    result.volume.push_back(sums[3 * j] * context.part.grid().element_volume());
+    result.weight.push_back(sums[3 * j + 1]);
+    result.mean.push_back(defined ? sums[3 * j + 2] / sums[3 * j + 1] : undefined);
     result.thickness.push_back((layers.time_points[j + 1] - layers.time_points[j]) / result.mean[j]);
   }
   result.deviation.assign(count, defined ? 0.0 : undefined);
   if (!defined) return result;
   for (int j = 0; j < count; ++j)
-    for (std::size_t e = 0; e < magnitude.size(); ++e)
-      result.deviation[j] +=
-          (layers.layer[j][e] + layer_density_floor) * std::pow(magnitude[e] - result.mean[j], 2);
+    result.deviation[j] = sum_over(magnitude.size(), [d = layers.layer[j].data(), m = magnitude.data(),
+                                                      mean = result.mean[j]](std::size_t e) {
+      return (d[e] + layer_density_floor) * (m[e] - mean) * (m[e] - mean);
+    });
   sum_in_place(comm, result.deviation);
   return result;
 }
@@ -68,9 +104,11 @@ void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector
                               const std::vector<double>& d_magnitude, PipelineAdjoint<Dim>& adjoint) {
   auto& d_gradient = adjoint.time.gradient;
   if (d_gradient.empty()) d_gradient.assign(state.time.gradient.size(), 0.0);
-  for (std::size_t e = 0; e < magnitude.size(); ++e)
+  for (std::size_t e = 0; e < magnitude.size(); ++e) {
+    const double factor = d_magnitude[e] / magnitude[e];
     for (int axis = 0; axis < Dim; ++axis)
-      d_gradient[e * Dim + axis] += d_magnitude[e] * state.time.gradient[e * Dim + axis] / magnitude[e];
+      d_gradient[e * Dim + axis] += factor * state.time.gradient[e * Dim + axis];
+  }
 }
 
 #define FABSEQ_INSTANTIATE(Dim)                                                                       \

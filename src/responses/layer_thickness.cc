@@ -23,16 +23,16 @@ class LayerThickness : public Response<Dim> {
   /// d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W, dm/dM_e = w_e / W.
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
-    const double mean = statistics.mean[component];
-    const double factor =
-        -weight * statistics.thickness[component] / (target_ * mean * statistics.weight[component]);
+    const auto [layer_weight, mean, thickness] =
+        layer_mean(context_.part.grid().comm(), state.layers, component, magnitude);
+    const double factor = -weight * thickness / (target_ * mean * layer_weight);
     auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
+    const std::vector<double>& density = state.layers.layer[component];
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
       d_layer[e] += factor * (magnitude[e] - mean);
-      d_magnitude[e] = factor * (state.layers.layer[component][e] + layer_density_floor);
+      d_magnitude[e] = factor * (density[e] + layer_density_floor);
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
   }

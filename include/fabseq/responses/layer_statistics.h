@@ -28,6 +28,18 @@ double gradient_regularization(double characteristic_length);
 template <int Dim>
 std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double characteristic_length);
 
+/// What a layer's thickness follows from; the same on all ranks.
+struct LayerMean {
+  double weight = 0.0;     ///< like LayerStatistics, of one layer
+  double mean = 0.0;       ///< 1/length
+  double thickness = 0.0;  ///< length unit
+};
+
+/// Of one layer, where a whole LayerStatistics would be more than is asked for. `magnitude`: M_e, defined.
+/// Collective on `comm`, the grid's.
+LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
+                     const std::vector<double>& magnitude);
+
 /// Collective. Where the gradient is not defined, mean, deviation and thickness are NaN.
 template <int Dim>
 LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const PseudoTime<Dim>& time,
