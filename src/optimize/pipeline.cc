@@ -89,7 +89,7 @@ PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers
   {
     const auto scope = timer_.enter(Phase::layers);
     layers_.emplace(setup_.part.part_density(), layers, beta, binary);
-    densities_ = layers_->densities(time->time);
+    layers_->set_densities(time->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
   const ProcessResult& result = process_.simulate(densities_);

@@ -43,11 +43,16 @@ class CurvedLayers {
   double beta() const { return beta_; }
   /// Densities for a pseudo-time (part field). Local to the rank.
   LayerDensities densities(std::span<const double> time) const;
+  /// The same in the memory of an earlier result.
+  void set_densities(std::span<const double> time, LayerDensities& densities) const;
   /// Adds the derivative with respect to the pseudo-time to `d_time` (part field). Zero for binary layers.
   void pull_back(std::span<const double> time, const DensityDerivatives& derivatives,
                  std::span<double> d_time) const;
 
  private:
+  /// Takes from `stage` what is built after a time point.
+  void apply_step(std::span<const double> time, double time_point, std::span<double> stage) const;
+
   std::span<const double> density_;
   std::vector<double> time_points_;
   double beta_;

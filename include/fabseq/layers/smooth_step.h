@@ -1,0 +1,53 @@
+/// \file
+/// The smooth step between stages (docs/formulation.md 3.1).
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace fabseq {
+
+/// exp(-x) for x >= 0, to a few units in the last place; results below 1e-307 stay there. Unlike std::exp a loop
+/// over many values becomes vector instructions.
+inline double exp_of_minus(double x) {
+  constexpr double log2_e = 1.4426950408889634, largest = 707.0;
+  constexpr double ln_2_head = 0.6931471803691238, ln_2_tail = 1.9082149292705877e-10;
+  constexpr double shifter = 6755399441055744.0;  // 1.5 * 2^52: leaves the nearest integer in the low bits
+  const double bounded = largest < x ? largest : x;
+  const double shifted = bounded * log2_e + shifter;
+  const double power = shifted - shifter;
+  const double rest = (power * ln_2_head - bounded) + power * ln_2_tail;  // |rest| <= ln 2 / 2
+  double series = 1.0;
+  for (int k = 13; k > 0; --k) series = 1.0 + series * rest * (1.0 / k);
+  const std::uint64_t exponent = (1023 - std::bit_cast<std::uint64_t>(shifted)) << 52;
+  return series * std::bit_cast<double>(exponent);
+}
+
+/// Step down from 1 before time point T to 0 after it, exactly 1 at t = 0 and 0 at t = 1:
+/// 1 - (tanh(beta T) + tanh(beta (t - T))) / (tanh(beta T) + tanh(beta (1 - T))).
+class SmoothStep {
+ public:
+  SmoothStep(double time_point, double beta)
+      : time_point_(time_point),
+        beta_(beta),
+        start_(std::tanh(beta * time_point)),
+        scale_(1.0 / (start_ + std::tanh(beta * (1.0 - time_point)))) {}
+
+  double value(double time) const {
+    const double x = beta_ * (time - time_point_);
+    const double decay = exp_of_minus(2.0 * std::abs(x));
+    return 1.0 - (start_ + std::copysign((1.0 - decay) / (1.0 + decay), x)) * scale_;
+  }
+  /// With respect to the time.
+  double derivative(double time) const {
+    const double decay = exp_of_minus(2.0 * std::abs(beta_ * (time - time_point_)));
+    return -4.0 * beta_ * scale_ * decay / ((1.0 + decay) * (1.0 + decay));
+  }
+
+ private:
+  double time_point_, beta_, start_, scale_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,46 @@
+/// The smooth step between stages against its formula, its exponential against std::exp (formulation 3.1).
+#include "fabseq/layers/smooth_step.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace fabseq {
+namespace {
+
+TEST(SmoothStep, ExponentialAgreesWithTheStandardOne) {
+  for (int i = 0; i <= 100000; ++i) {
+    const double x = 7e-3 * i;
+    EXPECT_NEAR(exp_of_minus(x) / std::exp(-x), 1.0, 1e-15) << x;
+  }
+  EXPECT_EQ(exp_of_minus(0.0), 1.0);
+}
+
+TEST(SmoothStep, ExponentialOfWhatIsBeyondItsRange) {
+  for (const double x : {708.0, 1e5, 1e300, std::numeric_limits<double>::infinity()}) {
+    EXPECT_GE(exp_of_minus(x), 0.0) << x;
+    EXPECT_LE(exp_of_minus(x), 1e-307) << x;
+  }
+  EXPECT_TRUE(std::isnan(exp_of_minus(std::nan(""))));
+}
+
+TEST(SmoothStep, AgreesWithTheFormula) {
+  for (const double beta : {0.3, 10.0, 300.0, 1e5})
+    for (const double point : {0.04, 0.5, 0.96}) {
+      const SmoothStep step(point, beta);
+      const double scale = 1.0 / (std::tanh(beta * point) + std::tanh(beta * (1.0 - point)));
+      for (int i = -10; i <= 1010; ++i) {
+        const double time = 1e-3 * i;
+        const double x = beta * (time - point);
+        const double slope = beta * scale / std::pow(std::cosh(std::clamp(x, -300.0, 300.0)), 2);
+        EXPECT_NEAR(step.value(time), 1.0 - (std::tanh(beta * point) + std::tanh(x)) * scale, 1e-15);
+        EXPECT_NEAR(step.derivative(time), -slope, 1e-12 * slope + 1e-250) << time << ' ' << beta;
+      }
+      EXPECT_TRUE(std::isnan(step.value(std::nan(""))));
+    }
+}
+
+}  // namespace
+}  // namespace fabseq
