@@ -1,9 +1,9 @@
 #include "fabseq/solve/band_cholesky.h"
 #include "fabseq/solve/lane_multigrid_impl.h"
 
-#include "kernels/graded_part.h"
 #include "kernels/groups.h"
 #include "kernels/kernel_cost.h"
+#include "lane_case.h"
 #include <functional>
 
 namespace benchmarks {
@@ -11,14 +11,14 @@ namespace benchmarks {
 namespace {
 
 using fabseq::LaneArray;
-using Problem = GradedPart::Problem;
-constexpr int lanes = GradedPart::lanes;
+using Problem = LaneCase::Problem;
+constexpr int lanes = LaneCase::lanes;
 using Operator = fabseq::LaneOperator<Problem, lanes>;
 
 /// A box with its finest operator set up, and a few vectors.
 struct Box {
   explicit Box(int elements)
-      : part(GradedPart::Shape::box, {elements, elements / 2, elements}),
+      : part(MPI_COMM_SELF, drawn_box(elements)),
         level(part.hierarchy().level(0)),
         matrix(level, part.problem()),
         right(part.load()),
@@ -30,7 +30,7 @@ struct Box {
     matrix.smooth(right.data(), solution.data(), extra.data(), 2, true);
   }
 
-  GradedPart part;
+  LaneCase part;
   fabseq::LaneLevel<3>& level;
   Operator matrix;
   LaneArray right, solution, extra;
@@ -119,7 +119,7 @@ void add_transfers(int elements) {
 /// every lane passes twice.
 void add_coarse_solve() {
   add("coarse/solve", 40, [](benchmark::State& state) {
-    GradedPart part(GradedPart::Shape::v, {10, 5, 10});
+    LaneCase part(MPI_COMM_SELF, drawn_v_shape(10, first_sharpness));
     fabseq::LaneMultigrid<Problem, lanes> multigrid(part.hierarchy(), part.problem(), {});
     part.fill(multigrid.finest().coefficients());
     multigrid.set_up();

@@ -1,8 +1,8 @@
 #include "fabseq/solve/lane_cg.h"
 
-#include "kernels/graded_part.h"
 #include "kernels/groups.h"
 #include "kernels/measure.h"
+#include "lane_case.h"
 #include <algorithm>
 
 namespace benchmarks {
@@ -10,19 +10,19 @@ namespace benchmarks {
 namespace {
 
 using fabseq::LaneArray;
-using Solver = fabseq::LaneCg<GradedPart::Problem, GradedPart::lanes>;
-constexpr int lanes = GradedPart::lanes;
+using Solver = fabseq::LaneCg<LaneCase::Problem, LaneCase::lanes>;
+constexpr int lanes = LaneCase::lanes;
 
 struct System {
   System(int elements, double sharpness)
-      : part(GradedPart::Shape::v, {elements, elements / 2, elements}, sharpness),
+      : part(MPI_COMM_SELF, drawn_v_shape(elements, sharpness)),
         solver(part.hierarchy(), part.problem(), {}) {
     part.fill(solver.multigrid().finest().coefficients());
     solver.set_up();
   }
   double unknowns() { return static_cast<double>(solver.multigrid().finest().size()); }
 
-  GradedPart part;
+  LaneCase part;
   Solver solver;
 };
 
@@ -49,14 +49,14 @@ void measure_solve(benchmark::State& state, int elements, double sharpness) {
 
 void add_solve(int elements) {
   add("set_up/v_shape", 4, [=](benchmark::State& state) {
-    System system(elements, GradedPart::first_sharpness);
+    System system(elements, first_sharpness);
     const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] { system.solver.set_up(); });
     state.counters["seconds_a_lane"] = seconds / lanes;
   });
   add("solve/v_shape/first_sharpness", 1,
-      [=](benchmark::State& state) { measure_solve(state, elements, GradedPart::first_sharpness); });
+      [=](benchmark::State& state) { measure_solve(state, elements, first_sharpness); });
   add("solve/v_shape/last_sharpness", 1,
-      [=](benchmark::State& state) { measure_solve(state, elements, GradedPart::last_sharpness); });
+      [=](benchmark::State& state) { measure_solve(state, elements, last_sharpness); });
 }
 
 }  // namespace benchmarks
