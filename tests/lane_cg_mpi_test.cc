@@ -15,7 +15,7 @@ namespace {
 template <int Dim>
 Index<Dim> odd_size() {
   if constexpr (Dim == 2)
-    return {61, 53};
+    return {51, 49};
   else
     return {11, 9, 8};
 }
@@ -171,6 +171,7 @@ TYPED_TEST(LaneCgTest, LanesWithoutLoadStayZeroAndDisturbNobody) {
 
 /// Loads and solutions of very different size: each lane has a test of its own.
 TYPED_TEST(LaneCgTest, SizesOfLoadsDoNotMatter) {
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
   Solver<TypeParam, 4> solver;
   const auto factor = [](int lane) { return std::pow(10.0, 6.0 * lane - 12.0); };
   const auto outcomes = solver.solve(solver.loads(4, factor), 4);
@@ -178,6 +179,7 @@ TYPED_TEST(LaneCgTest, SizesOfLoadsDoNotMatter) {
 }
 
 TYPED_TEST(LaneCgTest, LanesThatAreNotAskedForAreIgnored) {
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
   Solver<TypeParam, 8> solver;
   LaneArray loads = solver.loads(5);
   for (std::size_t i = 0; i < loads.size(); ++i)
@@ -289,6 +291,7 @@ TYPED_TEST(LaneCgTest, IterationsDoNotDependOnTheRanks) {
 
 /// The same solver for one load after the other, and for other coefficients.
 TYPED_TEST(LaneCgTest, CanBeUsedAgain) {
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
   Solver<TypeParam, 4> solver({}, [](std::int64_t, int) { return 1.0; });
   (void)solver.solve(solver.loads(4), 4);
   solver.coefficient = moderate<TypeParam>;

@@ -16,24 +16,24 @@ extern "C" void dposv_(const char* uplo, const int* n, const int* nrhs, double* 
 
 namespace fabseq::test {
 
-/// Integrals over one element; unknown = corner * Dim + component.
-template <int Dim>
+/// Integrals over one element; unknown = corner * Dim + component. `Real` may be longer than double.
+template <int Dim, class Real = double>
 struct BruteForceElement {
   static constexpr int corners = corner_count<Dim>;
   static constexpr int unknowns = corners * Dim;
 
   Point<Dim> spacing;
-  double thickness, poisson;
+  Real thickness, poisson;
 
-  double lame() const {  // unit Young's modulus; plane stress in 2D
-    const double solid = poisson / ((1 + poisson) * (1 - 2 * poisson));
+  Real lame() const {  // unit Young's modulus; plane stress in 2D
+    const Real solid = poisson / ((1 + poisson) * (1 - 2 * poisson));
     return Dim == 2 ? 2 * solid * shear() / (solid + 2 * shear()) : solid;
   }
-  double shear() const { return 0.5 / (1 + poisson); }
+  Real shear() const { return Real(0.5) / (1 + poisson); }
 
   /// Shape function of a corner, or its derivative along `axis`, at x in [0, 1]^Dim.
-  double shape(int corner, const Point<Dim>& x, int axis = -1) const {
-    double product = 1.0;
+  Real shape(int corner, const std::array<Real, Dim>& x, int axis = -1) const {
+    Real product = 1.0;
     for (int a = 0; a < Dim; ++a) {
       const bool upper = ((corner >> a) & 1) != 0;
       if (a == axis)
@@ -45,18 +45,19 @@ struct BruteForceElement {
   }
 
   template <class Function>
-  double integrate(Function&& f) const {
-    const double inner = std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(6.0 / 5));
-    const double outer = std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(6.0 / 5));
-    const std::array<double, 4> point = {-outer, -inner, inner, outer};
-    const double light = (18 - std::sqrt(30.0)) / 36, heavy = (18 + std::sqrt(30.0)) / 36;
-    const std::array<double, 4> weight = {light, heavy, heavy, light};
+  Real integrate(Function&& f) const {
+    const Real three = 3, six = 6, thirty = 30;
+    const Real inner = std::sqrt(three / 7 - 2 * std::sqrt(six / 5) / 7);
+    const Real outer = std::sqrt(three / 7 + 2 * std::sqrt(six / 5) / 7);
+    const std::array<Real, 4> point = {-outer, -inner, inner, outer};
+    const Real light = (18 - std::sqrt(thirty)) / 36, heavy = (18 + std::sqrt(thirty)) / 36;
+    const std::array<Real, 4> weight = {light, heavy, heavy, light};
     Index<Dim> size;
     size.fill(4);
-    double total = 0.0;
+    Real total = 0.0;
     IndexBox<Dim>{{}, size}.for_each([&](const Index<Dim>& index, std::int64_t) {
-      Point<Dim> x;
-      double w = thickness;
+      std::array<Real, Dim> x;
+      Real w = thickness;
       for (int a = 0; a < Dim; ++a) {
         x[a] = 0.5 + 0.5 * point[index[a]];
         w *= 0.5 * weight[index[a]] * spacing[a];
@@ -66,21 +67,21 @@ struct BruteForceElement {
     return total;
   }
 
-  double mass(int i, int j) const {
-    return integrate([&](const Point<Dim>& x) { return shape(i, x) * shape(j, x); });
+  Real mass(int i, int j) const {
+    return integrate([&](const auto& x) { return shape(i, x) * shape(j, x); });
   }
-  double conductivity(int i, int j) const {
-    return integrate([&](const Point<Dim>& x) {
-      double product = 0.0;
+  Real conductivity(int i, int j) const {
+    return integrate([&](const auto& x) {
+      Real product = 0.0;
       for (int a = 0; a < Dim; ++a) product += shape(i, x, a) * shape(j, x, a);
       return product;
     });
   }
   /// lambda d_a N_i d_b N_j + mu (d_b N_i d_a N_j + delta_ab grad N_i . grad N_j).
-  double stiffness(int row, int column) const {
+  Real stiffness(int row, int column) const {
     const int i = row / Dim, a = row % Dim, j = column / Dim, b = column % Dim;
-    return integrate([&](const Point<Dim>& x) {
-      double value = lame() * shape(i, x, a) * shape(j, x, b) + shear() * shape(i, x, b) * shape(j, x, a);
+    return integrate([&](const auto& x) {
+      Real value = lame() * shape(i, x, a) * shape(j, x, b) + shear() * shape(i, x, b) * shape(j, x, a);
       for (int c = 0; a == b && c < Dim; ++c) value += shear() * shape(i, x, c) * shape(j, x, c);
       return value;
     });
@@ -96,17 +97,17 @@ struct BruteForceElement {
     return result;
   }
   /// sigma_ab d_b N_i.
-  double strain_load(int row, const std::array<Point<Dim>, Dim>& strain) const {
+  Real strain_load(int row, const std::array<Point<Dim>, Dim>& strain) const {
     const auto sigma = stress(strain);
-    return integrate([&](const Point<Dim>& x) {
-      double value = 0.0;
+    return integrate([&](const auto& x) {
+      Real value = 0.0;
       for (int b = 0; b < Dim; ++b) value += sigma[row % Dim][b] * shape(row / Dim, x, b);
       return value;
     });
   }
   /// Symmetric displacement gradient at the centre.
   std::array<Point<Dim>, Dim> center_strain(const std::array<double, unknowns>& u) const {
-    Point<Dim> center;
+    std::array<Real, Dim> center;
     center.fill(0.5);
     std::array<Point<Dim>, Dim> result{};
     for (int a = 0; a < Dim; ++a)
@@ -117,8 +118,8 @@ struct BruteForceElement {
   }
 
   template <int Rows, class Entry>
-  static std::array<double, Rows * Rows> matrix(Entry&& entry) {
-    std::array<double, Rows * Rows> result{};
+  static std::array<Real, Rows * Rows> matrix(Entry&& entry) {
+    std::array<Real, Rows * Rows> result{};
     for (int i = 0; i < Rows; ++i)
       for (int j = 0; j < Rows; ++j) result[i * Rows + j] = entry(i, j);
     return result;

@@ -22,9 +22,9 @@ using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_
 template <int Dim>
 struct PartOnGrid {
   explicit PartOnGrid(const Domain<Dim>& domain, const Shape& shape,
-                      const BuildPlate& plate = {Dim - 1, false})
+                      const BuildPlate& plate = {Dim - 1, false}, MPI_Comm comm = PETSC_COMM_WORLD)
       : description{shape, false},
-        grid(make_balanced_grid<Dim>(PETSC_COMM_WORLD, domain, description)),
+        grid(make_balanced_grid<Dim>(comm, domain, description)),
         part(grid, description, plate) {}
   PartOnGrid(const PartOnGrid&) = delete;
   PartOnGrid& operator=(const PartOnGrid&) = delete;
