@@ -21,7 +21,7 @@ struct LaneCycle {
   int degree = 2;       ///< of the Chebyshev smoother, before and after
   bool islands = true;  ///< rigid motions of stiff islands, where lanes have operators of their own
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
-  std::vector<int> patient_steps{4, 4, 2};  ///< the same for lanes that take long (K only)
+  std::vector<int> patient_steps{6, 4, 2};  ///< the same for lanes that take long (K only)
   int patience = 10;                        ///< iterations before a lane counts as one that takes long
 
   int steps_on(int level, bool patient) const {
