@@ -2,6 +2,8 @@
 /// The distributed half of the MMA subproblem: everything that has an entry a variable.
 #pragma once
 
+#include "fabseq/optimize/mma_block.h"
+
 #include <mpi.h>
 
 #include <array>
@@ -59,21 +61,19 @@ class MmaVariables {
   /// Minimizes the Lagrangian, the rows' multipliers being `t` along the direction, and sums up there. The
   /// sums live until the next call.
   const MmaSums& evaluate(double t, double barrier);
-  /// The rows' multipliers go `t` along the direction.
+  /// The rows' multipliers go `t` along the direction, which must have been evaluated.
   void advance(double t);
 
   /// v of the last evaluation.
   std::span<const double> step() const { return v_; }
 
  private:
-  static constexpr std::size_t block_size = 512;  // (m + 1) x block_size doubles stay in the cache
-  using BlockArray = std::array<double, block_size>;
-  struct Block;
+  static constexpr std::size_t block_size = MmaBlock::size;  // (m + 1) x block_size doubles stay in the cache
 
-  void combine(std::span<const double> lambda, double objective, std::vector<double>& plain,
-               std::vector<double>& curved) const;
-  void load(std::size_t begin, double t, Block& block) const;
-  void add_rows(std::size_t begin, const Block& block);
+  void combine(std::size_t begin, std::span<const double> lambda, double objective,
+               std::vector<double>& plain, std::vector<double>& curved) const;
+  void load(std::size_t begin, double t, MmaBlock& block) const;
+  void add_rows(std::size_t begin, const MmaBlock& block);
   void reduce();
 
   MPI_Comm comm_;
@@ -81,13 +81,12 @@ class MmaVariables {
   std::span<const double> objective_gradient_;
   std::span<const std::span<const double>> gradients_;
 
+  std::vector<double> lambda_direction_;
+  bool direction_is_new_ = false;  // the variables have not heard of it yet
   std::vector<double> v_, plain_, curved_, plain_direction_, curved_direction_;  // v, S, T, dS, dT
   std::vector<double> scaled_rows_;  // block_size x (m + 1), by columns
   std::vector<double> message_;
   MmaSums sums_;
-
- public:
-  double scale_ = 1.0, free_ = 0.0;
 };
 
 /// How far above f_i each row's approximation may get anywhere in the box; one a row, the same on all ranks.
