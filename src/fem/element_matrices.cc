@@ -102,6 +102,11 @@ ElementMatrices<Dim>::ElementMatrices(const Point<Dim>& spacing, double thicknes
           stiffness_[i * unknowns + j] += weight * strain[r][i] * stress[r][j];
   }
   center_gradient_ = ShapeFunctions<Dim>(Point<Dim>{}, spacing).gradient;
+  const StrainMatrix strain = strain_matrix(center_gradient_);
+  for (int r = 0; r < voigt_size<Dim>; ++r)
+    for (int s = 0; s < voigt_size<Dim>; ++s)
+      for (int j = 0; j < unknowns; ++j)
+        center_stress_[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
 }
 
 template <int Dim>
@@ -127,11 +132,10 @@ std::array<double, ElementMatrices<Dim>::unknowns> ElementMatrices<Dim>::strain_
 template <int Dim>
 std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::center_stress(
     std::span<const double, unknowns> displacement) const {
-  const StrainMatrix matrix = strain_matrix(center_gradient_);
-  std::array<double, voigt_size<Dim>> strain{};
+  std::array<double, voigt_size<Dim>> result{};
   for (int r = 0; r < voigt_size<Dim>; ++r)
-    for (int i = 0; i < unknowns; ++i) strain[r] += matrix[r][i] * displacement[i];
-  return stress(strain);
+    for (int i = 0; i < unknowns; ++i) result[r] += center_stress_[r][i] * displacement[i];
+  return result;
 }
 
 template SquareMatrix<voigt_size<2>> elasticity_matrix<2>(double);

@@ -47,9 +47,8 @@ void LayerElements<Dim>::set_load(const LayerDensities& densities, int first, La
   const Grid<Dim>& grid = model_.part.grid();
   const int lanes = load.lanes;
   std::vector<double> room;
-  if (!has_all_nodes()) room.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes);
   std::vector<double>& values = has_all_nodes() ? load.values : room;
-  std::fill(load.values.begin(), load.values.end(), 0.0);
+  values.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes, 0.0);
   for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
     add_load<Width>(densities, block, &values[lane], lanes);
   });

@@ -65,6 +65,7 @@ class ElementMatrices {
   SquareMatrix<unknowns> stiffness_{};
   SquareMatrix<corners> conductivity_{}, consistent_mass_{}, lumped_mass_{};
   std::array<double, static_cast<std::size_t>(corners) * Dim> center_gradient_{};
+  StrainMatrix center_stress_{};  ///< C B at the element's centre
   double volume_ = 0.0;
 };
 
