@@ -5,24 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "support/brute_force.h"
+#include "support/heat_case.h"
 #include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {
 namespace {
-
-const AssembledSolverSettings exact = {ReferenceMethod::direct, 1e-13, 1000, "heat_"};
-
-SequenceSettings settings_with(MassRule mass, double filter_radius = 0.0) {
-  SequenceSettings result;
-  result.mass = mass;
-  result.filter_radius = filter_radius;
-  result.drain = 0.7;
-  result.characteristic_length = 1.3;
-  result.min_diffusivity = 0.02;
-  result.void_diffusivity = 0.01;
-  return result;
-}
 
 /// T = cosh(m (H - s)) / cosh(m H) at distance s from the plate, m^2 = alpha / kappa: no flux at s = H.
 struct Column {
@@ -51,7 +39,7 @@ Errors column_errors(const BuildPlate& plate, int elements, MassRule mass) {
   settings.mass = mass;
   settings.drain = 4.0 * column.alpha;
   settings.characteristic_length = 2.0;
-  HeatSequence<Dim> sequence(on_grid.part, settings, 0.0, exact);
+  HeatSequence<Dim> sequence = test::heat_sequence<Dim>(on_grid.part, settings);
   const auto& result = sequence.update(std::vector<double>(sequence.variables(), column.kappa));
 
   const auto distance = [&](const Point<Dim>& x) {
@@ -144,8 +132,8 @@ TYPED_TEST(HeatSequenceTest, AgreesWithADenseMatrix) {
   const auto design = test::noise_field(part, 0.02, 1.0);
   for (const MassRule mass : {MassRule::consistent, MassRule::lumped})
     for (const double radius : {0.0, 0.9}) {
-      const SequenceSettings settings = settings_with(mass, radius);
-      HeatSequence<Dim> sequence(part, settings, 0.0, exact);
+      const SequenceSettings settings = test::heat_settings(mass, radius);
+      HeatSequence<Dim> sequence = test::heat_sequence<Dim>(part, settings);
       const auto& result = sequence.update(design);
       const auto expected =
           dense_temperature(part, AveragingFilter<Dim>(part, radius).apply(design), settings);
@@ -163,25 +151,13 @@ TYPED_TEST(HeatSequenceTest, DerivativesAgreeWithDifferences) {
   const Part<Dim>& part = on_grid.part;
   const auto design = test::noise_field(part, 0.05, 0.9);
   const auto direction = test::noise_field(part, -1.0, 1.0, 5);
-  const std::size_t elements = design.size();
-  // Linear functionals of t alone, of grad t alone, of both.
-  std::vector<TimeDerivatives> rows(3);
-  for (int row = 0; row < 3; ++row) {
-    rows[row].time =
-        row == 1 ? std::vector<double>(elements, 0.0) : test::noise_field(part, -1.0, 1.0, 10 + row);
-    if (row == 0) continue;
-    rows[row].gradient.resize(elements * Dim);
-    for (int a = 0; a < Dim; ++a) {
-      const auto component = test::noise_field(part, -1.0, 1.0, 20 + 5 * row + a);
-      for (std::size_t e = 0; e < elements; ++e) rows[row].gradient[e * Dim + a] = component[e];
-    }
-  }
+  const std::vector<TimeDerivatives> rows = test::time_functionals(part, 3);
   const auto value = [](const TimeDerivatives& row, const PseudoTime<Dim>& time) {
     return test::dot(row.time, time.time) +
            (row.gradient.empty() ? 0.0 : test::dot(row.gradient, time.gradient));
   };
   for (const double radius : {0.0, 0.9}) {
-    HeatSequence<Dim> sequence(part, settings_with(MassRule::consistent, radius), 0.0, exact);
+    auto sequence = test::heat_sequence<Dim>(part, test::heat_settings(MassRule::consistent, radius));
     (void)sequence.update(design);
     const auto gradients = sequence.pull_back(rows);
     EXPECT_EQ(sequence.adjoint_iterations().size(), rows.size());
@@ -197,32 +173,13 @@ TYPED_TEST(HeatSequenceTest, DerivativesAgreeWithDifferences) {
   }
 }
 
-/// The optimizer's variable: theta in [0, 1].
-TEST(DesignSpace, SlopesAndInverses) {
-  for (const bool logarithmic : {false, true}) {
-    const DesignSpace space{1e-3, 2.0, logarithmic};
-    EXPECT_DOUBLE_EQ(space.from_unit(0.0), 1e-3);
-    EXPECT_DOUBLE_EQ(space.from_unit(1.0), 2.0);
-    EXPECT_NEAR(space.from_unit(0.5), logarithmic ? std::sqrt(2e-3) : 0.5 * 2.001, 1e-15);
-    for (const double unit : {0.05, 0.3, 0.9}) {
-      const double design = space.from_unit(unit);
-      EXPECT_NEAR(space.to_unit(design), unit, 1e-14);
-      const double slope =
-          test::central_difference([&](double step) { return space.from_unit(unit + step); }, 1e-3);
-      EXPECT_NEAR(space.slope(design), slope, 1e-8 * slope);
-    }
-    EXPECT_EQ(space.to_unit(1e-5), 0.0);
-    EXPECT_EQ(space.to_unit(3.0), 1.0);
-  }
-}
-
 TYPED_TEST(HeatSequenceTest, SpaceFollowsTheSettings) {
   constexpr int Dim = TypeParam::value;
   const test::PartOnGrid<Dim> on_grid(test::odd_domain<Dim>(), test::gallows<Dim>());
-  SequenceSettings settings = settings_with(MassRule::automatic);
+  SequenceSettings settings = test::heat_settings(MassRule::automatic);
   for (const VariableScale scale : {VariableScale::log, VariableScale::linear}) {
     settings.scale = scale;
-    const DesignSpace space = HeatSequence<Dim>(on_grid.part, settings, 0.0, exact).space();
+    const DesignSpace space = test::heat_sequence<Dim>(on_grid.part, settings).space();
     EXPECT_EQ(space.lower, 0.02);
     EXPECT_EQ(space.upper, 1.0);
     EXPECT_EQ(space.logarithmic, scale == VariableScale::log);
@@ -246,7 +203,7 @@ TYPED_TEST(HeatSequenceTest, MassRuleKeepsTheMaximumPrinciple) {
     settings.drain = drain;
     settings.min_diffusivity = 1e-6;
     settings.void_diffusivity = void_diffusivity;
-    HeatSequence<Dim> sequence(on_grid.part, settings, 0.0, exact);
+    HeatSequence<Dim> sequence = test::heat_sequence<Dim>(on_grid.part, settings);
     return test::whole_node_field<Dim>(on_grid.grid, sequence.update(rough).temperature);
   };
   const auto uses = [&](MassRule mass, double drain, double void_diffusivity = 1e-3) {
@@ -281,7 +238,7 @@ TYPED_TEST(HeatSequenceTest, StartHasAnEvenGradient) {
   const double target = 0.45;  // 1 - 0.45 * 2 = 0.1 at the far end
   settings.characteristic_length = 1.0 / target;
   settings.min_diffusivity = 1e-5;
-  HeatSequence<Dim> sequence(on_grid.part, settings, target, exact);
+  HeatSequence<Dim> sequence = test::heat_sequence<Dim>(on_grid.part, settings, target);
   const auto design = sequence.initial_design();
   const double alpha = settings.drain * target * target;
   for (std::size_t e = 0; e < design.size(); ++e) {
@@ -300,7 +257,7 @@ TYPED_TEST(HeatSequenceTest, StartHasAnEvenGradient) {
     EXPECT_NEAR(result.gradient[e * Dim + Dim - 1], target, 0.05 * target);
   }
   settings.initial = 0.1;
-  const auto uniform = HeatSequence<Dim>(on_grid.part, settings, target, exact).initial_design();
+  const auto uniform = test::heat_sequence<Dim>(on_grid.part, settings, target).initial_design();
   EXPECT_EQ(uniform, std::vector<double>(design.size(), 0.1));
 }
 

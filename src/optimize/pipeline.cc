@@ -3,7 +3,9 @@
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/solve/lane_elasticity.h"
+#include "fabseq/solve/lane_heat.h"
 #include "fabseq/solve/reference_elasticity.h"
+#include "fabseq/solve/reference_heat.h"
 
 #include <algorithm>
 #include <utility>
@@ -37,6 +39,15 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& 
                                                     elasticity_solver_settings(setup.config, tolerance));
 }
 
+template <int Dim>
+std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Setup<Dim>& setup, const HeatModel<Dim>& model,
+                                                  double tolerance) {
+  const AssembledSolverSettings settings = heat_solver_settings(setup.config, tolerance);
+  if (setup.config.solver.path == SolverPath::lanes)
+    return std::make_unique<LaneHeat<Dim>>(setup.grid, model.domain, model.lumped, lane_iterations, settings);
+  return std::make_unique<ReferenceHeat<Dim>>(setup.grid, model.domain, model.lumped, settings);
+}
+
 }  // namespace
 
 AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance) {
@@ -61,8 +72,10 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
   }
   const auto target = setup.config.target_thickness();
   const double gradient = target ? 1.0 / (setup.layer_count * *target) : 0.0;
-  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient,
-                                             heat_solver_settings(setup.config, tolerance));
+  auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
+  auto solver = make_heat_solver(setup, *model, tolerance);
+  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
+                                             std::move(solver));
 }
 
 template <int Dim>

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace fabseq {
@@ -21,6 +22,13 @@ void require_convergence(const SolveReport& report, const char* what) {
   throw NumericalError(text.str());
 }
 
+/// Rows that a block of right-hand sides takes: no more than PETSc's indices take of the nodes of the whole grid.
+template <int Dim>
+std::size_t rows_at_once(const Grid<Dim>& grid) {
+  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();
+  return std::clamp<std::int64_t>(limit, 1, HeatSolver<Dim>::widest);
+}
+
 /// Beyond this the discrete maximum principle does not hold.
 constexpr double temperature_tolerance = 1e-9;
 
@@ -28,38 +36,15 @@ constexpr double temperature_tolerance = 1e-9;
 
 template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
-                                double target_gradient, const AssembledSolverSettings& solver)
+                                double target_gradient, std::unique_ptr<const HeatModel<Dim>> model,
+                                std::unique_ptr<HeatSolver<Dim>> solver)
     : part_(part),
       settings_(settings),
       target_gradient_(target_gradient),
-      reaction_(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
-      element_(part.grid().spacing(), part.grid().domain().thickness, 0.3),
+      model_(std::move(model)),
+      solver_(std::move(solver)),
       filter_(part, settings.filter_radius),
-      domain_(make_domain()) {
-  const auto numbering = std::make_shared<UnknownNumbering<Dim>>(part.grid(), domain_);
-  system_ = std::make_unique<AssembledSystem<Dim>>(domain_, numbering, solver);
-}
-
-template <int Dim>
-SystemDomain HeatSequence<Dim>::make_domain() const {
-  const Grid<Dim>& grid = part_.grid();
-  SystemDomain domain;
-  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t) {
-    domain.first_corners.push_back(grid.first_corner(element));
-  });
-  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
-  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    domain.fixed[offset] = part_.on_plate(node) && part_.touched_nodes()[offset] != 0 ? 1 : 0;
-  });
-  return domain;
-}
-
-template <int Dim>
-bool HeatSequence<Dim>::lump_mass() const {
-  if (settings_.mass != MassRule::automatic) return settings_.mass == MassRule::lumped;
-  const double edge = part_.grid().largest_spacing();
-  return reaction_ * edge * edge / 6.0 > std::min(settings_.min_diffusivity, settings_.void_diffusivity);
-}
+      chain_rule_(part, model_->element) {}
 
 template <int Dim>
 DesignSpace HeatSequence<Dim>::space() const {
@@ -82,7 +67,7 @@ std::vector<double> HeatSequence<Dim>::initial_design() const {
   for (std::size_t e = 0; e < count; ++e) {
     const double temperature = std::max(0.0, 1.0 - gradient * distance[e]);
     const double diffusivity =
-        reaction_ / (2.0 * gradient * gradient) * (temperature * temperature - end * end);
+        model_->reaction / (2.0 * gradient * gradient) * (temperature * temperature - end * end);
     design[e] = std::clamp(diffusivity, settings_.min_diffusivity, settings_.max_diffusivity);
   }
   return design;
@@ -100,33 +85,42 @@ const PseudoTime<Dim>& HeatSequence<Dim>::update(std::span<const double> design)
 template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
   const Grid<Dim>& grid = part_.grid();
-  const auto& mass = lump_mass() ? element_.lumped_mass() : element_.consistent_mass();
-  const std::vector<double> reaction(domain_.first_corners.size(), reaction_);
-  system_->assemble({{element_.conductivity(), diffusivity_}, {mass, reaction}});
-
-  const std::size_t owned = domain_.fixed.size();
-  std::vector<double> temperature(owned), load(owned);
-  for (std::size_t n = 0; n < owned; ++n) temperature[n] = domain_.fixed[n];
-  ghosted_temperature_.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  grid.exchange(1).to_ghosted(temperature, ghosted_temperature_);
-  std::vector<double> ghosted_load(ghosted_temperature_.size(), 0.0);
-  const auto& offsets = grid.corner_offsets();
-  for (std::size_t e = 0; e < domain_.first_corners.size(); ++e)
-    for (int i = 0; i < corner_count<Dim>; ++i)
-      for (int j = 0; j < corner_count<Dim>; ++j) {
-        const int entry = i * corner_count<Dim> + j;
-        ghosted_load[domain_.first_corners[e] + offsets[i]] -=
-            (diffusivity_[e] * element_.conductivity()[entry] + reaction_ * mass[entry]) *
-            ghosted_temperature_[domain_.first_corners[e] + offsets[j]];
-      }
-  grid.exchange(1).add_to_owned(ghosted_load, load);
-  const SolveReport report = system_->solve(load, temperature);
+  const LaneVector load = prescribed_load();
+  LaneVector correction = load;
+  solver_->set_operator(diffusivity_, model_->reaction);
+  const SolveReport report = solver_->solve({&load, 1}, {&correction, 1})[0];
   require_convergence(report, "the heat solve");
   time_.iterations = report.iterations;
-  for (std::size_t n = 0; n < owned; ++n)
-    if (domain_.fixed[n] != 0) temperature[n] = 1.0;
-  grid.exchange(1).to_ghosted(temperature, ghosted_temperature_);
-  time_.temperature = std::move(temperature);
+  time_.temperature = std::move(correction.values);
+  for (std::size_t n = 0; n < time_.temperature.size(); ++n)
+    if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
+  ghosted_temperature_.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  grid.exchange(1).to_ghosted(time_.temperature, ghosted_temperature_);
+}
+
+/// -K 1 of the fixed nodes: elements without one have none.
+template <int Dim>
+LaneVector HeatSequence<Dim>::prescribed_load() const {
+  constexpr int corners = corner_count<Dim>;
+  const Grid<Dim>& grid = part_.grid();
+  const auto& offsets = grid.corner_offsets();
+  const std::vector<double> fixed(model_->domain.fixed.begin(), model_->domain.fixed.end());
+  std::vector<double> ghosted_fixed(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  std::vector<double> ghosted_load(ghosted_fixed.size(), 0.0);
+  grid.exchange(1).to_ghosted(fixed, ghosted_fixed);
+  for (std::size_t e = 0; e < diffusivity_.size(); ++e) {
+    const int first = model_->domain.first_corners[e];
+    for (int j = 0; j < corners; ++j) {
+      if (ghosted_fixed[first + offsets[j]] == 0.0) continue;
+      for (int i = 0; i < corners; ++i)
+        ghosted_load[first + offsets[i]] -=
+            diffusivity_[e] * model_->element.conductivity()[i * corners + j] +
+            model_->reaction * model_->mass()[i * corners + j];
+    }
+  }
+  LaneVector load(static_cast<int>(fixed.size()), 1, 1);
+  grid.exchange(1).add_to_owned(ghosted_load, load.values);
+  return load;
 }
 
 template <int Dim>
@@ -140,7 +134,7 @@ void HeatSequence<Dim>::derive_time() {
       const double value = ghosted_temperature_[corners[e] + grid.corner_offsets()[corner]];
       time_.time[e] -= value / corner_count<Dim>;
       for (int axis = 0; axis < Dim; ++axis)
-        time_.gradient[e * Dim + axis] -= element_.center_gradient()[corner * Dim + axis] * value;
+        time_.gradient[e * Dim + axis] -= model_->element.center_gradient()[corner * Dim + axis] * value;
     }
   double lowest = 1.0, highest = 1.0;
   for (const double value : time_.temperature) {
@@ -161,52 +155,24 @@ void HeatSequence<Dim>::derive_time() {
   }
 }
 
-/// Right-hand side of the adjoint, K_T lambda = -dJ/dT, with t = 1 - G T and grad t = -grad T (formulation
-/// 8).
-template <int Dim>
-std::vector<double> HeatSequence<Dim>::adjoint_load(const TimeDerivatives& row) const {
-  const Grid<Dim>& grid = part_.grid();
-  const auto& corners = part_.first_corners();
-  std::vector<double> ghosted(ghosted_temperature_.size(), 0.0);
-  std::vector<double> load(domain_.fixed.size());
-  for (std::size_t e = 0; e < corners.size(); ++e)
-    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
-      double value = row.time[e] / corner_count<Dim>;
-      for (int axis = 0; !row.gradient.empty() && axis < Dim; ++axis)
-        value += row.gradient[e * Dim + axis] * element_.center_gradient()[corner * Dim + axis];
-      ghosted[corners[e] + grid.corner_offsets()[corner]] += value;
-    }
-  grid.exchange(1).add_to_owned(ghosted, load);
-  return load;
-}
-
 template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
-  const Grid<Dim>& grid = part_.grid();
-  const auto& corners = part_.first_corners();
-  std::vector<std::vector<double>> loads, gradients;
-  for (const TimeDerivatives& row : rows) loads.push_back(adjoint_load(row));
-  std::vector<std::vector<double>> adjoints(rows.size(), std::vector<double>(domain_.fixed.size()));
-  const std::vector<SolveReport> reports = system_->solve(loads, adjoints);
-  std::vector<double> ghosted(ghosted_temperature_.size());
+  const std::size_t together = rows_at_once(part_.grid());
+  std::vector<LaneVector> loads;
+  for (std::size_t first = 0; first < rows.size(); first += together)
+    loads.push_back(chain_rule_.loads(rows.subspan(first, std::min(together, rows.size() - first))));
+  std::vector<LaneVector> adjoints = loads;
   adjoint_iterations_.clear();
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    require_convergence(reports[row], "a heat adjoint");
-    adjoint_iterations_.push_back(reports[row].iterations);
-    grid.exchange(1).to_ghosted(adjoints[row], ghosted);
-    // dJ/dkappa_e = lambda^T K_0 T
-    std::vector<double> gradient(corners.size(), 0.0);
-    for (std::size_t e = 0; e < corners.size(); ++e)
-      for (int i = 0; i < corner_count<Dim>; ++i) {
-        double flux = 0.0;
-        for (int j = 0; j < corner_count<Dim>; ++j)
-          flux += element_.conductivity()[i * corner_count<Dim> + j] *
-                  ghosted_temperature_[corners[e] + grid.corner_offsets()[j]];
-        gradient[e] += ghosted[corners[e] + grid.corner_offsets()[i]] * flux;
-      }
-    gradients.push_back(filter_.apply_transpose(gradient));
+  for (const SolveReport& report : solver_->solve(loads, adjoints)) {
+    require_convergence(report, "a heat adjoint");
+    adjoint_iterations_.push_back(report.iterations);
   }
-  return gradients;
+  chain_rule_.set_temperature(ghosted_temperature_);
+  std::vector<std::vector<double>> result;
+  for (const LaneVector& block : adjoints)
+    for (const std::vector<double>& gradient : chain_rule_.gradients(block))
+      result.push_back(filter_.apply_transpose(gradient));
+  return result;
 }
 
 template class HeatSequence<2>;

@@ -2,11 +2,12 @@
 /// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
 #pragma once
 
-#include "fabseq/fem/element_matrices.h"
 #include "fabseq/io/config.h"
 #include "fabseq/sequence/averaging_filter.h"
+#include "fabseq/sequence/heat_chain_rule.h"
+#include "fabseq/sequence/heat_model.h"
 #include "fabseq/sequence/sequence.h"
-#include "fabseq/solve/assembled_system.h"
+#include "fabseq/solve/heat_solver.h"
 
 #include <memory>
 #include <span>
@@ -20,15 +21,18 @@ namespace fabseq {
 ///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
 ///
-/// The design is kappa on the part elements, before the filter. One assembly and one preconditioner serve the
+/// The design is kappa on the part elements, before the filter. The solver's operator is set once for the
 /// forward solve and all adjoints of an update.
 template <int Dim>
 class HeatSequence : public Sequence<Dim> {
  public:
   /// \param target_gradient |grad T| the start aims at, 1/length: 1 / (layers * target thickness); 0: 0.95 /
-  /// largest distance Collective. The part must outlive the sequence.
+  /// largest distance
+  /// \param model of this part and these settings
+  /// \param solver on the model's domain, which it may refer to
+  /// Collective. The part must outlive the sequence.
   HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
-               const AssembledSolverSettings& solver);
+               std::unique_ptr<const HeatModel<Dim>> model, std::unique_ptr<HeatSolver<Dim>> solver);
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return part_.elements().size(); }
@@ -39,19 +43,17 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
 
  private:
-  SystemDomain make_domain() const;
-  bool lump_mass() const;
   void solve_temperature();
+  LaneVector prescribed_load() const;
   void derive_time();
-  std::vector<double> adjoint_load(const TimeDerivatives& row) const;
 
   const Part<Dim>& part_;
   SequenceSettings settings_;
-  double target_gradient_, reaction_;
-  ElementMatrices<Dim> element_;
+  double target_gradient_;
+  std::unique_ptr<const HeatModel<Dim>> model_;
+  std::unique_ptr<HeatSolver<Dim>> solver_;
   AveragingFilter<Dim> filter_;
-  SystemDomain domain_;
-  std::unique_ptr<AssembledSystem<Dim>> system_;
+  HeatChainRule<Dim> chain_rule_;
   std::vector<double> diffusivity_;          ///< of all owned elements, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
   PseudoTime<Dim> time_;

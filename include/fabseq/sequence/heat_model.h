@@ -1,0 +1,32 @@
+/// \file
+/// What the heat solves of a part have in common: elements, prescribed nodes, mass matrix
+/// (docs/formulation.md 2.1).
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/grid/part.h"
+#include "fabseq/io/config.h"
+#include "fabseq/solve/unknown_numbering.h"
+
+namespace fabseq {
+
+/// The whole box conducts, void included; the temperature is prescribed on the plate's nodes of the part.
+template <int Dim>
+struct HeatModel {
+  /// The model holds no reference to the part.
+  HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
+
+  const SquareMatrix<corner_count<Dim>>& mass() const {
+    return lumped ? element.lumped_mass() : element.consistent_mass();
+  }
+
+  ElementMatrices<Dim> element;
+  double reaction;      ///< alpha, in units of diffusivity / length^2
+  bool lumped;          ///< whether the mass matrix is diagonal
+  SystemDomain domain;  ///< all elements
+};
+
+extern template struct HeatModel<2>;
+extern template struct HeatModel<3>;
+
+}  // namespace fabseq

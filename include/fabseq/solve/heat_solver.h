@@ -1,0 +1,37 @@
+/// \file
+/// What the heat sequence asks of a solver: one conduction problem, many right-hand sides.
+#pragma once
+
+#include "fabseq/solve/assembled_system.h"
+#include "fabseq/solve/lane_vector.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Conduction with a reaction term on the elements of a domain (docs/formulation.md 2.1),
+///
+///     K = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
+///
+/// the values at fixed nodes being zero: a lifted solution is the caller's.
+template <int Dim>
+class HeatSolver {
+ public:
+  /// Right-hand sides of a block at most.
+  static constexpr int widest = 8;
+
+  virtual ~HeatSolver() = default;
+
+  /// Makes K the operator of the solves that follow. `diffusivity` is kappa of each element of the domain, in
+  /// its order; `reaction` is alpha, in units of kappa / length^2. Collective.
+  virtual void set_operator(std::span<const double> diffusivity, double reaction) = 0;
+
+  /// Solves K x = b for every lane of each of `loads`, at most `widest` lanes a block, on the owned nodes;
+  /// values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns a
+  /// report a right-hand side, block by block. Collective; does not throw if one does not converge.
+  virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
+                                         std::span<LaneVector> solutions) = 0;
+};
+
+}  // namespace fabseq

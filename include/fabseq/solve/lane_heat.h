@@ -1,0 +1,67 @@
+/// \file
+/// The heat solver that solves for several right-hand sides at once.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+#include "fabseq/solve/heat_solver.h"
+#include "fabseq/solve/lane_cg.h"
+#include "fabseq/solve/lane_layout.h"
+#include "fabseq/solve/reference_heat.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace fabseq {
+
+/// A right-hand side a lane: flexible conjugate gradients with lane multigrid. Right-hand sides that do not
+/// converge are solved again by the reference path, with a warning. Not a number in the operator or in a
+/// right-hand side: the report says so at once.
+template <int Dim>
+class LaneHeat : public HeatSolver<Dim> {
+ public:
+  using HeatSolver<Dim>::widest;
+
+  /// The grid and `domain` must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of
+  /// the fallback; its tolerance is the lanes', too. Collective.
+  LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
+           const AssembledSolverSettings& reference);
+
+  void set_operator(std::span<const double> diffusivity, double reaction) override;
+  std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+
+ private:
+  static LaneCycle cycle();
+  /// Calls `use` with the narrowest solver for this many lanes.
+  template <class Use>
+  void with_solver(int lanes, Use&& use);
+  std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);
+  void solve_again(std::span<const LaneVector> loads, std::span<LaneVector> solutions,
+                   std::vector<SolveReport>& reports);
+  /// The reference path with the current operator.
+  ReferenceHeat<Dim>& fallback();
+
+  const Grid<Dim>& grid_;
+  const SystemDomain& domain_;
+  bool lumped_;
+  LaneHeatProblem<Dim> problem_;
+  AssembledSolverSettings reference_settings_;
+  LaneStop stop_;
+  LaneHierarchy<Dim> hierarchy_;
+  LaneLayout<Dim> layout_;
+  LaneCg<LaneHeatProblem<Dim>, widest> solver_;
+  std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
+  std::vector<double> diffusivity_;    ///< of the current operator
+  double reaction_ = 0.0;
+  bool finite_ = true;                            ///< whether all of the operator are numbers
+  std::array<bool, widest + 1> is_set_up_{};      ///< for each width whether its solver has the operator
+  LaneArray load_, solution_;                     ///< on the mesh
+  std::unique_ptr<ReferenceHeat<Dim>> fallback_;  ///< made at first use
+  bool fallback_is_set_up_ = false;
+};
+
+extern template class LaneHeat<2>;
+extern template class LaneHeat<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,33 @@
+/// \file
+/// The heat solver made of stock PETSc parts: oracle of the tests and baseline of the benchmarks.
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/solve/heat_solver.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// One assembled system; a factorization takes all right-hand sides side by side, an iterative method one
+/// after the other.
+template <int Dim>
+class ReferenceHeat : public HeatSolver<Dim> {
+ public:
+  /// The grid and `domain` must outlive the solver. `lumped`: the mass matrix is diagonal. Collective.
+  ReferenceHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped,
+                const AssembledSolverSettings& settings);
+
+  void set_operator(std::span<const double> diffusivity, double reaction) override;
+  std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+
+ private:
+  ElementMatrices<Dim> element_;
+  bool lumped_;
+  AssembledSystem<Dim> system_;
+};
+
+extern template class ReferenceHeat<2>;
+extern template class ReferenceHeat<3>;
+
+}  // namespace fabseq

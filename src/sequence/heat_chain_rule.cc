@@ -1,0 +1,71 @@
+#include "fabseq/sequence/heat_chain_rule.h"
+
+namespace fabseq {
+
+template <int Dim>
+HeatChainRule<Dim>::HeatChainRule(const Part<Dim>& part, const ElementMatrices<Dim>& element)
+    : part_(part), element_(element) {}
+
+template <int Dim>
+void HeatChainRule<Dim>::set_temperature(std::span<const double> temperature) {
+  constexpr int count = corner_count<Dim>;
+  const auto& offsets = part_.grid().corner_offsets();
+  const auto& corners = part_.first_corners();
+  flux_.resize(corners.size() * count);
+  for (std::size_t e = 0; e < corners.size(); ++e)
+    for (int i = 0; i < count; ++i) {
+      double sum = 0.0;
+      for (int j = 0; j < count; ++j)
+        sum += element_.conductivity()[i * count + j] * temperature[corners[e] + offsets[j]];
+      flux_[e * count + i] = sum;
+    }
+}
+
+template <int Dim>
+LaneVector HeatChainRule<Dim>::loads(std::span<const TimeDerivatives> rows) const {
+  const Grid<Dim>& grid = part_.grid();
+  const auto& corners = part_.first_corners();
+  const int lanes = static_cast<int>(rows.size());
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes, 0.0);
+  for (int lane = 0; lane < lanes; ++lane) {
+    const TimeDerivatives& row = rows[lane];
+    for (std::size_t e = 0; e < corners.size(); ++e)
+      for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+        double value = row.time[e] / corner_count<Dim>;
+        for (int axis = 0; !row.gradient.empty() && axis < Dim; ++axis)
+          value += row.gradient[e * Dim + axis] * element_.center_gradient()[corner * Dim + axis];
+        const std::size_t node = corners[e] + grid.corner_offsets()[corner];
+        ghosted[node * lanes + lane] += value;
+      }
+  }
+  LaneVector result(static_cast<int>(grid.owned_nodes().count()), 1, lanes);
+  grid.exchange(lanes).add_to_owned(ghosted, result.values);
+  return result;
+}
+
+template <int Dim>
+std::vector<std::vector<double>> HeatChainRule<Dim>::gradients(const LaneVector& adjoints) const {
+  const Grid<Dim>& grid = part_.grid();
+  const auto& corners = part_.first_corners();
+  const int lanes = adjoints.lanes;
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes);
+  grid.exchange(lanes).to_ghosted(adjoints.values, ghosted);
+  std::vector<std::vector<double>> result(lanes, std::vector<double>(corners.size()));
+  std::vector<double> sums(lanes);
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+      const double flux = flux_[e * corner_count<Dim> + corner];
+      const double* adjoint =
+          &ghosted[static_cast<std::size_t>(corners[e] + grid.corner_offsets()[corner]) * lanes];
+      for (int lane = 0; lane < lanes; ++lane) sums[lane] += flux * adjoint[lane];
+    }
+    for (int lane = 0; lane < lanes; ++lane) result[lane][e] = sums[lane];
+  }
+  return result;
+}
+
+template class HeatChainRule<2>;
+template class HeatChainRule<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,154 @@
+#include "fabseq/solve/lane_heat.h"
+
+#include "fabseq/base/log_event.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace fabseq {
+
+namespace {
+
+/// What is no number has no residual, either.
+SolveReport report_of(const LaneOutcome& outcome) {
+  if (!outcome.finite)
+    return {outcome.iterations, std::numeric_limits<double>::quiet_NaN(), false, "not a number"};
+  return {outcome.iterations, outcome.residual, outcome.converged,
+          outcome.converged ? "" : "iteration limit"};
+}
+
+}  // namespace
+
+/// Designs, smooth or rough, need no more than a V-cycle. Steps of conjugate gradients from the second level on
+/// cost next to nothing and take care of sheets a few elements thick; on the first they would not pay.
+template <int Dim>
+LaneCycle LaneHeat<Dim>::cycle() {
+  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}};
+}
+
+template <int Dim>
+LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
+                        const AssembledSolverSettings& reference)
+    : grid_(grid),
+      domain_(domain),
+      lumped_(lumped),
+      problem_(grid.domain().thickness, lumped),
+      reference_settings_(reference),
+      stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
+      hierarchy_(grid, domain),
+      layout_(grid, hierarchy_.level(0), 1),
+      solver_(hierarchy_, problem_, cycle()) {
+  for (const int corner : domain.first_corners)
+    numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
+}
+
+template <int Dim>
+template <class Use>
+void LaneHeat<Dim>::with_solver(int lanes, Use&& use) {
+  if (lanes > 4)
+    use.template operator()<8>(solver_);
+  else if (lanes > 2)
+    use.template operator()<4>(solver_.half());
+  else if (lanes > 1)
+    use.template operator()<2>(solver_.half().half());
+  else
+    use.template operator()<1>(solver_.half().half().half());
+}
+
+template <int Dim>
+void LaneHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
+  diffusivity_.assign(diffusivity.begin(), diffusivity.end());
+  reaction_ = reaction;
+  const bool finite =
+      std::isfinite(reaction) &&
+      std::all_of(diffusivity.begin(), diffusivity.end(), [](double value) { return std::isfinite(value); });
+  finite_ = !any(grid_.comm(), !finite);
+  is_set_up_.fill(false);
+  fallback_is_set_up_ = false;
+}
+
+template <int Dim>
+std::vector<SolveReport> LaneHeat<Dim>::solve(std::span<const LaneVector> loads,
+                                              std::span<LaneVector> solutions) {
+  static const LogEvent event("fabseq heat lanes");
+  const auto scope = event.enter();
+  std::vector<SolveReport> reports;
+  for (std::size_t block = 0; block < loads.size(); ++block) {
+    const std::vector<SolveReport> of_block = solve_block(loads[block], solutions[block]);
+    reports.insert(reports.end(), of_block.begin(), of_block.end());
+  }
+  solve_again(loads, solutions, reports);
+  return reports;
+}
+
+template <int Dim>
+std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, LaneVector& solution) {
+  if (!finite_) return std::vector<SolveReport>(load.lanes, report_of({.finite = false}));
+  std::vector<SolveReport> reports;
+  with_solver(load.lanes, [&]<int Width>(auto& solver) {
+    if (!is_set_up_[Width]) {
+      LaneArray& coefficients = solver.multigrid().finest().coefficients();
+      for (std::size_t e = 0; e < numbers_.size(); ++e) {
+        coefficients[numbers_[e] * 2] = diffusivity_[e];
+        coefficients[numbers_[e] * 2 + 1] = reaction_;
+      }
+      solver.set_up();
+      is_set_up_[Width] = true;
+    }
+    layout_.to_mesh(load, Width, load_);
+    for (const LaneOutcome& outcome : solver.solve(load_, solution_, load.lanes, stop_))
+      reports.push_back(report_of(outcome));
+    layout_.to_owned(solution_, Width, solution);
+  });
+  return reports;
+}
+
+template <int Dim>
+void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<LaneVector> solutions,
+                                std::vector<SolveReport>& reports) {
+  struct Leftover {
+    std::size_t block, report;
+    int lane;
+  };
+  std::vector<Leftover> leftovers;
+  std::vector<LaneVector> again;
+  std::size_t next = 0;
+  for (std::size_t block = 0; block < loads.size(); ++block)
+    for (int lane = 0; lane < loads[block].lanes; ++lane, ++next) {
+      if (reports[next].converged || std::isnan(reports[next].residual)) continue;
+      leftovers.push_back({block, next, lane});
+      again.emplace_back(loads[block].nodes, 1, 1).set_lane(0, loads[block].lane(lane));
+    }
+  if (leftovers.empty()) return;
+  const SolveReport& first = reports[leftovers[0].report];
+  std::ostringstream text;
+  text << "heat: " << leftovers.size() << " of " << reports.size()
+       << " solves did not converge, the first in " << first.iterations
+       << " iterations of the lane solver to a relative preconditioned residual of " << first.residual
+       << "; solving again by the reference path";
+  warn(text.str());
+  std::vector<LaneVector> solved = again;
+  const std::vector<SolveReport> new_reports = fallback().solve(again, solved);
+  for (std::size_t i = 0; i < leftovers.size(); ++i) {
+    solutions[leftovers[i].block].set_lane(leftovers[i].lane, solved[i].values);
+    reports[leftovers[i].report] = new_reports[i];
+  }
+}
+
+template <int Dim>
+ReferenceHeat<Dim>& LaneHeat<Dim>::fallback() {
+  if (!fallback_)
+    fallback_ = std::make_unique<ReferenceHeat<Dim>>(grid_, domain_, lumped_, reference_settings_);
+  if (!fallback_is_set_up_) fallback_->set_operator(diffusivity_, reaction_);
+  fallback_is_set_up_ = true;
+  return *fallback_;
+}
+
+template class LaneHeat<2>;
+template class LaneHeat<3>;
+
+}  // namespace fabseq
