@@ -23,11 +23,12 @@ SolveReport report_of(const LaneOutcome& outcome) {
 
 }  // namespace
 
-/// Designs, smooth or rough, need no more than a V-cycle. Steps of conjugate gradients from the second level on
-/// cost next to nothing and take care of sheets a few elements thick; on the first they would not pay.
+/// Steps of conjugate gradients from the second level on cost next to nothing and take care of sheets a few
+/// elements thick. On the first level they do not pay: where designs get rough, diffusivities differ by orders
+/// of magnitude between neighbours, and even an exact coarse solution would not help. So there is no patience.
 template <int Dim>
 LaneCycle LaneHeat<Dim>::cycle() {
-  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}};
+  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}, .patient_steps = {1, 4, 2}};
 }
 
 template <int Dim>
