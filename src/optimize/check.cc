@@ -11,12 +11,17 @@ namespace fabseq {
 
 namespace {
 
-/// Of the reference path, measured (docs/performance.md): bytes an unknown of a system with its preconditioner, and of one with
-/// its factors, which is kept a layer; bytes a rank holds anyway; seconds a solve and unknown on one core.
-constexpr double bytes_per_unknown = 3000.0;
+/// What a path needs, measured (docs/performance.md).
+struct PathCost {
+  const char* name;
+  double bytes_per_unknown;    ///< of a system with its preconditioner; lanes: of all that are solved at once
+  double bytes_per_rank;       ///< that a rank holds anyway
+  double seconds_per_unknown;  ///< of a solve on one core
+};
+constexpr PathCost lanes_cost{"lanes", 2500.0, 8e7, 4.5e-7};
+constexpr PathCost reference_cost{"reference path", 3000.0, 8e7, 1e-5};
+/// Of the reference path's factors, which are kept a layer.
 constexpr double factor_bytes_per_unknown = 5000.0;
-constexpr double bytes_per_rank = 8e7;
-constexpr double seconds_per_unknown = 1e-5;
 
 template <class... Arguments>
 void print_line(const char* format, Arguments... arguments) {
@@ -45,15 +50,17 @@ void print_cost(const Setup<Dim>& setup) {
   const double unknowns = static_cast<double>(nodes) * Dim;
   const double all_nodes = static_cast<double>(setup.grid.all_nodes().count());
   const int layers = setup.layer_count;
-  const bool kept = unknowns <= static_cast<double>(ReferenceElasticity<Dim>::keep_limit);
-  const double systems = unknowns * (kept ? layers * factor_bytes_per_unknown : bytes_per_unknown);
-  const double memory = systems + size_of(setup.grid.comm()) * bytes_per_rank +
+  const bool in_lanes = setup.config.solver.path == SolverPath::lanes;
+  const PathCost& cost = in_lanes ? lanes_cost : reference_cost;
+  const bool kept = !in_lanes && unknowns <= static_cast<double>(ReferenceElasticity<Dim>::keep_limit);
+  const double systems = unknowns * (kept ? layers * factor_bytes_per_unknown : cost.bytes_per_unknown);
+  const double memory = systems + size_of(setup.grid.comm()) * cost.bytes_per_rank +
                         all_nodes * (900.0 + 8.0 * Dim * layers) +
                         static_cast<double>(setup.part.count()) * layers * 16.0 * 4.0;
   const int ranks = size_of(setup.grid.comm());
   print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", unknowns, layers);
-  print_line("estimate (reference path, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations", ranks,
-             memory / 1e9, 2.0 * layers * unknowns * seconds_per_unknown / ranks,
+  print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations", cost.name, ranks,
+             memory / 1e9, 2.0 * layers * unknowns * cost.seconds_per_unknown / ranks,
              setup.config.optimizer.max_iterations);
 }
 

@@ -26,19 +26,6 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
 }
 
 template <int Dim>
-template <class Use>
-void LaneElasticity<Dim>::with_solver(int lanes, Use&& use) {
-  if (lanes > 4)
-    use.template operator()<8>(solver_);
-  else if (lanes > 2)
-    use.template operator()<4>(solver_.half());
-  else if (lanes > 1)
-    use.template operator()<2>(solver_.half().half());
-  else
-    use.template operator()<1>(solver_.half().half().half());
-}
-
-template <int Dim>
 void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness,
                                         bool /*changed*/) {
   static const LogEvent event("fabseq lane set-up");
@@ -46,7 +33,7 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
   first_layer_ = first_layer;
   lanes_ = lanes;
   stiffness_.assign(stiffness.begin(), stiffness.end());
-  with_solver(lanes, [&]<int Width>(auto& solver) {
+  with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
     LaneArray& coefficients = solver.multigrid().finest().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
       for (int lane = 0; lane < Width; ++lane)
@@ -62,7 +49,7 @@ std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const
   const auto scope = event.enter();
   std::vector<std::vector<SolveReport>> reports(loads.size());
   for (std::size_t set = 0; set < loads.size(); ++set) {
-    with_solver(lanes_, [&]<int Width>(auto& solver) {
+    with_narrowest(solver_, lanes_, [&]<int Width>(auto& solver) {
       layout_.to_mesh(loads[set], Width, load_);
       for (const LaneOutcome& outcome : solver.solve(load_, displacement_, lanes_, stop_))
         reports[set].push_back({outcome.iterations, outcome.residual, outcome.converged,

@@ -48,19 +48,6 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
 }
 
 template <int Dim>
-template <class Use>
-void LaneHeat<Dim>::with_solver(int lanes, Use&& use) {
-  if (lanes > 4)
-    use.template operator()<8>(solver_);
-  else if (lanes > 2)
-    use.template operator()<4>(solver_.half());
-  else if (lanes > 1)
-    use.template operator()<2>(solver_.half().half());
-  else
-    use.template operator()<1>(solver_.half().half().half());
-}
-
-template <int Dim>
 void LaneHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
   diffusivity_.assign(diffusivity.begin(), diffusivity.end());
   reaction_ = reaction;
@@ -90,7 +77,7 @@ template <int Dim>
 std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, LaneVector& solution) {
   if (!finite_) return std::vector<SolveReport>(load.lanes, report_of({.finite = false}));
   std::vector<SolveReport> reports;
-  with_solver(load.lanes, [&]<int Width>(auto& solver) {
+  with_narrowest(solver_, load.lanes, [&]<int Width>(auto& solver) {
     if (!is_set_up_[Width]) {
       LaneArray& coefficients = solver.multigrid().finest().coefficients();
       for (std::size_t e = 0; e < numbers_.size(); ++e) {

@@ -76,6 +76,19 @@ class LaneCg {
   std::unique_ptr<Half> half_;  ///< made at first use
 };
 
+/// Calls `use` with the narrowest solver for this many lanes, 1 to 8, and its width as template argument.
+template <class Problem, class Use>
+void with_narrowest(LaneCg<Problem, 8>& widest, int lanes, Use&& use) {
+  if (lanes > 4)
+    use.template operator()<8>(widest);
+  else if (lanes > 2)
+    use.template operator()<4>(widest.half());
+  else if (lanes > 1)
+    use.template operator()<2>(widest.half().half());
+  else
+    use.template operator()<1>(widest.half().half().half());
+}
+
 extern template class LaneCg<LaneElasticityProblem<2>, 8>;
 extern template class LaneCg<LaneElasticityProblem<2>, 4>;
 extern template class LaneCg<LaneElasticityProblem<2>, 2>;

@@ -33,9 +33,6 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::string description() const override;
 
  private:
-  /// Calls `use` with the narrowest solver for this many lanes.
-  template <class Use>
-  void with_solver(int lanes, Use&& use);
   void solve_again(const LaneVector& load, LaneVector& displacement, int lane, SolveReport& report);
 
   const Grid<Dim>& grid_;

@@ -33,9 +33,6 @@ class LaneHeat : public HeatSolver<Dim> {
 
  private:
   static LaneCycle cycle();
-  /// Calls `use` with the narrowest solver for this many lanes.
-  template <class Use>
-  void with_solver(int lanes, Use&& use);
   std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);
   void solve_again(std::span<const LaneVector> loads, std::span<LaneVector> solutions,
                    std::vector<SolveReport>& reports);
