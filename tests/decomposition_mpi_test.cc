@@ -121,10 +121,21 @@ TEST(Decomposition, IsNoWorseThanEqualRangesOnAPlaneL) {
 
 TEST(Decomposition, PrefersLittleSurfaceAmongEquals) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
-  const auto decomposition = choose_decomposition<3>(comm, {84, 40, 60}, nullptr);
+  // Ranges begin at multiples of 4, which divide these counts evenly.
+  const auto decomposition = choose_decomposition<3>(comm, {96, 40, 64}, nullptr);
   const std::vector<Index<3>> expected = {{1, 1, 1}, {2, 1, 1}, {3, 1, 1}, {2, 1, 2}};
   if (size_of(comm) > 4) GTEST_SKIP() << "written for up to 4 ranks";
   EXPECT_EQ(decomposition.processes, expected[size_of(comm) - 1]);
+}
+
+TEST(Decomposition, BeginsOnCoarseGridsWhereThereIsRoom) {
+  const auto decomposition = choose_decomposition<3>(PETSC_COMM_WORLD, {83, 41, 19}, nullptr);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<int>& starts = decomposition.range_starts[axis];
+    const int count = starts.back(), processes = static_cast<int>(starts.size()) - 1;
+    const int block = count >= 16 * processes ? 4 : count >= 6 * processes ? 2 : 1;
+    for (int process = 0; process < processes; ++process) EXPECT_EQ(starts[process] % block, 0);
+  }
 }
 
 TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {

@@ -25,10 +25,10 @@ template <int Width>
 struct Lanes {
   static constexpr int part_width = std::min(Width, native_lanes);
   static constexpr int parts = Width / part_width;
-  typedef double Part __attribute__((vector_size(sizeof(double) * part_width)));
+  using Part __attribute__((vector_size(sizeof(double) * part_width))) = double;
   /// The same in memory of any alignment, free to alias doubles.
-  typedef double LoosePart
-      __attribute__((vector_size(sizeof(double) * part_width), aligned(sizeof(double)), may_alias));
+  using LoosePart
+      __attribute__((vector_size(sizeof(double) * part_width), aligned(sizeof(double)), may_alias)) = double;
 
   Part part[parts];
 

@@ -25,9 +25,6 @@ class LaneLayout {
   void to_owned(const LaneArray& mesh, int width, LaneVector& owned) const;
 
  private:
-  /// Lanes that are exchanged at once: as many as PETSc's indices take.
-  int lanes_at_once(int lanes) const;
-
   const Grid<Dim>& grid_;
   const LaneLevel<Dim>& level_;
   int components_;
