@@ -141,14 +141,14 @@ TYPED_TEST(LaneCgTest, AllCyclesAndDegreesConverge) {
     }
 }
 
-/// Of uniform coefficients, a digit an iteration.
+/// With uniform coefficients: about a digit an iteration, whatever the size.
 TYPED_TEST(LaneCgTest, ConvergesFast) {
   for (const SolverCycle kind : {SolverCycle::v, SolverCycle::w, SolverCycle::k}) {
     LaneCycle cycle;
     cycle.kind = kind;
     Solver<TypeParam, 1> solver(cycle, [](std::int64_t, int) { return 1.0; });
     const auto outcomes = solver.solve(solver.loads(1), 1, {.tolerance = 1e-8});
-    printf("%d %d\n", static_cast<int>(kind), outcomes[0].iterations);
+    EXPECT_LE(outcomes[0].iterations, TypeParam::components == 1 ? 8 : 11) << static_cast<int>(kind);
   }
 }
 
