@@ -40,7 +40,7 @@ double scaled_spectrum_bound(std::span<const double> matrix, int corners, int co
       }
   std::vector<double> eigenvalues(size), work(static_cast<std::size_t>(size) * 34);
   const PetscBLASInt kind = 1;
-  const PetscBLASInt work_size = static_cast<PetscBLASInt>(work.size());
+  const auto work_size = static_cast<PetscBLASInt>(work.size());
   PetscBLASInt info = 0;
   LAPACKsygv_(&kind, "N", "U", &size, stiffness.data(), &size, scaling.data(), &size, eigenvalues.data(),
               work.data(), &work_size, &info);

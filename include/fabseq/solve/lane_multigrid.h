@@ -73,14 +73,14 @@ class LaneMultigrid {
   void find_islands();
   void factor(std::array<bool, Width>& positive);
   /// One cycle from zero on a level: x = M b.
-  void visit(int level, const double* b, double* x);
-  void restrict_residual(int level);
+  void visit(int index, const double* b, double* x);
+  void restrict_residual(int index);
   /// Solves on a level below the finest, from its `right` to its `solution`.
-  void solve(int level);
-  void iterate(int level, int steps);
-  void conjugate_gradients(int level, int steps);
+  void solve(int index);
+  void iterate(int index, int steps);
+  void conjugate_gradients(int index, int steps);
   void solve_directly();
-  void sum(int level, std::span<double> scalars) const;
+  void sum(int index, std::span<double> scalars) const;
 
   LaneHierarchy<dim>& hierarchy_;
   LaneCycle cycle_;
@@ -89,7 +89,7 @@ class LaneMultigrid {
   BandNumbering<dim> numbering_;
   std::unique_ptr<IslandMap<dim>> island_map_;
   IslandModes<Problem, Width> islands_;
-  static constexpr int factors = Problem::own_operators ? Width : 1;
+  static constexpr int factors = Problem::template operators<Width>;
   std::array<std::shared_ptr<BandCholesky>, factors> factors_;
   std::vector<double> direct_values_;
 };

@@ -20,6 +20,9 @@ class LaneElasticityProblem {
   static constexpr int element_size = element_unknowns<Dim>;
   /// Whether lanes differ in their operator, not only in their right-hand side.
   static constexpr bool own_operators = true;
+  /// Operators of so many lanes.
+  template <int Width>
+  static constexpr int operators = Width;
   template <int Width>
   using Kernel = ElasticKernel<Dim, Width>;
 
@@ -61,6 +64,8 @@ class LaneHeatProblem {
   static constexpr int components = 1;
   static constexpr int element_size = corner_count<Dim>;
   static constexpr bool own_operators = false;
+  template <int Width>
+  static constexpr int operators = 1;
   template <int Width>
   using Kernel = HeatKernel<Dim, Width>;
 

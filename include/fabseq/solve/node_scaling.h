@@ -16,7 +16,7 @@ template <class Problem, int Width>
 class NodeScaling {
  public:
   static constexpr int components = Problem::components;
-  static constexpr int width = Problem::own_operators ? Width : 1;
+  static constexpr int width = Problem::template operators<Width>;
   /// Entries of a symmetric block: diagonal first, then (0,1), (0,2), (1,2).
   static constexpr int entries = components * (components + 1) / 2;
 
