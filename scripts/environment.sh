@@ -15,6 +15,9 @@ allow_more_ranks_than_cores() {
   export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
 }
 
+# Cores of the machine; nproc alone would answer OMP_NUM_THREADS.
+core_count() { env -u OMP_NUM_THREADS nproc; }
+
 # Parallel compiler jobs: CMAKE_BUILD_PARALLEL_LEVEL, or else the cores, but no more than memory allows at 2 GB a job.
 compile_jobs() {
   local cores available limit jobs
@@ -22,7 +25,7 @@ compile_jobs() {
     echo "$CMAKE_BUILD_PARALLEL_LEVEL"
     return
   fi
-  cores=$(nproc)
+  cores=$(core_count)
   available=$(awk '/^MemAvailable:/ {print int($2 / 1024)}' /proc/meminfo)
   limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)
   if [[ $limit =~ ^[0-9]+$ ]] && ((limit / 1048576 < available)); then

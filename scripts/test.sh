@@ -18,5 +18,5 @@ fi
 for preset in "${presets[@]}"; do
   bash scripts/setup.sh --preset "$preset"
   echo "== tests, preset $preset"
-  ctest --preset "$preset" --parallel "$(nproc)" "$@"
+  ctest --preset "$preset" --parallel "$(core_count)" "$@"
 done

@@ -44,7 +44,7 @@ class LaneCg {
   Half& half();
   Multigrid& multigrid() { return multigrid_; }
   /// Sets up the multigrid for the coefficients given to its finest level.
-  void set_up() { positive_ = multigrid_.set_up(); }
+  void set_up();
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
   /// `load` is overwritten.
   std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);

@@ -22,6 +22,11 @@ LaneCg<Problem, Width>::LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Pro
 }
 
 template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up() {
+  positive_ = multigrid_.set_up();
+}
+
+template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
   solution.assign(load.size(), 0.0);
