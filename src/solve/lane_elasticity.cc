@@ -35,10 +35,10 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
   first_layer_ = first_layer;
   lanes_ = lanes;
   stiffness_.assign(stiffness.begin(), stiffness.end());
-  finite_.assign(static_cast<std::size_t>(lanes), 1.0);
+  not_finite_.assign(static_cast<std::size_t>(lanes), 0.0);
   for (std::size_t i = 0; i < stiffness.size(); ++i)
-    if (!std::isfinite(stiffness[i])) finite_[i % lanes] = 0.0;
-  for (double& finite : finite_) finite = min(grid_.comm(), finite);
+    if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
+  sum_in_place(grid_.comm(), not_finite_);
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
     LaneArray& coefficients = solver.multigrid().finest().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
@@ -58,7 +58,7 @@ std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const
     with_narrowest(solver_, lanes_, [&]<int Width>(auto& solver) {
       layout_.to_mesh(loads[set], Width, load_);
       for (const LaneOutcome& outcome : solver.solve(load_, displacement_, lanes_, stop_)) {
-        const bool finite = outcome.finite && finite_[reports[set].size()] > 0.0;
+        const bool finite = outcome.finite && not_finite_[reports[set].size()] == 0.0;
         reports[set].push_back({outcome.iterations,
                                 finite ? outcome.residual : std::numeric_limits<double>::quiet_NaN(),
                                 outcome.converged, finite ? "iteration limit" : "not a number"});

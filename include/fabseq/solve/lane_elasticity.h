@@ -46,8 +46,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   LaneCg<LaneElasticityProblem<Dim>, widest> solver_;
   std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
   int first_layer_ = 0, lanes_ = 0;
-  std::vector<double> finite_;  ///< 1 for lanes of the current batch whose stiffness is all numbers, else 0
-  std::vector<double> stiffness_;  ///< of the current batch, [element][lane], for the fallback
+  std::vector<double> not_finite_;  ///< stiffness values of each lane of the batch that are no numbers
+  std::vector<double> stiffness_;   ///< of the current batch, [element][lane], for the fallback
   LaneArray load_, displacement_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
