@@ -25,11 +25,12 @@ template <class Modes>
         }
 }
 
-/// y = K x over a row of elements, added to the window. A face's corners are transformed once and serve both
-/// of its elements, forward and back.
-template <class Kernel>
+/// y = K x over a row of elements, added to the window; calls `finish` for the nodes that the row finishes. A
+/// face's corners are transformed once and serve both of its elements, forward and back.
+template <class Kernel, class Finish>
 [[gnu::always_inline]] inline void sweep_row(const typename LaneMesh<Kernel::dim>::Row& row,
-                                             const Kernel& kernel, const double* x, double* window) {
+                                             const Kernel& kernel, const double* x, double* window,
+                                             Finish& finish) {
   constexpr int face = LaneMesh<Kernel::dim>::face_corners;
   constexpr int components = Kernel::components;
   constexpr int width = Kernel::width;
@@ -52,18 +53,26 @@ template <class Kernel>
   };
   const auto add = [&](std::int64_t i, Modes & forces) __attribute__((always_inline)) {
     transform_face(forces);
-#pragma GCC unroll 4
-    for (int corner = 0; corner < face; ++corner)
+    const bool last = i >= row.finish_begin && i < row.finish_end;
+    std::array<Lanes<width>, components> values;
+#pragma GCC unroll 3
+    for (int a = 0; a < components; ++a) {
+      double* place = to[0] + i * block + a * width;
+      values[a] = Lanes<width>::load(place) + forces[a][0];
+      (last ? Lanes<width>::zero() : values[a]).store(place);
+    }
+#pragma GCC unroll 3
+    for (int corner = 1; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a) {
         double* place = to[corner] + i * block + a * width;
         (Lanes<width>::load(place) + forces[a][corner]).store(place);
       }
+    if (last) finish(row.node[0] + i, values);
   };
-  Modes lower, upper, lower_forces, upper_forces;
-  read(0, lower);
-  for (auto& component : lower_forces) component.fill(Lanes<width>::zero());
-  for (int i = 0; i < row.length; ++i) {
+  // Passes element i, between faces whose modes and forces are `lower` and `upper`.
+  const auto pass = [&](std::int64_t i, const Modes& lower, Modes& upper, Modes& lower_forces,
+                        Modes& upper_forces) __attribute__((always_inline)) {
     // What the next row needs and this one does not: the line behind its upper corners.
     for (int a = 0; a < block; a += cache_line)
       __builtin_prefetch(from[face - 1] + (i + row.length + 1) * block + a);
@@ -71,10 +80,22 @@ template <class Kernel>
     read(i + 1, upper);
     kernel.apply(row.element + i, lower, upper, lower_forces, upper_forces);
     add(i, lower_forces);
-    lower = upper;
-    lower_forces = upper_forces;
+  };
+  // Two elements a turn: the faces change roles instead of being copied.
+  Modes even, odd, even_forces, odd_forces;
+  read(0, even);
+  for (auto& component : even_forces) component.fill(Lanes<width>::zero());
+  int i = 0;
+  for (; i + 1 < row.length; i += 2) {
+    pass(i, even, odd, even_forces, odd_forces);
+    pass(i + 1, odd, even, odd_forces, even_forces);
   }
-  add(row.length, lower_forces);
+  if (i < row.length) {
+    pass(i, even, odd, even_forces, odd_forces);
+    add(row.length, odd_forces);
+  } else {
+    add(row.length, even_forces);
+  }
 }
 
 /// Calls `finish(node, sums)` with K x at each node, as soon as it is complete and nothing reads x there any
@@ -88,7 +109,8 @@ void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const double
   constexpr int components = Kernel::components;
   constexpr int block = components * width;
   for (const auto& line : mesh.lines()) {
-    for (int row = line.first_row; row < line.last_row; ++row) sweep_row(mesh.rows()[row], kernel, x, window);
+    for (int row = line.first_row; row < line.last_row; ++row)
+      sweep_row(mesh.rows()[row], kernel, x, window, finish);
     for (int s = line.first_segment; s < line.last_segment; ++s) {
       const auto& segment = mesh.segments()[s];
       double* sums = window + segment.slot * block;
