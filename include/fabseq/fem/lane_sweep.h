@@ -29,16 +29,18 @@ template <class Modes>
 /// face's corners are transformed once and serve both of its elements, forward and back.
 template <class Kernel, class Finish>
 [[gnu::always_inline]] inline void sweep_row(const typename LaneMesh<Kernel::dim>::Row& row,
-                                             const Kernel& kernel, const double* x, double* window,
-                                             Finish& finish) {
+                                             const Kernel& kernel, const typename Kernel::Number* x,
+                                             typename Kernel::Number* window, Finish& finish) {
   constexpr int face = LaneMesh<Kernel::dim>::face_corners;
   constexpr int components = Kernel::components;
   constexpr int width = Kernel::width;
   constexpr int block = components * width;
-  constexpr int cache_line = 64 / sizeof(double);
+  using Number = typename Kernel::Number;
+  using Value = Lanes<width, Number>;
+  constexpr int cache_line = 64 / sizeof(Number);
   using Modes = typename Kernel::Modes;
-  std::array<const double*, face> from;
-  std::array<double*, face> to;
+  std::array<const Number*, face> from;
+  std::array<Number*, face> to;
   for (int corner = 0; corner < face; ++corner) {
     from[corner] = x + row.node[corner] * block;
     to[corner] = window + row.slot[corner] * block;
@@ -48,25 +50,25 @@ template <class Kernel, class Finish>
     for (int corner = 0; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a)
-        modes[a][corner] = Lanes<width>::load(from[corner] + i * block + a * width);
+        modes[a][corner] = Value::load(from[corner] + i * block + a * width);
     transform_face(modes);
   };
   const auto add = [&](std::int64_t i, Modes & forces) __attribute__((always_inline)) {
     transform_face(forces);
     const bool last = i >= row.finish_begin && i < row.finish_end;
-    std::array<Lanes<width>, components> values;
+    std::array<Value, components> values;
 #pragma GCC unroll 3
     for (int a = 0; a < components; ++a) {
-      double* place = to[0] + i * block + a * width;
-      values[a] = Lanes<width>::load(place) + forces[a][0];
-      (last ? Lanes<width>::zero() : values[a]).store(place);
+      Number* place = to[0] + i * block + a * width;
+      values[a] = Value::load(place) + forces[a][0];
+      (last ? Value::zero() : values[a]).store(place);
     }
 #pragma GCC unroll 3
     for (int corner = 1; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a) {
-        double* place = to[corner] + i * block + a * width;
-        (Lanes<width>::load(place) + forces[a][corner]).store(place);
+        Number* place = to[corner] + i * block + a * width;
+        (Value::load(place) + forces[a][corner]).store(place);
       }
     if (last) finish(row.node[0] + i, values);
   };
@@ -84,7 +86,7 @@ template <class Kernel, class Finish>
   // Two elements a turn: the faces change roles instead of being copied.
   Modes even, odd, even_forces, odd_forces;
   read(0, even);
-  for (auto& component : even_forces) component.fill(Lanes<width>::zero());
+  for (auto& component : even_forces) component.fill(Value::zero());
   int i = 0;
   for (; i + 1 < row.length; i += 2) {
     pass(i, even, odd, even_forces, odd_forces);
@@ -103,22 +105,24 @@ template <class Kernel, class Finish>
 /// shared nodes this rank's part is copied to `shared`, [position][component][lane], instead. `window` has
 /// room for LaneMesh::window() nodes and is zero before and after.
 template <class Kernel, class Finish>
-void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const double* x, double* window,
-           double* shared, Finish&& finish) {
+void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typename Kernel::Number* x,
+           typename Kernel::Number* window, typename Kernel::Number* shared, Finish&& finish) {
   constexpr int width = Kernel::width;
   constexpr int components = Kernel::components;
   constexpr int block = components * width;
+  using Number = typename Kernel::Number;
+  using Value = Lanes<width, Number>;
   for (const auto& line : mesh.lines()) {
     for (int row = line.first_row; row < line.last_row; ++row)
       sweep_row(mesh.rows()[row], kernel, x, window, finish);
     for (int s = line.first_segment; s < line.last_segment; ++s) {
       const auto& segment = mesh.segments()[s];
-      double* sums = window + segment.slot * block;
+      Number* sums = window + segment.slot * block;
       for (int i = 0; i < segment.length; ++i, sums += block) {
-        std::array<Lanes<width>, components> values;
+        std::array<Value, components> values;
         for (int a = 0; a < components; ++a) {
-          values[a] = Lanes<width>::load(sums + a * width);
-          Lanes<width>::zero().store(sums + a * width);
+          values[a] = Value::load(sums + a * width);
+          Value::zero().store(sums + a * width);
         }
         if (segment.shared < 0)
           finish(segment.node + i, values);
