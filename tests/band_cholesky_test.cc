@@ -40,19 +40,20 @@ TEST(BandCholeskyTest, SolvesLikeADenseMatrix) {
     const auto matrix = band_matrix(size, bandwidth);
     BandCholesky cholesky = filled(matrix, size, bandwidth);
     ASSERT_TRUE(cholesky.factor());
-    const int columns = 5;
-    std::vector<double> expected, values(static_cast<std::size_t>(size) * columns, 0.0);
-    for (int i = 0; i < size * columns; ++i) expected.push_back(test::noise(i, 2) - 0.5);
-    for (int column = 0; column < columns; ++column)
-      for (int i = 0; i < size; ++i)
-        for (int j = 0; j < size; ++j)
-          values[column * size + i] += matrix[i * size + j] * expected[column * size + j];
-    auto one = values;
-    cholesky.solve(values, columns);
-    EXPECT_LT(test::relative_difference(values, expected), 1e-10) << size << " " << bandwidth;
-    one.resize(size);
-    cholesky.solve(one, 1);
-    for (int i = 0; i < size; ++i) EXPECT_NEAR(one[i], values[i], 1e-12);
+    test::for_each_width([&, size = size, bandwidth = bandwidth]<int Width>() {
+      std::vector<double> expected, values(static_cast<std::size_t>(size) * Width, 0.0);
+      for (int i = 0; i < size * Width; ++i) expected.push_back(test::noise(i, 2) - 0.5);
+      for (int lane = 0; lane < Width; ++lane)
+        for (int i = 0; i < size; ++i)
+          for (int j = 0; j < size; ++j)
+            values[i * Width + lane] += matrix[i * size + j] * expected[j * Width + lane];
+      std::vector<double> one;
+      for (int i = 0; i < size; ++i) one.push_back(values[i * Width]);
+      cholesky.solve_lanes<Width>(values);
+      EXPECT_LT(test::relative_difference(values, expected), 1e-10) << size << " " << bandwidth;
+      cholesky.solve(one);
+      for (int i = 0; i < size; ++i) EXPECT_NEAR(one[i], values[i * Width], 1e-12);
+    });
   }
 }
 
@@ -69,7 +70,7 @@ TEST(BandCholeskyTest, EmptyRowsAreLeftAlone) {
     if (empty.count(i) != 0) values[i] = 3.0;
     for (int j = 0; j < size; ++j) values[i] += matrix[i * size + j] * (1.0 + j);
   }
-  cholesky.solve(values, 1);
+  cholesky.solve(values);
   for (int i = 0; i < size; ++i) EXPECT_NEAR(values[i], empty.count(i) != 0 ? 3.0 : 1.0 + i, 1e-9);
 }
 
@@ -88,7 +89,7 @@ TEST(BandCholeskyTest, CanBeUsedAgain) {
   for (int i = 0; i < 4; ++i) cholesky.add(i, i, 2.0);
   ASSERT_TRUE(cholesky.factor());
   std::vector<double> values = {2.0, 4.0, 6.0, 8.0};
-  cholesky.solve(values, 1);
+  cholesky.solve(values);
   for (int i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(values[i], 1.0 + i);
 }
 

@@ -63,9 +63,9 @@ bool BandCholesky::factor() {
   return info == 0;
 }
 
-void BandCholesky::solve(std::span<double> values, int count) const {
+void BandCholesky::solve(std::span<double> values) const {
   const PetscBLASInt leading = bandwidth_ + 1;
-  const PetscBLASInt columns = count;
+  const PetscBLASInt columns = 1;
   PetscBLASInt info = 0;
   dpbtrs_("L", &size_, &bandwidth_, &columns, band_.data(), &leading, values.data(), &size_, &info);
 }

@@ -20,24 +20,24 @@ LaneLayout<Dim>::LaneLayout(const Grid<Dim>& grid, const LaneLevel<Dim>& level, 
 template <int Dim>
 void LaneLayout<Dim>::to_mesh(const LaneVector& owned, int width, LaneArray& mesh) const {
   const int lanes = owned.lanes;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid_.ghosted_nodes().count()) * components_ * lanes);
-  grid_.exchange(components_ * lanes).to_ghosted(owned.values, ghosted);
+  ghosted_.resize(static_cast<std::size_t>(grid_.ghosted_nodes().count()) * components_ * lanes);
+  grid_.exchange(components_ * lanes).to_ghosted(owned.values, ghosted_);
   mesh.assign(places_.size() * components_ * width, 0.0);
   for (std::size_t node = 0; node < places_.size(); ++node)
     for (int a = 0; a < components_; ++a)
-      std::copy_n(&ghosted[(places_[node] * components_ + a) * lanes], lanes,
+      std::copy_n(&ghosted_[(places_[node] * components_ + a) * lanes], lanes,
                   &mesh[(node * components_ + a) * width]);
 }
 
 template <int Dim>
 void LaneLayout<Dim>::to_owned(const LaneArray& mesh, int width, LaneVector& owned) const {
   const int lanes = owned.lanes;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid_.ghosted_nodes().count()) * components_ * lanes);
+  ghosted_.assign(static_cast<std::size_t>(grid_.ghosted_nodes().count()) * components_ * lanes, 0.0);
   for (std::size_t node = 0; node < places_.size(); ++node)
     for (int a = 0; counted_[node] != 0 && a < components_; ++a)
       std::copy_n(&mesh[(node * components_ + a) * width], lanes,
-                  &ghosted[(places_[node] * components_ + a) * lanes]);
-  grid_.exchange(components_ * lanes).add_to_owned(ghosted, owned.values);
+                  &ghosted_[(places_[node] * components_ + a) * lanes]);
+  grid_.exchange(components_ * lanes).add_to_owned(ghosted_, owned.values);
 }
 
 template class LaneLayout<2>;

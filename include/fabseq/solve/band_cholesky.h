@@ -3,9 +3,12 @@
 #pragma once
 
 #include "fabseq/fem/lane_mesh.h"
+#include "fabseq/fem/lanes.h"
 
 #include <petscsys.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,13 +43,38 @@ class BandCholesky {
   }
   /// Rows without anything on the diagonal get a 1 there. False if the matrix is not positive definite.
   bool factor();
-  /// Solves in place for `count` right-hand sides, one after the other in memory.
-  void solve(std::span<double> values, int count) const;
+  /// Solves in place.
+  void solve(std::span<double> values) const;
+  /// Solves in place for several right-hand sides, [row][lane].
+  template <int Width>
+  void solve_lanes(std::span<double> values) const;
 
  private:
   PetscBLASInt size_ = 0, bandwidth_ = 0;
   std::vector<double> band_;  ///< LAPACK's lower band storage
 };
+
+/// One pass over the factor for all lanes, where LAPACK takes one a right-hand side.
+template <int Width>
+void BandCholesky::solve_lanes(std::span<double> values) const {
+  using Value = Lanes<Width>;
+  const auto at = [&](PetscBLASInt row) { return values.data() + static_cast<std::size_t>(row) * Width; };
+  const auto column = [&](PetscBLASInt j) { return &band_[static_cast<std::size_t>(j) * (bandwidth_ + 1)]; };
+  for (PetscBLASInt j = 0; j < size_; ++j) {
+    const double* const factor = column(j);
+    const Value value = Value::load(at(j)) * (1.0 / factor[0]);
+    value.store(at(j));
+    for (PetscBLASInt i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
+      (Value::load(at(j + i)) - value * factor[i]).store(at(j + i));
+  }
+  for (PetscBLASInt j = size_ - 1; j >= 0; --j) {
+    const double* const factor = column(j);
+    std::array<Value, 2> sums{Value::zero(), Value::zero()};  // side by side: each waits for itself only
+    for (PetscBLASInt i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
+      sums[i % 2] += Value::load(at(j + i)) * factor[i];
+    ((Value::load(at(j)) - (sums[0] + sums[1])) * (1.0 / factor[0])).store(at(j));
+  }
+}
 
 extern template class BandNumbering<2>;
 extern template class BandNumbering<3>;

@@ -194,7 +194,7 @@ void IslandModes<Problem, Width>::add_correction(const LaneLevel<dim>& level, co
   for (int lane = 0; lane < Width; ++lane) {
     const Lane& own = *lanes_[lane];
     if (own.count == 0) continue;
-    own.energy.solve({first(lane), static_cast<std::size_t>(own.count) * modes}, 1);
+    own.energy.solve({first(lane), static_cast<std::size_t>(own.count) * modes});
     for (const Place& place : own.places)
       for (int a = 0; a < dim; ++a) {
         Real& value = x[place.node * block + a * Width + lane];

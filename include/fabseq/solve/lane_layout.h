@@ -28,8 +28,9 @@ class LaneLayout {
   const Grid<Dim>& grid_;
   const LaneLevel<Dim>& level_;
   int components_;
-  std::vector<std::int64_t> places_;  ///< of each node of the mesh in the ghosted box
-  std::vector<char> counted_;         ///< whether this rank hands out the node's value
+  std::vector<std::int64_t> places_;     ///< of each node of the mesh in the ghosted box
+  std::vector<char> counted_;            ///< whether this rank hands out the node's value
+  mutable std::vector<double> ghosted_;  ///< kept: new memory costs more than what is done with it
 };
 
 extern template class LaneLayout<2>;

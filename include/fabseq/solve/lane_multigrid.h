@@ -75,6 +75,7 @@ class LaneMultigrid {
   };
   void coarsen_coefficients(int level);
   void factor(std::array<bool, Width>& positive);
+  void assemble(int lane, BandCholesky& band);
   /// One cycle from zero on a level: x = M b.
   void visit(int index, const Real* b, Real* x);
   void restrict_residual(int index);
@@ -94,7 +95,7 @@ class LaneMultigrid {
   std::vector<Level> levels_;
   BandNumbering<dim> numbering_;
   static constexpr int factors = Problem::template operators<Width>;
-  std::array<std::shared_ptr<BandCholesky>, factors> factors_;
+  std::array<std::shared_ptr<BandCholesky>, factors> factors_;  ///< of the lanes dealt to this rank
   std::vector<double> direct_values_;
 };
 

@@ -63,8 +63,27 @@ void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
     sum_in_place(fine.comm, std::span<Real>(to));
 }
 
+/// Every rank has the last level, but factors only the lanes dealt to it.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positive) {
+  const MPI_Comm comm = hierarchy_.level(0).comm;
+  const auto& rows = numbering_.rows();
+  std::array<double, factors> failed{};
+  for (int lane = 0; lane < factors; ++lane) {
+    factors_[lane] = nullptr;
+    if (lane % size_of(comm) != rank_of(comm)) continue;
+    factors_[lane] = std::make_shared<BandCholesky>();
+    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
+    assemble(lane, *factors_[lane]);
+    if (!factors_[lane]->factor()) failed[lane] = 1.0;
+  }
+  sum_in_place(comm, failed);
+  for (int lane = 0; lane < factors; ++lane) positive[lane] = failed[lane] == 0.0;
+}
+
+/// Adds up the last level's matrix of a lane.
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::assemble(int lane, BandCholesky& band) {
   Operator& matrix = *levels_.back().matrix;
   const LaneLevel<dim>& level = matrix.level();
   constexpr int stride = Operator::Kernel::stride;
@@ -72,10 +91,6 @@ void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positi
   const auto& rows = numbering_.rows();
   std::vector<char> held(rows.size(), 0);
   for (const std::int64_t unknown : level.fixed) held[unknown] = 1;
-  for (int lane = 0; lane < factors; ++lane) {
-    factors_[lane] = std::make_shared<BandCholesky>();
-    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
-  }
   for (const auto& row : level.mesh.rows())
     for (int e = 0; e < row.length; ++e) {
       const Real* coefficients = &matrix.coefficients()[(row.element + e) * stride];
@@ -85,15 +100,11 @@ void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positi
         unknowns[i] = (row.node[corner / 2] + e + corner % 2) * components + i % components;
       }
       for (int i = 0; i < size; ++i)
-        for (int j = 0; j < size; ++j) {
-          if (held[unknowns[i]] != 0 || held[unknowns[j]] != 0) continue;
-          for (int lane = 0; lane < factors; ++lane)
-            factors_[lane]->add(rows[unknowns[i]], rows[unknowns[j]],
-                                Problem::template entry<Width>(matrix.matrices(), i, j, coefficients, lane));
-        }
+        for (int j = 0; j < size; ++j)
+          if (held[unknowns[i]] == 0 && held[unknowns[j]] == 0)
+            band.add(rows[unknowns[i]], rows[unknowns[j]],
+                     Problem::template entry<Width>(matrix.matrices(), i, j, coefficients, lane));
     }
-  for (int lane = 0; lane < factors; ++lane)
-    if (!factors_[lane]->factor()) positive[lane] = false;
 }
 
 template <class Problem, int Width, class Real>
@@ -234,24 +245,31 @@ void LaneMultigrid<Problem, Width, Real>::advance(Level& level, const Scalars& a
   }
 }
 
+/// Every rank solves the lanes that it has factored.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::solve_directly() {
   Level& last = levels_.back();
+  const MPI_Comm comm = hierarchy_.level(0).comm;
   const auto& rows = numbering_.rows();
-  direct_values_.resize(rows.size() * Width);
+  direct_values_.assign(rows.size() * Width, 0.0);
+  // Lanes with factors of their own are solved one by one, the others side by side.
+  const auto place = [&](std::size_t unknown, int lane) {
+    return Problem::own_operators ? lane * rows.size() + rows[unknown] : rows[unknown] * Width + lane;
+  };
+  const auto has = [&](int lane) { return factors_[Problem::own_operators ? lane : 0] != nullptr; };
   for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
     for (int lane = 0; lane < Width; ++lane)
-      direct_values_[lane * rows.size() + rows[unknown]] = last.right[unknown * Width + lane];
+      if (has(lane)) direct_values_[place(unknown, lane)] = last.right[unknown * Width + lane];
   if constexpr (Problem::own_operators) {
     for (int lane = 0; lane < Width; ++lane)
-      factors_[lane]->solve({&direct_values_[lane * rows.size()], rows.size()}, 1);
-  } else {
-    factors_[0]->solve(direct_values_, Width);
+      if (has(lane)) factors_[lane]->solve({direct_values_.data() + lane * rows.size(), rows.size()});
+  } else if (has(0)) {
+    factors_[0]->template solve_lanes<Width>(direct_values_);
   }
+  if (size_of(comm) > 1) sum_in_place(comm, direct_values_);
   for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
     for (int lane = 0; lane < Width; ++lane)
-      last.solution[unknown * Width + lane] =
-          static_cast<Real>(direct_values_[lane * rows.size() + rows[unknown]]);
+      last.solution[unknown * Width + lane] = static_cast<Real>(direct_values_[place(unknown, lane)]);
   last.matrix->clear_held(last.solution.data());
 }
 
