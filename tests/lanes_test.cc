@@ -57,6 +57,48 @@ TEST(LanesTest, WidensSinglePrecision) {
   });
 }
 
+TEST(LanesTest, RoundsToSinglePrecision) {
+  for_each_width([]<int Width>() {
+    const auto from = numbers<Width>(1);
+    std::array<float, 24> to;
+    for (int shift = 0; shift < 8; ++shift) {
+      to.fill(-1.0F);
+      Lanes<Width>::load(from.data()).store(&to[shift]);
+      const auto rounded = Lanes<Width, float>::load(from.data());
+      const auto wide = widened(rounded);
+      for (int i = 0; i < 24; ++i)
+        EXPECT_EQ(to[i], i < shift || i >= shift + Width ? -1.0F : static_cast<float>(from[i - shift]));
+      for (int lane = 0; lane < Width; ++lane) {
+        EXPECT_EQ(rounded[lane], static_cast<float>(from[lane]));
+        EXPECT_EQ(wide[lane], static_cast<double>(static_cast<float>(from[lane])));
+      }
+    }
+  });
+}
+
+TEST(LanesTest, CalculatesInSinglePrecision) {
+  for_each_width([]<int Width>() {
+    const auto x = numbers<Width>(1), y = numbers<Width>(2);
+    const auto a = Lanes<Width, float>::load(x.data()), b = Lanes<Width, float>::load(y.data());
+    const auto result = (a - b) * a + b / a * 0.5F;
+    alignas(64) std::array<float, 16> streamed;
+    result.stream(streamed.data());
+    for (int lane = 0; lane < Width; ++lane) {
+      EXPECT_NEAR(result[lane], (x[lane] - y[lane]) * x[lane] + y[lane] / x[lane] * 0.5,
+                  1e-6 * (1.0 + std::abs(y[lane] / x[lane])));
+      EXPECT_EQ(streamed[lane], result[lane]);
+    }
+  });
+}
+
+TEST(LanesTest, ShiftsByOne) {
+  for_each_width([]<int Width>() {
+    const auto x = numbers<Width>(1), y = numbers<Width>(2);
+    const auto result = shifted(Lanes<Width>::load(x.data()), Lanes<Width>::load(y.data()));
+    for (int lane = 0; lane < Width; ++lane) EXPECT_EQ(result[lane], lane == 0 ? x[Width - 1] : y[lane - 1]);
+  });
+}
+
 TEST(LanesTest, Broadcasts) {
   for_each_width([]<int Width>() {
     const auto lanes = Lanes<Width>::broadcast(0.3);

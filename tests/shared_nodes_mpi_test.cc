@@ -109,7 +109,11 @@ TYPED_TEST(SharedNodesTest, SumsOverAllHolders) {
       sum_in_place(PETSC_COMM_WORLD, expected);
       for (const std::int64_t at : places)
         for (int entry = 0; entry < block; ++entry) values.push_back(value(at, entry, rank));
+      std::vector<float> rounded(values.begin(), values.end());
       shares.shared.sum(std::span(values), block);
+      shares.shared.sum(std::span(rounded), block);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        EXPECT_NEAR(rounded[i], values[i], 1e-6 * std::pow(10.0, 3.0 * size_of(PETSC_COMM_WORLD)));
       // The bits of all holders, as numbers, add up to a multiple of this rank's (modulo 2^64).
       std::vector<std::int64_t> bits(expected.size(), 0);
       for (std::size_t i = 0; i < values.size(); ++i) {

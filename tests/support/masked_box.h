@@ -79,9 +79,11 @@ struct MaskedBox {
 /// All masks on boxes with different starts and odd sizes.
 template <int Dim>
 std::vector<MaskedBox<Dim>> masked_boxes() {
-  std::vector<IndexBox<Dim>> boxes(4);
-  const int sizes[4][3] = {{9, 5, 7}, {6, 7, 4}, {1, 3, 2}, {5, 1, 3}};
-  for (int i = 0; i < 4; ++i)
+  // The last: rows longer than a register.
+  constexpr int count = 5;
+  std::vector<IndexBox<Dim>> boxes(count);
+  const int sizes[count][3] = {{9, 5, 7}, {6, 7, 4}, {1, 3, 2}, {5, 1, 3}, {37, 3, 2}};
+  for (int i = 0; i < count; ++i)
     for (int axis = 0; axis < Dim; ++axis) {
       boxes[i].start[axis] = i == 1 ? 3 + axis : 0;
       boxes[i].size[axis] = sizes[i][axis];

@@ -125,9 +125,32 @@ class HeatKernel {
       upper_forces[0][mode] = even - odd;
     }
   }
+  /// `Count` elements of one system, that follow each other along x, side by side: sets the forces on their faces.
+  template <int Count>
+  [[gnu::always_inline]] void apply_across(std::int64_t element, const FaceModes<Dim, 1, Count, Real>& lower,
+                                           const FaceModes<Dim, 1, Count, Real>& upper,
+                                           FaceModes<Dim, 1, Count, Real>& lower_forces,
+                                           FaceModes<Dim, 1, Count, Real>& upper_forces) const {
+    alignas(register_bytes) std::array<Real, Count> diffusivities, reactions;
+    for (int i = 0; i < Count; ++i) {
+      diffusivities[i] = coefficients_[(element + i) * stride];
+      reactions[i] = coefficients_[(element + i) * stride + 1];
+    }
+    const auto diffusivity = Lanes<Count, Real>::load(diffusivities.data());
+    const auto reaction = Lanes<Count, Real>::load(reactions.data());
+#pragma GCC unroll 4
+    for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
+      const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
+      const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
+      lower_forces[0][mode] = even + odd;
+      upper_forces[0][mode] = even - odd;
+    }
+  }
 
  private:
-  [[gnu::always_inline]] Real entry(int mode, Real diffusivity, Real reaction) const {
+  template <class Coefficient>
+  [[gnu::always_inline]] Coefficient entry(int mode, const Coefficient& diffusivity,
+                                           const Coefficient& reaction) const {
     return diffusivity * conductivity_[mode] + reaction * mass_[mode];
   }
 

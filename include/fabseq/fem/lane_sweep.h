@@ -5,6 +5,8 @@
 #include "fabseq/fem/element_kernels.h"
 #include "fabseq/fem/lane_mesh.h"
 
+#include <algorithm>
+
 namespace fabseq {
 
 /// In-place Walsh-Hadamard transform of a face's corners (its own inverse up to a factor in the blocks).
@@ -23,6 +25,49 @@ template <class Modes>
           component[n] = lower + upper;
           component[n + step] = lower - upper;
         }
+}
+
+/// Begins sweep_row for one system with one unknown a node: elements of the row take the places of the lanes.
+/// Passes as many as come in whole registers; the number of these.
+template <class Kernel, class Finish>
+[[gnu::always_inline]] inline int sweep_across(const typename LaneMesh<Kernel::dim>::Row& row,
+                                               const Kernel& kernel, const typename Kernel::Number* x,
+                                               typename Kernel::Number* window, Finish& finish) {
+  using Number = typename Kernel::Number;
+  constexpr int face = LaneMesh<Kernel::dim>::face_corners;
+  constexpr int count = register_bytes / static_cast<int>(sizeof(Number));
+  using Value = Lanes<count, Number>;
+  using Modes = FaceModes<Kernel::dim, 1, count, Number>;
+  std::array<Value, face> before;  // forces of the elements before on their upper faces
+  before.fill(Value::zero());
+  int i = 0;
+  for (; i + count <= row.length; i += count) {
+    Modes lower, upper, lower_forces, upper_forces;
+#pragma GCC unroll 4
+    for (int corner = 0; corner < face; ++corner) {
+      lower[0][corner] = Value::load(x + row.node[corner] + i);
+      upper[0][corner] = Value::load(x + row.node[corner] + i + 1);
+    }
+    transform_face(lower);
+    transform_face(upper);
+    kernel.template apply_across<count>(row.element + i, lower, upper, lower_forces, upper_forces);
+    transform_face(lower_forces);
+    transform_face(upper_forces);
+#pragma GCC unroll 4
+    for (int corner = 0; corner < face; ++corner) {
+      Number* const place = window + row.slot[corner] + i;
+      const auto forces = lower_forces[0][corner] + shifted(before[corner], upper_forces[0][corner]);
+      before[corner] = upper_forces[0][corner];
+      (Value::load(place) + forces).store(place);
+    }
+    for (int node = std::max(i, row.finish_begin); node < std::min(i + count, row.finish_end); ++node) {
+      Number& sum = window[row.slot[0] + node];
+      finish(row.node[0] + node, std::array<Lanes<1, Number>, 1>{Lanes<1, Number>{sum}});
+      sum = Number{0};
+    }
+  }
+  for (int corner = 0; corner < face; ++corner) window[row.slot[corner] + i] += before[corner][count - 1];
+  return i;
 }
 
 /// y = K x over a row of elements, added to the window; calls `finish` for the nodes that the row finishes. A
@@ -84,10 +129,11 @@ template <class Kernel, class Finish>
     add(i, lower_forces);
   };
   // Two elements a turn: the faces change roles instead of being copied.
-  Modes even, odd, even_forces, odd_forces;
-  read(0, even);
-  for (auto& component : even_forces) component.fill(Value::zero());
   int i = 0;
+  if constexpr (width == 1 && components == 1) i = sweep_across(row, kernel, x, window, finish);
+  Modes even, odd, even_forces, odd_forces;
+  read(i, even);
+  for (auto& component : even_forces) component.fill(Value::zero());
   for (; i + 1 < row.length; i += 2) {
     pass(i, even, odd, even_forces, odd_forces);
     pass(i + 1, odd, even, odd_forces, even_forces);

@@ -141,6 +141,16 @@ struct Lanes<1, Real> {
   Real operator[](int) const { return value; }
 };
 
+/// The last of `before`, then all but the last of `lanes`.
+template <int Width, class Real>
+[[gnu::always_inline]] inline Lanes<Width, Real> shifted(const Lanes<Width, Real>& before,
+                                                         const Lanes<Width, Real>& lanes) {
+  alignas(register_bytes) std::array<Real, 2 * Width> values;
+  before.store(values.data());
+  lanes.store(values.data() + Width);
+  return Lanes<Width, Real>::load(values.data() + Width - 1);
+}
+
 /// In double precision.
 template <int Width, class Real>
 [[gnu::always_inline]] inline Lanes<Width> widened(const Lanes<Width, Real>& lanes) {
