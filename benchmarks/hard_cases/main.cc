@@ -2,6 +2,7 @@
 /// Iterations and true errors of the lane engine on hard cases (docs/performance.md):
 ///
 ///     hard_cases [-scale 0.5] [-tolerance 1e-5] [-only NAME] [-cycle v|w|k] [-islands 0] [-error_factor 1e9]
+///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration, as CSV
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
 #include "fabseq/solve/lane_cg.h"
@@ -23,6 +24,7 @@ struct Settings {
   std::string only;
   fabseq::LaneCycle cycle;
   fabseq::LaneStop stop{1e-5, 300};
+  int history = 0;  ///< iterations to tell of; 0: the table
 };
 
 double real_option(const char* name, double value) {
@@ -46,23 +48,57 @@ Settings read_settings() {
   settings.cycle.islands = real_option("-islands", 1.0) != 0.0;
   settings.stop.tolerance = real_option("-tolerance", 1e-5);
   settings.stop.error_factor = real_option("-error_factor", settings.stop.error_factor);
+  settings.history = static_cast<int>(real_option("-history", 0.0));
   return settings;
 }
 
-/// Relative error in each lane, 0 where there is no load.
-std::array<double, LaneCase::lanes> errors(Solver& solver, const LaneArray& solution,
-                                           const LaneArray& exact) {
-  auto& matrix = solver.matrix();
-  LaneArray difference = solution;
-  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= exact[i];
-  auto squares = matrix.dot(difference.data(), difference.data());
-  auto sizes = matrix.dot(exact.data(), exact.data());
-  fabseq::sum_in_place(matrix.level().comm, squares);
-  fabseq::sum_in_place(matrix.level().comm, sizes);
-  std::array<double, LaneCase::lanes> result{};
+using LaneNumbers = std::array<double, LaneCase::lanes>;
+
+/// Euclidean norm of each lane over all ranks.
+LaneNumbers norms(Solver& solver, const LaneArray& values) {
+  auto squares = solver.matrix().dot(values.data(), values.data());
+  fabseq::sum_in_place(solver.matrix().level().comm, squares);
+  for (double& square : squares) square = std::sqrt(square);
+  return squares;
+}
+
+/// |a - b| relative to |b| in each lane, 0 where b is.
+LaneNumbers relative_differences(Solver& solver, const LaneArray& a, const LaneArray& b) {
+  LaneArray difference = a;
+  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= b[i];
+  LaneNumbers result = norms(solver, difference);
+  const LaneNumbers sizes = norms(solver, b);
   for (int lane = 0; lane < LaneCase::lanes; ++lane)
-    if (sizes[lane] > 0.0) result[lane] = std::sqrt(squares[lane] / sizes[lane]);
+    result[lane] = sizes[lane] > 0.0 ? result[lane] / sizes[lane] : 0.0;
   return result;
+}
+
+/// Two solves to this tolerance differ by less than 1e-9.
+constexpr fabseq::LaneStop tight{1e-12, 1000, 1e9};
+
+/// Begins from zero for every line: the solver tells nothing under way.
+void print_history(const benchmarks::HardCase& hard, const Settings& settings) {
+  LaneCase lane_case(PETSC_COMM_WORLD, hard.part);
+  Solver solver(lane_case.hierarchy(), lane_case.problem(), settings.cycle);
+  lane_case.fill(solver.matrix().coefficients());
+  const LaneArray load = lane_case.load();
+  solver.set_up();
+  LaneArray rest = load, exact, solution, image(load.size());
+  const auto outcomes = solver.solve(rest, exact, LaneCase::lanes, tight);
+  const auto hardest =
+      std::max_element(outcomes.begin(), outcomes.end(),
+                       [](const auto& a, const auto& b) { return a.iterations < b.iterations; }) -
+      outcomes.begin();
+  for (int iteration = 1; iteration <= settings.history; ++iteration) {
+    rest = load;
+    const auto now = solver.solve(rest, solution, LaneCase::lanes, {1e-14, iteration, 1e9});
+    (void)solver.matrix().apply(solution.data(), image.data());
+    const double residual = relative_differences(solver, image, load)[hardest];
+    const double error = relative_differences(solver, solution, exact)[hardest];
+    if (fabseq::rank_of(PETSC_COMM_WORLD) == 0)
+      std::printf("%s,%d,%.3e,%.3e,%.3e\n", hard.name.c_str(), iteration, error, residual,
+                  now[hardest].residual);
+  }
 }
 
 void run(const benchmarks::HardCase& hard, const Settings& settings) {
@@ -77,8 +113,6 @@ void run(const benchmarks::HardCase& hard, const Settings& settings) {
   const auto outcomes = solver.solve(load, solution, LaneCase::lanes, settings.stop);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   load = same_load;
-  // Two solves to this tolerance differ by less than 1e-9.
-  const fabseq::LaneStop tight{1e-12, 1000, 1e9};
   solver.solve(load, exact, LaneCase::lanes, tight);
   std::vector<int> iterations;
   bool converged = true;
@@ -87,7 +121,7 @@ void run(const benchmarks::HardCase& hard, const Settings& settings) {
     converged = converged && outcome.converged;
   }
   std::sort(iterations.begin(), iterations.end());
-  const auto error = errors(solver, solution, exact);
+  const auto error = relative_differences(solver, solution, exact);
   const double filled = lane_case.filled();
   if (fabseq::rank_of(PETSC_COMM_WORLD) != 0) return;
   std::printf("| %-12s | %-40s | %3.0f %% | %3d | %3d | %7.1e | %6.3f |%s\n", hard.name.c_str(),
@@ -103,9 +137,15 @@ int main(int argc, char** argv) {
   fabseq::check(PetscInitialize(&argc, &argv, nullptr, nullptr));
   const Settings settings = read_settings();
   if (fabseq::rank_of(PETSC_COMM_WORLD) == 0)
-    std::printf(
-        "| case | what | fill | worst | median | error | seconds a lane |\n| - | - | - | - | - | - | - |\n");
-  for (const auto& hard : benchmarks::hard_cases(settings.scale))
-    if (settings.only.empty() || settings.only == hard.name) run(hard, settings);
+    std::puts(settings.history > 0 ? "case,iteration,error,residual,preconditioned_residual"
+                                   : "| case | what | fill | worst | median | error | seconds a lane |\n"
+                                     "| - | - | - | - | - | - | - |");
+  for (const auto& hard : benchmarks::hard_cases(settings.scale)) {
+    if (!settings.only.empty() && settings.only != hard.name) continue;
+    if (settings.history > 0)
+      print_history(hard, settings);
+    else
+      run(hard, settings);
+  }
   fabseq::check(PetscFinalize());
 }

@@ -10,8 +10,6 @@
 
 namespace benchmarks {
 
-constexpr double word = sizeof(double);
-
 /// Flops that the blocks of an element matrix take, a lane: an element of ElasticKernel without its transforms.
 template <int Dim>
 constexpr double block_flops() {
@@ -48,12 +46,13 @@ constexpr double element_flops() {
 }
 
 /// Of y = K x on a mesh: x, y and the elements' coefficients pass once.
-template <class Problem, int Width>
+template <class Problem, int Width, class Real = double>
 Cost operator_cost(const fabseq::LaneMesh<Problem::dim>& mesh) {
   const auto elements = static_cast<double>(mesh.elements());
   Cost cost;
   cost.unknowns = static_cast<double>(mesh.nodes()) * Problem::components * Width;
-  cost.bytes = 2 * word * cost.unknowns + word * Problem::template Kernel<Width>::stride * elements;
+  constexpr int stride = Problem::template Kernel<Width, Real>::stride;
+  cost.bytes = sizeof(Real) * (2 * cost.unknowns + stride * elements);
   cost.flops = element_flops<Problem, Width>() * Width * elements;
   return cost;
 }
@@ -64,7 +63,7 @@ Cost operator_cost(const fabseq::LaneMesh<Problem::dim>& mesh) {
 template <class Problem>
 Cost limiting_cost(const Cost& counted) {
   if (Problem::own_operators && Problem::dim == 3) return {1.0, 26.7, 80.0};
-  return {1.0, counted.bytes / counted.unknowns + word, counted.flops / counted.unknowns};
+  return {1.0, counted.bytes / counted.unknowns + sizeof(double), counted.flops / counted.unknowns};
 }
 
 }  // namespace benchmarks

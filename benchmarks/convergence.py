@@ -1,0 +1,50 @@
+#!/usr/bin/python3
+"""True error, residual and preconditioned residual of lane solves against iteration (docs/formulation.md 4.1):
+
+    benchmarks/convergence.py build/release/benchmarks/hard_cases convergence.png [CASE...]
+
+Of the lane of each case that takes longest.
+"""
+import csv
+import subprocess
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+CASES = ["normal", "quiet", "wavy_sharp", "column_2", "sheets", "walls"]
+ITERATIONS = 40
+CURVES = {"error": ("true error of u", "black"), "preconditioned_residual": ("preconditioned residual", "tab:blue"),
+          "residual": ("residual |f - Ku| / |f|", "tab:red")}
+
+
+def history(program, case):
+    printed = subprocess.run([program, "-history", str(ITERATIONS), "-only", case], check=True, capture_output=True, text=True).stdout
+    return list(csv.DictReader(printed.splitlines()))
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    program, picture, *cases = sys.argv[1:]
+    cases = cases or CASES
+    figure, all_axes = plt.subplots(2, -(-len(cases) // 2), figsize=(11, 7), sharey=True, squeeze=False)
+    for case, axes in zip(cases, all_axes.flat):
+        lines = history(program, case)
+        for key, (label, color) in CURVES.items():
+            axes.semilogy([int(line["iteration"]) for line in lines], [float(line[key]) for line in lines], color=color, label=label)
+        axes.set_title(case)
+        axes.set_xlabel("iteration")
+        axes.grid(alpha=0.3)
+        # How far the error lies from what the solver judges by, where there are digits left.
+        ratios = [float(line["error"]) / float(line["preconditioned_residual"]) for line in lines if float(line["error"]) > 1e-9]
+        print(f"{case}: error / preconditioned residual {min(ratios):.2g} to {max(ratios):.2g}, in the end {ratios[-1]:.2g}")
+    all_axes[0][0].legend()
+    figure.tight_layout()
+    figure.savefig(picture, dpi=100)
+
+
+if __name__ == "__main__":
+    main()
