@@ -16,10 +16,12 @@ constexpr double relative_cost(int lanes) {
   return lanes > 4 ? 1.0 : lanes > 2 ? 0.49 : lanes > 1 ? 0.33 : 0.30;
 }
 
-/// Halving a block must save more of the longest group's work than this.
+/// Halving blocks must save more of the longest group's work than this.
 constexpr double worthwhile = 0.02;
-/// Halvings that are tried, a group: more blocks than that balance no better.
+/// Halvings in a row, a group: more blocks than that balance no better.
 constexpr int most_halvings = 8;
+/// Blocks that are tried for the next halving, those with most work.
+constexpr std::size_t most_candidates = 32;
 
 struct WeighedBlock {
   LayerBlock block;
@@ -28,53 +30,57 @@ struct WeighedBlock {
 
 class Dealer {
  public:
-  Dealer(std::span<const double> work, BlockSolver solver) : work_(work), solver_(solver) {}
+  Dealer(std::span<const double> work, int groups, BlockSolver solver)
+      : work_(work), groups_(groups), solver_(solver) {}
 
-  void add(LayerBlock block) {
-    blocks_.push_back({block, block_work(work_.subspan(block.first, block.lanes), solver_)});
+  WeighedBlock weighed(int first, int lanes) const {
+    return {{first, lanes}, block_work(work_.subspan(first, lanes), solver_)};
   }
 
-  /// Longest processing time first.
-  LayerDeal deal(int groups) {
-    std::sort(blocks_.begin(), blocks_.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
+  /// Longest processing time first. Leaves the blocks in that order.
+  LayerDeal deal(std::vector<WeighedBlock>& blocks) const {
+    std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
       return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
     });
     LayerDeal result;
-    result.blocks.resize(groups);
-    std::vector<double> sums(groups, 0.0);
-    for (const WeighedBlock& block : blocks_) {
+    result.blocks.resize(groups_);
+    std::vector<double> sums(groups_, 0.0);
+    for (const WeighedBlock& block : blocks) {
       const auto least = std::min_element(sums.begin(), sums.end()) - sums.begin();
       result.blocks[least].push_back(block.block);
       sums[least] += block.work;
     }
-    const auto most = std::max_element(sums.begin(), sums.end());
-    result.longest = *most;
-    longest_group_ = result.blocks[most - sums.begin()];
-    for (auto& blocks : result.blocks)
-      std::sort(blocks.begin(), blocks.end(),
+    result.longest = *std::max_element(sums.begin(), sums.end());
+    for (auto& of_group : result.blocks)
+      std::sort(of_group.begin(), of_group.end(),
                 [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });
     return result;
   }
 
-  /// Halves the block with most work of the last deal's longest group; false if all of its blocks are single
-  /// layers.
-  bool halve() {
-    for (const LayerBlock& block : longest_group_) {
-      if (block.lanes == 1) continue;
-      std::erase_if(blocks_, [&](const WeighedBlock& other) { return other.block.first == block.first; });
-      const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(block.lanes)) / 2);
-      add({block.first, half});
-      add({block.first + half, block.lanes - half});
-      return true;
+  /// Halves the block that leaves the longest group shortest; nothing is left of `blocks` if all are single layers.
+  LayerDeal halve_best(std::vector<WeighedBlock>& blocks) const {
+    LayerDeal best;
+    std::vector<WeighedBlock> best_blocks;
+    for (std::size_t number = 0; number < std::min(blocks.size(), most_candidates); ++number) {
+      const LayerBlock whole = blocks[number].block;
+      if (whole.lanes == 1) continue;
+      const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
+      std::vector<WeighedBlock> tried = blocks;
+      tried[number] = weighed(whole.first, half);
+      tried.push_back(weighed(whole.first + half, whole.lanes - half));
+      LayerDeal next = deal(tried);
+      if (!best_blocks.empty() && next.longest >= best.longest) continue;
+      best = std::move(next);
+      best_blocks = std::move(tried);
     }
-    return false;
+    blocks = std::move(best_blocks);
+    return best;
   }
 
  private:
   std::span<const double> work_;
+  int groups_;
   BlockSolver solver_;
-  std::vector<WeighedBlock> blocks_;
-  std::vector<LayerBlock> longest_group_;  ///< its blocks, the one with most work first
 };
 
 }  // namespace
@@ -93,12 +99,17 @@ double block_work(std::span<const double> work, BlockSolver solver) {
 
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver) {
   const int layers = static_cast<int>(work.size());
-  Dealer dealer(work, solver);
-  for (int first = 0; first < layers; first += widest) dealer.add({first, std::min(widest, layers - first)});
-  LayerDeal best = dealer.deal(groups);
-  if (groups == 1) return best;
-  for (int step = 0; step < most_halvings * groups && dealer.halve(); ++step) {
-    LayerDeal next = dealer.deal(groups);
+  const Dealer dealer(work, groups, solver);
+  std::vector<WeighedBlock> blocks;
+  for (int first = 0; first < layers; first += widest)
+    blocks.push_back(dealer.weighed(first, std::min(widest, layers - first)));
+  LayerDeal best = dealer.deal(blocks);
+  double total = 0.0;
+  for (const WeighedBlock& block : blocks) total += block.work;
+  for (int step = 0; groups > 1 && step < most_halvings * groups; ++step) {
+    if (best.longest * groups <= (1.0 + worthwhile) * total) break;
+    LayerDeal next = dealer.halve_best(blocks);
+    if (blocks.empty()) break;
     if (next.longest < (1.0 - worthwhile) * best.longest) best = std::move(next);
   }
   return best;
