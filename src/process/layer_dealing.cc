@@ -10,10 +10,10 @@ namespace fabseq {
 
 namespace {
 
-/// Seconds of an iteration with 1, 2, 4 and 8 lanes, over those with 8 (V-shape, 64 x 32 x 64, one core): four
-/// lanes cost half of eight, but a single one no less than a third.
+/// Seconds of an iteration with 1, 2, 4 and 8 lanes, over those with 8 (V-shape, 64 x 32 x 64, one core with
+/// AVX-512): narrow blocks fill a part of a register only.
 constexpr double relative_cost(int lanes) {
-  return lanes > 4 ? 1.0 : lanes > 2 ? 0.49 : lanes > 1 ? 0.33 : 0.30;
+  return lanes > 4 ? 1.0 : lanes > 2 ? 0.62 : lanes > 1 ? 0.57 : 0.55;
 }
 
 /// Halving blocks must save more of the longest group's work than this.
