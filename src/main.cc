@@ -54,7 +54,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   Problem<Dim> problem(setup);
   const Continuation continuation(config.projection, setup.first_beta(), setup.last_beta(), config.optimizer);
   std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  DesignUpdate optimizer(setup.grid.comm(), pipeline.sequence().space(), design.size(), config.optimizer);
+  DesignUpdate optimizer(setup.world(), pipeline.sequence().space(), design.size(), config.optimizer);
   BestIterate best;
   RunOutput<Dim> output(setup, command_line, timer);
   RunEnd end{"iteration_limit", "max_iterations reached", 0};

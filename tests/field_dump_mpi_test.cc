@@ -64,7 +64,7 @@ void expect_analytic_bytes() {
   if (is_first())
     std::ofstream(scratch.file("dump.bin")) << std::string(100000, 'x');  // longer than the dump
   MPI_Barrier(PETSC_COMM_WORLD);
-  write_field_dump(sample.set, scratch.file("dump"));
+  write_field_dump(PETSC_COMM_WORLD, sample.set, scratch.file("dump"));
   if (!is_first()) return;
   EXPECT_EQ(file_text(scratch.file("dump.bin")), expected_bytes(grid));
   const std::string xdmf = file_text(scratch.file("dump.xdmf"));
@@ -80,8 +80,8 @@ TEST(FieldDump, FailsOnAllRanksWithoutADirectory) {
   const test::ScratchDirectory scratch;
   const Grid<3> grid = test::odd_grid<3>();
   const SampleFields<3> sample(grid);
-  const std::string text =
-      error_text<OutputError>([&] { write_field_dump(sample.set, scratch.file("missing/dump")); });
+  const std::string text = error_text<OutputError>(
+      [&] { write_field_dump(PETSC_COMM_WORLD, sample.set, scratch.file("missing/dump")); });
   EXPECT_TRUE(contains(text, "missing/dump.bin")) << text;
 }
 
@@ -100,12 +100,13 @@ TEST(FieldDump, NoticesAFullDisk) {
   large.add_elements("density", density);
   large.add_nodes("displacement", displacement, 3);
 
-  const std::string text = error_text<OutputError>([&] { write_field_dump(large, disk.file("dump")); });
+  const std::string text =
+      error_text<OutputError>([&] { write_field_dump(PETSC_COMM_WORLD, large, disk.file("dump")); });
   EXPECT_TRUE(contains(text, disk.file("dump.bin"))) << text;
   MPI_Barrier(PETSC_COMM_WORLD);
   EXPECT_TRUE(std::filesystem::is_empty(disk.path()));
   MPI_Barrier(PETSC_COMM_WORLD);
-  EXPECT_NO_THROW(write_field_dump(small, disk.file("dump")));
+  EXPECT_NO_THROW(write_field_dump(PETSC_COMM_WORLD, small, disk.file("dump")));
   if (is_first()) {
     EXPECT_EQ(std::filesystem::file_size(disk.file("dump.bin")), 96000u);
   }
@@ -120,7 +121,7 @@ TEST(FieldDump, NoticesAFullDiskWhereverItHappens) {
     const test::SmallDisk disk(std::to_string(kilobytes) + "k");
     if (!disk.mounted()) GTEST_SKIP() << "needs the privilege to mount a tmpfs";
     try {
-      write_field_dump(sample.set, disk.file("dump"));
+      write_field_dump(PETSC_COMM_WORLD, sample.set, disk.file("dump"));
       fits = true;
     } catch (const OutputError& error) {
       EXPECT_TRUE(contains(error.what(), disk.file("dump"))) << error.what();
@@ -163,7 +164,7 @@ void expect_paraview_agrees() {
   sample.set.add_nodes("node_position", nodes, Dim);
   sample.set.add_elements("cell_position", centers, Dim);
 
-  write_field_dump(sample.set, scratch.file("dump"));
+  write_field_dump(PETSC_COMM_WORLD, sample.set, scratch.file("dump"));
   Hdf5Writer writer(PETSC_COMM_WORLD, scratch.file("result.h5"));
   writer.write_fields(sample.set);
   writer.close();

@@ -4,10 +4,24 @@
 #include "fabseq/base/mpi.h"
 
 #include <cstdio>
+#include <fstream>
+#include <string>
 #include <sys/resource.h>
 #include <unistd.h>
 
 namespace fabseq {
+
+namespace {
+
+std::int64_t sum_over_machines(MPI_Comm comm, std::int64_t bytes) {
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const bool counts = rank_of(machine) == 0;
+  MPI_Comm_free(&machine);
+  return sum(comm, counts ? bytes : 0);
+}
+
+}  // namespace
 
 std::int64_t peak_memory_bytes(MPI_Comm comm) {
   rusage usage{};
@@ -16,12 +30,19 @@ std::int64_t peak_memory_bytes(MPI_Comm comm) {
 }
 
 std::int64_t installed_memory_bytes(MPI_Comm comm) {
-  MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  const bool counts = rank_of(machine) == 0;
-  MPI_Comm_free(&machine);
-  const std::int64_t bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
-  return sum(comm, counts ? bytes : 0);
+  return sum_over_machines(comm, static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE));
+}
+
+std::int64_t available_memory_bytes(MPI_Comm comm) {
+  // Linux's own estimate, which counts what caches would give back.
+  std::int64_t kilobytes =
+      static_cast<std::int64_t>(sysconf(_SC_AVPHYS_PAGES)) * sysconf(_SC_PAGESIZE) / 1024;
+  std::ifstream file("/proc/meminfo");
+  std::string name, unit;
+  std::int64_t value = 0;
+  while (file >> name >> value && std::getline(file, unit))
+    if (name == "MemAvailable:") kilobytes = value;
+  return sum_over_machines(comm, 1024 * kilobytes);
 }
 
 void require_memory(MPI_Comm comm, double bytes, const std::string& what) {

@@ -1,5 +1,6 @@
 #include "fabseq/base/phase_timer.h"
 
+#include "fabseq/base/log_event.h"
 #include "fabseq/base/petsc.h"
 
 #include <mpi.h>
@@ -14,6 +15,7 @@ PhaseTimer::PhaseTimer() {
     check(PetscLogStageGetId(name.c_str(), &stages_[phase]));
     if (stages_[phase] < 0) check(PetscLogStageRegister(name.c_str(), &stages_[phase]));
   }
+  register_log_events();
 }
 
 PhaseTimer::Scope::Scope(PhaseTimer& timer, Phase phase) : timer_(timer), phase_(phase), start_(MPI_Wtime()) {

@@ -66,8 +66,10 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   return status;
 }
 
-void warn(const std::string& message) {
-  if (rank_of(PETSC_COMM_WORLD) == 0) std::fprintf(stderr, "warning: %s\n", message.c_str());
+void warn(const std::string& message) { warn(PETSC_COMM_WORLD, message); }
+
+void warn(MPI_Comm comm, const std::string& message) {
+  if (rank_of(comm) == 0) std::fprintf(stderr, "warning: %s\n", message.c_str());
 }
 
 void print(const std::string& line) {

@@ -51,7 +51,7 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   pieces_ = std::move(map.pieces);
   piece_of_element_ = std::move(map.piece_of_element);
   refuse_no_contact();
-  drop_or_refuse_hanging_pieces(description.keep_connected);
+  drop_or_refuse_hanging_pieces(description);
   collect_elements();
   measure_extent();
   mark_touched_nodes();
@@ -87,7 +87,7 @@ void Part<Dim>::refuse_no_contact() const {
 }
 
 template <int Dim>
-void Part<Dim>::drop_or_refuse_hanging_pieces(bool drop) {
+void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description) {
   constexpr int listed = 5;
   int hanging = 0;
   std::string list;
@@ -99,9 +99,9 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(bool drop) {
   const std::string message = "/part: " + std::to_string(hanging) +
                               (hanging == 1 ? " piece is" : " pieces are") +
                               " not connected to the build plate: " + list;
-  if (!drop)
+  if (!description.keep_connected)
     throw InputError(message + "; set part.keep to \"connected\" to drop " + (hanging == 1 ? "it" : "them"));
-  warn(message + "; dropped");
+  if (description.announce) warn(message + "; dropped");
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (piece_of_element_[e] >= 0 && !pieces_[piece_of_element_[e]].touches_plate) density_[e] = 0.0;
 }

@@ -24,7 +24,7 @@ constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
                                {"check", Task::check}};
 
 /// Promised for later; PETSc would not read them either, and a run without them is not what was asked for.
-constexpr std::array<std::string_view, 3> later_options = {"-restart", "-layer_groups", "-max_wall_time"};
+constexpr std::array<std::string_view, 2> later_options = {"-restart", "-max_wall_time"};
 
 /// "-name" but not a negative number or a lone '-', the way PETSc tells options from values.
 bool is_option(std::string_view word) {

@@ -173,6 +173,7 @@ SolverSettings make_solver(const Json& value) {
                   : is(value, "reference_method", "multigrid") ? ReferenceMethod::multigrid
                   : is(value, "reference_method", "direct")    ? ReferenceMethod::direct
                                                                : ReferenceMethod::automatic;
+  solver.layer_groups = optional_integer(value.at("layer_groups"));
   return solver;
 }
 

@@ -170,15 +170,18 @@ void write_values(const FieldSet<Dim>& fields, const std::vector<std::int64_t>& 
 }  // namespace
 
 template <int Dim>
-void write_field_dump(const FieldSet<Dim>& fields, const std::string& base) {
-  const MPI_Comm comm = fields.grid->comm();
+void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base) {
+  const bool writes = rank_of(comm) < size_of(fields.grid->comm());
   const std::string binary = base + ".bin";
   const std::string partial = partial_name(binary);
   const std::vector<std::int64_t> offsets = byte_offsets(fields);
 
   try {
     run_on_first(comm, [&] { make_room(partial, offsets.back()); });
-    write_values(fields, offsets, partial);
+    // Of the ranks that write, all fail or none.
+    run_on_all(comm, [&] {
+      if (writes) write_values(fields, offsets, partial);
+    });
     run_on_first(comm, [&] {
       publish_file(binary);
       const std::string name = std::filesystem::path(binary).filename().string();
@@ -194,7 +197,7 @@ void write_field_dump(const FieldSet<Dim>& fields, const std::string& base) {
   }
 }
 
-template void write_field_dump<2>(const FieldSet<2>&, const std::string&);
-template void write_field_dump<3>(const FieldSet<3>&, const std::string&);
+template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
+template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
 
 }  // namespace fabseq

@@ -161,6 +161,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "solver", .name = "cycle", .type = choice, .default_value = "\"k\"", .words = "k w v", .option = "-solver_cycle", .meaning = "Multigrid cycle of the lanes: conjugate gradients on the coarse levels (k), several visits (w: fewer reductions, for many ranks) or one (v)"},
     {.section = "solver", .name = "smoother_degree", .type = integer, .default_value = "2", .range = "[1, 8]", .option = "-smoother_degree", .meaning = "Degree of the lanes' Chebyshev smoother, before and after"},
     {.section = "solver", .name = "reference_method", .type = choice, .default_value = "\"auto\"", .words = "auto gamg multigrid direct", .option = "-reference_method", .meaning = "Preconditioner of the reference path"},
+    {.section = "solver", .name = "layer_groups", .type = integer, .default_value = "\"auto\"", .range = "[1, inf)", .words = "auto", .option = "-layer_groups", .meaning = "Groups of ranks that share the layers, each with the whole box; a divisor of the number of ranks; auto: by ranks, layers and memory"},
 
     {.section = "output", .name = "every", .type = integer, .default_value = "15", .range = "[0, inf)", .unit = "iterations", .option = "-output_every", .meaning = "Iterations between two dumps of the fields; 0: none"},
     {.section = "output", .name = "checkpoint_every", .type = integer, .default_value = "10", .range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every", .meaning = "Iterations between two checkpoints; 0: none"},

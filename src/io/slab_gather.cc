@@ -14,6 +14,7 @@ SlabGather<Dim>::SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& f
       values_(field.values),
       whole_(field.on_nodes ? grid.all_nodes() : grid.all_elements()),
       owned_(field.on_nodes ? grid.owned_nodes() : grid.owned_elements()) {
+  if (rank_of(comm_) >= size_of(grid.comm())) owned_ = {};  // a copy
   const bool is_first = rank_of(comm_) == 0;
   if (is_first) boxes_.resize(static_cast<std::size_t>(size_of(comm_)));
   constexpr int integers = 2 * Dim;

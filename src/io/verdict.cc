@@ -53,6 +53,11 @@ void run_on_all(MPI_Comm comm, const std::function<void()>& work) {
   throw_failure(broadcast_failure(comm, static_cast<int>(first), failure.value_or(Failure{})));
 }
 
+void run_in_groups(MPI_Comm across, const std::function<void()>& work) {
+  if (size_of(across) == 1) return work();
+  run_on_all(across, work);
+}
+
 void run_on_first(MPI_Comm comm, const std::function<void()>& work) {
   const bool is_first = rank_of(comm) == 0;
   run_on_all(comm, [&] {

@@ -3,25 +3,12 @@
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/solve/reference_elasticity.h"
 
 #include <cstdio>
 
 namespace fabseq {
 
 namespace {
-
-/// What a path needs, measured (docs/performance.md).
-struct PathCost {
-  const char* name;
-  double bytes_per_unknown;    ///< of a system with its preconditioner; lanes: of all that are solved at once
-  double bytes_per_rank;       ///< that a rank holds anyway
-  double seconds_per_unknown;  ///< of a solve on one core
-};
-constexpr PathCost lanes_cost{"lanes", 2500.0, 8e7, 4.5e-7};
-constexpr PathCost reference_cost{"reference path", 3000.0, 8e7, 1e-5};
-/// Of the reference path's factors, which are kept a layer.
-constexpr double factor_bytes_per_unknown = 5000.0;
 
 template <class... Arguments>
 void print_line(const char* format, Arguments... arguments) {
@@ -43,24 +30,14 @@ std::string place(const Point<Dim>& point) {
 
 template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
-  std::int64_t nodes = 0;
-  for (const char touched : setup.part.touched_nodes()) nodes += touched;
-  nodes = sum(setup.grid.comm(), nodes);
-  if (setup.config.process.void_model == VoidModel::quiet) nodes = setup.grid.all_nodes().count();
-  const double unknowns = static_cast<double>(nodes) * Dim;
-  const double all_nodes = static_cast<double>(setup.grid.all_nodes().count());
-  const int layers = setup.layer_count;
-  const bool in_lanes = setup.config.solver.path == SolverPath::lanes;
-  const PathCost& cost = in_lanes ? lanes_cost : reference_cost;
-  const bool kept = !in_lanes && unknowns <= static_cast<double>(ReferenceElasticity<Dim>::keep_limit);
-  const double systems = unknowns * (kept ? layers * factor_bytes_per_unknown : cost.bytes_per_unknown);
-  const double memory = systems + size_of(setup.grid.comm()) * cost.bytes_per_rank +
-                        all_nodes * (900.0 + 8.0 * Dim * layers) +
-                        static_cast<double>(setup.part.count()) * layers * 16.0 * 4.0;
-  const int ranks = size_of(setup.grid.comm());
-  print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", unknowns, layers);
-  print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations", cost.name, ranks,
-             memory / 1e9, 2.0 * layers * unknowns * cost.seconds_per_unknown / ranks,
+  const int ranks = size_of(setup.world());
+  const SolverPath path = setup.config.solver.path;
+  const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
+  print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", size.unknowns, size.layers);
+  if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
+  print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
+             path == SolverPath::lanes ? "lanes" : "reference path", ranks,
+             memory_estimate(size, path, setup.groups.count()) / 1e9, iteration_seconds_estimate(size, path),
              setup.config.optimizer.max_iterations);
 }
 

@@ -15,11 +15,12 @@ double evaluation_tolerance(const Config& config) { return std::min(config.solve
 template <int Dim>
 std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                                     const CommandLine& command_line) {
-  if (!command_line.design_file || !sequence.has_design()) return sequence.initial_design();
+  if (!command_line.design_file || !sequence.has_design())
+    return setup.groups.share(sequence.initial_design());
   const std::string& file = *command_line.design_file;
-  if (!hdf5_file_has(setup.grid.comm(), file, "design", "-design")) {
+  if (!hdf5_file_has(setup.world(), file, "design", "-design")) {
     warn("-design: '" + file + "' has no dataset 'design': the initial values are taken");
-    return sequence.initial_design();
+    return setup.groups.share(sequence.initial_design());
   }
   std::vector<double> design =
       setup.part.restrict_to_part(read_element_field(setup.grid, file, "design", "-design", "-design"));
@@ -29,10 +30,10 @@ std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>
   for (const double value : design)
     outside =
         outside || !(value >= space.lower * (1.0 - rounding) && value <= space.upper * (1.0 + rounding));
-  if (any(setup.grid.comm(), outside))
+  if (any(setup.world(), outside))
     throw InputError("-design: " + file + " has values outside the bounds " + Json(space.lower).dump() +
                      " to " + Json(space.upper).dump() + " of /sequence/bounds on the part's elements");
-  return design;
+  return setup.groups.share(design);
 }
 
 namespace {
@@ -55,16 +56,16 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.grid.comm());
+  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.world());
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<GradientRow> rows = all_components<Dim>(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
 
-  Hdf5Writer file(setup.grid.comm(), directory.file("gradients.h5"));
+  Hdf5Writer file(setup.world(), directory.file("gradients.h5"));
   for (std::size_t row = 0; pipeline.sequence().has_design() && row < rows.size(); ++row) {
-    const std::vector<double> gradient = setup.part.expand(gradients[row]);
+    const std::vector<double> gradient = setup.design_field(gradients[row]);
     FieldSet<Dim> fields;
     fields.grid = &setup.grid;
     fields.add_elements(problem.component_name(rows[row][0].response, rows[row][0].component) + "/design",

@@ -79,7 +79,7 @@ template <int Dim>
 GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const std::vector<double>& design) {
   const DesignSpace space = pipeline.sequence().space();
-  const std::vector<double> along = direction(setup.part);
+  const std::vector<double> along = setup.groups.share(direction(setup.part));
   const auto run = [&](const std::vector<double>& x) {
     return pipeline.run(x, setup.layer_count, setup.first_beta(), false);
   };
@@ -100,7 +100,7 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
     double product = 0.0;
     for (std::size_t i = 0; i < design.size(); ++i)
       product += gradients[row][i] * space.slope(design[i]) * along[i];
-    check.errors[row].adjoint = sum(setup.grid.comm(), product);
+    check.errors[row].adjoint = sum(setup.world(), product);
   }
   for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) {
     check.steps.push_back(step);
@@ -129,7 +129,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   // Steps must not end on a bound: the design keeps a tenth of the range from both.
   const DesignSpace space = pipeline.sequence().space();
   for (double& value : design) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
-  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.grid.comm());
+  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.world());
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");

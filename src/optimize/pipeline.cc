@@ -75,7 +75,7 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
   auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
   auto solver = make_heat_solver(setup, *model, tolerance);
   return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
-                                             std::move(solver));
+                                             std::move(solver), setup.groups.across());
 }
 
 template <int Dim>
@@ -90,14 +90,15 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
       timer_(timer),
       sequence_(std::move(sequence)),
       model_(setup.part, setup.config.material, setup.config.process),
-      process_(model_, make_elasticity_solver(setup, model_, tolerance)) {}
+      process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver()) {
+}
 
 template <int Dim>
 PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers, double beta, bool binary) {
   const PseudoTime<Dim>* time = nullptr;
   {
     const auto scope = timer_.enter(Phase::heat);
-    time = &sequence_->update(design);
+    time = &sequence_->update(setup_.groups.gather(design));
   }
   {
     const auto scope = timer_.enter(Phase::layers);
@@ -117,7 +118,11 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(
     const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state) {
   const auto scope = timer_.enter(Phase::responses);
   std::vector<std::vector<double>> result;
-  for (const auto& response : responses) result.push_back(response->values(state));
+  for (const auto& response : responses) {
+    std::vector<double>& values = result.emplace_back(response->values(state));
+    // Decisions hang on them: sums of different groups may differ in the last bit.
+    setup_.groups.broadcast(0, values);
+  }
   return result;
 }
 
@@ -125,56 +130,102 @@ template <int Dim>
 std::vector<std::vector<double>> Pipeline<Dim>::gradients(
     const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
     const std::vector<GradientRow>& rows) {
-  std::vector<PipelineAdjoint<Dim>> adjoints = explicit_derivatives(responses, state, rows);
-  pull_back_process(state, adjoints);
-  const std::vector<TimeDerivatives> times = pull_back_layers(state, adjoints);
-  const auto scope = timer_.enter(Phase::heat);
-  auto result = sequence_->pull_back(times);
-  const std::vector<int> heat = sequence_->adjoint_iterations();
-  iterations_.heat.insert(iterations_.heat.end(), heat.begin(), heat.end());
+  std::vector<Row> dealt = deal_out_rows(responses, state, rows);
+  add_explicit_derivatives(responses, state, dealt);
+  pull_back_process(state, dealt);
+  return pull_back_sequence(pull_back_layers(state, dealt), dealt);
+}
+
+template <int Dim>
+std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
+    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
+    const std::vector<GradientRow>& rows) const {
+  std::vector<Row> result;
+  for (const GradientRow& terms : rows) {
+    const bool shared = std::any_of(terms.begin(), terms.end(), [&](const WeightedComponent& term) {
+      return responses[term.response]->uses_displacements();
+    });
+    result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count())});
+  }
+  const std::vector<double> work(rows.size(), 1.0);  // a heat adjoint each
+  const LayerDeal deal =
+      deal_out_layers(work, setup_.groups.count(), HeatSolver<Dim>::widest, setup_.block_solver());
+  for (int group = 0; group < setup_.groups.count(); ++group)
+    for (const LayerBlock& block : deal.blocks[group])
+      for (int row = block.first; row < block.first + block.lanes; ++row) result[row].owner = group;
   return result;
 }
 
 template <int Dim>
-std::vector<PipelineAdjoint<Dim>> Pipeline<Dim>::explicit_derivatives(
-    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
-    const std::vector<GradientRow>& rows) {
+void Pipeline<Dim>::add_explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                             const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::responses);
-  std::vector<PipelineAdjoint<Dim>> adjoints;
-  for (const GradientRow& row : rows) {
-    adjoints.emplace_back(state.layers.count());
-    for (const WeightedComponent& term : row)
-      responses[term.response]->add_derivative(term.component, term.weight, state, adjoints.back());
-  }
-  return adjoints;
+  setup_.groups.run([&] {
+    for (Row& row : rows) {
+      if (!is_own(row) && !row.shared) continue;
+      for (const WeightedComponent& term : *row.terms)
+        if (is_own(row) || responses[term.response]->uses_displacements())
+          responses[term.response]->add_derivative(term.component, term.weight, state, row.adjoint);
+      if (is_own(row)) continue;
+      // What else the row depends on is in its owner's part of it.
+      ProcessAdjoint process = std::move(row.adjoint.process);
+      row.adjoint = PipelineAdjoint<Dim>(state.layers.count());
+      row.adjoint.process = std::move(process);
+    }
+  });
 }
 
 template <int Dim>
-void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state,
-                                      std::vector<PipelineAdjoint<Dim>>& adjoints) {
+void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::adjoint);
-  std::vector<ProcessAdjoint> rows;
+  std::vector<ProcessAdjoint> adjoints;
   std::vector<DensityDerivatives*> derivatives;
-  for (PipelineAdjoint<Dim>& adjoint : adjoints) {
-    if (adjoint.process.displacement.empty() && adjoint.process.increments.empty()) continue;
-    rows.push_back(std::move(adjoint.process));
-    derivatives.push_back(&adjoint.densities);
+  for (Row& row : rows) {
+    if (!row.shared) continue;
+    adjoints.push_back(std::move(row.adjoint.process));
+    derivatives.push_back(&row.adjoint.densities);
   }
-  if (!rows.empty()) process_.pull_back(state.layers, rows, derivatives);
+  if (!adjoints.empty()) process_.pull_back(state.layers, adjoints, derivatives);
   iterations_.adjoint = process_.adjoint_iterations();
 }
 
+/// The rows of this group with all of their parts.
 template <int Dim>
 std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState<Dim>& state,
-                                                             std::vector<PipelineAdjoint<Dim>>& adjoints) {
+                                                             std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::layers);
   std::vector<TimeDerivatives> result;
-  for (PipelineAdjoint<Dim>& adjoint : adjoints) {
-    TimeDerivatives& time = result.emplace_back(std::move(adjoint.time));
+  for (Row& row : rows) {
+    if (!is_own(row) && !row.shared) continue;
+    TimeDerivatives time = std::move(row.adjoint.time);
     if (time.time.empty()) time.time.assign(state.time.time.size(), 0.0);
-    layers_->pull_back(state.time.time, adjoint.densities, time.time);
+    layers_->pull_back(state.time.time, row.adjoint.densities, time.time);
+    if (row.shared) setup_.groups.sum_at(row.owner, time.time);
+    if (is_own(row)) result.push_back(std::move(time));
   }
   return result;
+}
+
+template <int Dim>
+std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<const TimeDerivatives> own,
+                                                                   const std::vector<Row>& rows) {
+  const auto scope = timer_.enter(Phase::heat);
+  std::vector<std::vector<double>> gradients;
+  setup_.groups.run([&] {
+    if (!own.empty()) gradients = sequence_->pull_back(own);
+  });
+  std::vector<int> owners, iterations(rows.size(), 0);
+  const std::vector<int> solves = own.empty() ? std::vector<int>{} : sequence_->adjoint_iterations();
+  std::size_t next = 0;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    owners.push_back(rows[row].owner);
+    if (is_own(rows[row]) && next < solves.size()) iterations[row] = solves[next++];
+  }
+  if (sequence_->has_design()) {
+    setup_.groups.sum(iterations);
+    iterations_.heat.insert(iterations_.heat.end(), iterations.begin(), iterations.end());
+  }
+  return setup_.groups.share_out(gradients, owners, sequence_->variables());
 }
 
 template class Pipeline<2>;

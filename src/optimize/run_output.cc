@@ -28,9 +28,9 @@ template <int Dim>
 RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
-      directory_(make_output_directory(setup.config, command_line, setup.grid.comm())),
+      directory_(make_output_directory(setup.config, command_line, setup.world())),
       history_(directory_),
-      progress_(setup.grid.comm()),
+      progress_(setup.world()),
       start_(MPI_Wtime()),
       iteration_start_(start_) {}
 
@@ -38,6 +38,7 @@ template <int Dim>
 void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {
   baseline_ = std::move(report);
   print(solver);
+  if (!setup_.group_choice.explanation.empty()) print(setup_.group_choice.explanation);
   char line[160];
   std::snprintf(line, sizeof line, "planar baseline: %d layers, first objective term %.4e",
                 setup_.baseline_layers, baseline_.first_objective());
@@ -100,7 +101,7 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
        {"solver_iterations",
         Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}})},
        {"seconds", seconds_record(timer_.seconds(), total)},
-       {"peak_memory_bytes", peak_memory_bytes(setup_.grid.comm())}}));
+       {"peak_memory_bytes", peak_memory_bytes(setup_.world())}}));
 }
 
 template <int Dim>
@@ -108,7 +109,7 @@ void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
                                  const std::vector<double>& design) {
   const std::vector<double> time = setup_.part.expand(state.time.time);
   const std::vector<double> layer = setup_.part.expand(layer_index(state.time.time, state.layers.count()));
-  const std::vector<double> design_field = setup_.part.expand(design);
+  const std::vector<double> design_field = setup_.design_field(design);
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
@@ -120,12 +121,12 @@ void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
   directory_.make_folder("fields");
   char name[40];
   std::snprintf(name, sizeof name, "fields/iteration_%04d", iteration);
-  write_field_dump(fields, directory_.file(name));
+  write_field_dump(setup_.world(), fields, directory_.file(name));
 }
 
 template <int Dim>
 void RunOutput<Dim>::write_design_checkpoint(int iteration, double beta, const std::vector<double>& design) {
-  const std::vector<double> field = setup_.part.expand(design);
+  const std::vector<double> field = setup_.design_field(design);
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("design", field);
@@ -169,15 +170,16 @@ Json RunOutput<Dim>::summary(const RunEnd& end) const {
                        {"status", end.status},
                        {"reason", end.reason},
                        {"iterations", end.iterations},
-                       {"ranks", size_of(setup_.grid.comm())},
+                       {"ranks", size_of(setup_.world())},
+                       {"layer_groups", setup_.groups.count()},
                        {"part_elements", setup_.part.count()},
                        {"seconds", seconds_record(phase_seconds_, MPI_Wtime() - start_)},
-                       {"peak_memory_bytes", peak_memory_bytes(setup_.grid.comm())}});
+                       {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
 }
 
 template <int Dim>
 void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIterate& best) {
-  const std::vector<double> design = setup_.part.expand(best.design());
+  const std::vector<double> design = setup_.design_field(best.design());
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
@@ -185,7 +187,7 @@ void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIt
   reports.optimized.add_fields(fields, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   baseline_.add_fields(fields, "planar/");
-  Hdf5Writer file(setup_.grid.comm(), directory_.file("result.h5"));
+  Hdf5Writer file(setup_.world(), directory_.file("result.h5"));
   file.template write_fields<Dim>(fields);
   file.write_attribute("name", setup_.config.name);
   file.write_attribute("iteration", best.iteration());

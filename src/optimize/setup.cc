@@ -14,11 +14,13 @@
 namespace fabseq {
 
 template <int Dim>
-Setup<Dim>::Setup(MPI_Comm comm, const Config& config_)
+Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
     : config(config_),
-      grid(make_balanced_grid(comm, config_.domain<Dim>(), config_.part)),
+      group_choice(choose_layer_groups<Dim>(world, config_)),
+      groups(world, group_choice.groups),
+      grid(make_balanced_grid(groups.domain(), config_.domain<Dim>(), config_.part)),
       part(grid, config_.part, config_.plate),
-      layer_count(resolve_layer_count()),
+      layer_count(resolved_layer_count(config_, part)),
       baseline_layers(resolve_baseline_layers()),
       characteristic_length(config_.sequence.characteristic_length.value_or(part.longest_edge())) {
   // Refuses a grid whose lane blocks are too large for the indices before anything is written.
@@ -40,44 +42,25 @@ void Setup<Dim>::warn_about_method() const {
 }
 
 template <int Dim>
-int Setup<Dim>::resolve_layer_count() const {
-  if (config.layers.count) return *config.layers.count;
-  const double height = geodesic_height(part, geodesic_distance(part));
-  // A height that is a whole number of layers but for rounding needs no further one.
-  return layers_of_target(height, std::ceil(height / *config.target_thickness() - 1e-9));
-}
-
-template <int Dim>
 int Setup<Dim>::resolve_baseline_layers() const {
   if (config.baseline.layers) return *config.baseline.layers;
   if (!config.target_thickness()) return layer_count;
   const double height = planar_height(part, config.baseline.direction);
-  return layers_of_target(height, std::round(height / *config.target_thickness()));
-}
-
-/// `rounded` layers, at least one, for a height; refuses the target thickness that makes too many.
-template <int Dim>
-int Setup<Dim>::layers_of_target(double height, double rounded) const {
-  if (rounded <= most_layers) return std::max(1, static_cast<int>(rounded));
-  std::size_t index = 0;
-  while (config.constraints[index].type != "layer_thickness") ++index;
-  refuse("/constraints/" + std::to_string(index) + "/target",
-         shown(*config.target_thickness()) + " for a height of " + shown(height),
-         "at least " + shown(height / most_layers) + ", that is up to " + std::to_string(most_layers) +
-             " layers");
+  return layers_of_target(config, height, std::round(height / *config.target_thickness()));
 }
 
 template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const bool planar = baseline_layers > layer_count;
   const double layers = std::max(layer_count, baseline_layers);
-  const double bytes =
-      layers * sizeof(double) *
-      (2.0 * static_cast<double>(part.count()) + Dim * static_cast<double>(grid.all_nodes().count()));
-  require_memory(grid.comm(), bytes,
+  const double bytes = layers * sizeof(double) *
+                       (2.0 * groups.count() * static_cast<double>(part.count()) +
+                        Dim * static_cast<double>(grid.all_nodes().count()));
+  require_memory(world(), bytes,
                  (planar ? "/baseline/layers: " : "/layers/count: ") +
                      std::to_string(std::max(layer_count, baseline_layers)) + " layers on " +
-                     to_text<Dim>(grid.domain().elements) + " elements");
+                     to_text<Dim>(grid.domain().elements) + " elements" +
+                     (groups.count() > 1 ? " in " + std::to_string(groups.count()) + " layer groups" : ""));
 }
 
 template class Setup<2>;

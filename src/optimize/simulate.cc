@@ -44,7 +44,9 @@ std::vector<double> try_release(const ProcessSimulation<Dim>& process, const Lay
                                 AssembledSolverSettings solver, std::string& failure) {
   solver.options_prefix = "release_";
   try {
-    return release_displacement(process, layers, solver);
+    std::vector<double> release;
+    process.groups().run([&] { release = release_displacement(process, layers, solver); });
+    return release;
   } catch (const NumericalError& error) {
     failure = error.what();
     return {};
@@ -60,7 +62,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.grid.comm());
+  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.world());
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
@@ -71,7 +73,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
-  const std::vector<double> design_field = has_design ? setup.part.expand(design) : std::vector<double>();
+  const std::vector<double> design_field = has_design ? setup.design_field(design) : std::vector<double>();
   FieldSet<Dim> fields;
   fields.grid = &setup.grid;
   fields.add_elements("density", setup.part.density());
@@ -79,7 +81,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   report.add_fields(fields, "");
   if (failure.empty()) fields.add_nodes("release_displacement", release, Dim);
   fields.add_elements("residual_stress", stress, voigt_size<Dim>);
-  Hdf5Writer file(setup.grid.comm(), directory.file("result.h5"));
+  Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   file.write_array("layer_displacement_norms", norms);
   if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), setup.layer_count);
@@ -95,7 +97,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
   record.set("layer_displacement_norms", norms);
   record.set("seconds", seconds_record(timer.seconds(), MPI_Wtime() - start));
-  record.set("peak_memory_bytes", peak_memory_bytes(setup.grid.comm()));
+  record.set("peak_memory_bytes", peak_memory_bytes(setup.world()));
   directory.write("summary.json", record.dump(2) + "\n");
   print(pipeline.process().solver_description());
   print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +

@@ -27,14 +27,14 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
     vector = LaneVector(nodes, components, lanes);
 }
 
-/// Load of the adjoint systems of a batch: minus dJ/du and minus the batch's dJ/d(du_j).
-void set_adjoint_load(const ProcessAdjoint& row, std::size_t batch, LaneVector& load) {
+/// Load of the adjoint systems of a block: minus dJ/du and minus the block's dJ/d(du_j).
+void set_adjoint_load(const ProcessAdjoint& row, std::size_t block, LaneVector& load) {
   for (std::size_t i = 0; i < load.unknowns(); ++i) {
     const double common = row.displacement.empty() ? 0.0 : -row.displacement[i];
     std::fill_n(&load.values[i * load.lanes], load.lanes, common);
   }
   if (row.increments.empty()) return;
-  const std::vector<double>& own = row.increments[batch].values;
+  const std::vector<double>& own = row.increments[block].values;
   for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
 }
 
@@ -42,69 +42,114 @@ void set_adjoint_load(const ProcessAdjoint& row, std::size_t batch, LaneVector& 
 
 template <int Dim>
 ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
-                                          std::unique_ptr<ElasticitySolver<Dim>> solver)
-    : model_(model), elements_(model), solver_(std::move(solver)) {}
+                                          std::unique_ptr<ElasticitySolver<Dim>> solver,
+                                          const LayerGroups& groups, BlockSolver blocks)
+    : model_(model), groups_(groups), block_solver_(blocks), elements_(model), solver_(std::move(solver)) {
+  result_.all_layers = groups.world();
+}
 
 template <int Dim>
-void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, int first, int lanes,
+void ProcessSimulation<Dim>::deal_out(int layers) {
+  if (expected_work_.size() != static_cast<std::size_t>(layers)) expected_work_.assign(layers, 1.0);
+  deal_ = deal_out_layers(expected_work_, groups_.count(), batch_lanes, block_solver_);
+  result_.blocks = deal_.blocks[groups_.index()];
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, const LayerBlock& block,
                                            bool changed) {
-  solver_->set_operators(first, lanes, elements_.stiffness(densities, first, lanes), changed);
+  solver_->set_operators(block.first, block.lanes, elements_.stiffness(densities, block.first, block.lanes),
+                         changed);
 }
 
 template <int Dim>
 const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities) {
-  const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
+  const std::int64_t nodes = model_.part.grid().owned_nodes().count();
+  deal_out(densities.count());
   result_.displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
-  result_.iterations.clear();
-  result_.increments.resize((densities.count() + batch_lanes - 1) / batch_lanes);
-  LaneVector load;
-  for (int first = 0; first < densities.count(); first += batch_lanes) {
-    const int lanes = std::min(batch_lanes, densities.count() - first);
-    LaneVector& increment = result_.increments[first / batch_lanes];
-    resize(load, nodes, Dim, lanes);
-    resize(increment, nodes, Dim, lanes);
-    set_operators(densities, first, lanes, true);
-    elements_.set_load(densities, first, load);
-    const auto reports = solver_->solve({&load, 1}, {&increment, 1});
-    for (int lane = 0; lane < lanes; ++lane) {
-      require_convergence(reports[0][lane], first + lane, "forward");
-      result_.iterations.push_back(reports[0][lane].iterations);
-    }
-    for (std::size_t i = 0; i < increment.unknowns(); ++i)
-      for (int lane = 0; lane < lanes; ++lane) result_.displacement[i] += increment(i, lane);
-  }
+  result_.iterations.assign(densities.count(), 0);
+  result_.increments.resize(result_.blocks.size());
+  groups_.run([&] {
+    LaneVector load;
+    for (std::size_t number = 0; number < result_.blocks.size(); ++number)
+      solve_block(densities, number, load);
+  });
+  groups_.sum(result_.displacement);
+  groups_.sum(result_.iterations);
+  // A layer takes some time whatever its iterations.
+  for (int layer = 0; layer < densities.count(); ++layer)
+    expected_work_[layer] = 1.0 + result_.iterations[layer];
   return result_;
 }
 
 template <int Dim>
+void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number,
+                                         LaneVector& load) {
+  const LayerBlock& block = result_.blocks[number];
+  const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
+  LaneVector& increment = result_.increments[number];
+  resize(load, nodes, Dim, block.lanes);
+  resize(increment, nodes, Dim, block.lanes);
+  set_operators(densities, block, true);
+  elements_.set_load(densities, block.first, load);
+  const auto reports = solver_->solve({&load, 1}, {&increment, 1});
+  for (int lane = 0; lane < block.lanes; ++lane) {
+    require_convergence(reports[0][lane], block.first + lane, "forward");
+    result_.iterations[block.first + lane] = reports[0][lane].iterations;
+  }
+  for (std::size_t i = 0; i < increment.unknowns(); ++i)
+    for (int lane = 0; lane < block.lanes; ++lane) result_.displacement[i] += increment(i, lane);
+}
+
+template <int Dim>
 std::vector<double> ProcessSimulation<Dim>::increment(int layer) const {
-  return result_.increments[layer / batch_lanes].lane(layer % batch_lanes);
+  for (int group = 0; group < groups_.count(); ++group)
+    for (std::size_t number = 0; number < deal_.blocks[group].size(); ++number) {
+      const int lane = layer - deal_.blocks[group][number].first;
+      if (lane < 0 || lane >= deal_.blocks[group][number].lanes) continue;
+      std::vector<double> result(result_.displacement.size());
+      if (group == groups_.index()) result = result_.increments[number].lane(lane);
+      groups_.broadcast(group, result);
+      return result;
+    }
+  return {};
 }
 
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
                                        std::span<DensityDerivatives* const> derivatives) {
   adjoint_iterations_.assign(densities.count(), 0);
-  std::vector<LaneVector> load(rows.size()), adjoint(rows.size());
-  for (std::size_t batch = 0; batch < result_.increments.size(); ++batch) {
-    const LaneVector& increments = result_.increments[batch];
-    const int first = static_cast<int>(batch) * batch_lanes;
-    const int lanes = increments.lanes;
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-      resize(load[row], increments.nodes, Dim, lanes);
-      resize(adjoint[row], increments.nodes, Dim, lanes);
-      set_adjoint_load(rows[row], batch, load[row]);
+  groups_.run([&] {
+    std::vector<LaneVector> loads(rows.size()), adjoints(rows.size());
+    for (std::size_t number = 0; number < result_.blocks.size(); ++number)
+      pull_back_block(densities, number, rows, derivatives, loads, adjoints);
+  });
+  groups_.sum(adjoint_iterations_);
+  for (int layer = 0; layer < densities.count(); ++layer)
+    expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
+                                             std::span<const ProcessAdjoint> rows,
+                                             std::span<DensityDerivatives* const> derivatives,
+                                             std::span<LaneVector> loads, std::span<LaneVector> adjoints) {
+  const LayerBlock& block = result_.blocks[number];
+  const LaneVector& increments = result_.increments[number];
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    resize(loads[row], increments.nodes, Dim, block.lanes);
+    resize(adjoints[row], increments.nodes, Dim, block.lanes);
+    set_adjoint_load(rows[row], number, loads[row]);
+  }
+  set_operators(densities, block, false);
+  const auto reports = solver_->solve(loads, adjoints);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (int lane = 0; lane < block.lanes; ++lane) {
+      require_convergence(reports[row][lane], block.first + lane, "adjoint");
+      int& iterations = adjoint_iterations_[block.first + lane];
+      iterations = std::max(iterations, reports[row][lane].iterations);
     }
-    set_operators(densities, first, lanes, false);
-    const auto reports = solver_->solve(load, adjoint);
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        require_convergence(reports[row][lane], first + lane, "adjoint");
-        adjoint_iterations_[first + lane] =
-            std::max(adjoint_iterations_[first + lane], reports[row][lane].iterations);
-      }
-      elements_.add_derivatives(densities, first, increments, adjoint[row], *derivatives[row]);
-    }
+    elements_.add_derivatives(densities, block.first, increments, adjoints[row], *derivatives[row]);
   }
 }
 

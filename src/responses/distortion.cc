@@ -22,6 +22,7 @@ class Displacement : public Response<Dim> {
         factor_(mean ? 1.0 / static_cast<double>(nodes.count) : 1.0) {}
 
   std::string type() const override { return "distortion"; }
+  bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double square = 0.0;
@@ -56,6 +57,7 @@ class Flatness : public Response<Dim> {
       : comm_(part.grid().comm()), nodes_(nodes), axis_(axis) {}
 
   std::string type() const override { return "distortion"; }
+  bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const double average = mean(state);
@@ -95,15 +97,14 @@ class Flatness : public Response<Dim> {
 template <int Dim>
 class Layerwise : public Response<Dim> {
  public:
-  explicit Layerwise(const Part<Dim>& part) : comm_(part.grid().comm()) {}
-
   std::string type() const override { return "distortion"; }
+  bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double square = 0.0;
     for (const LaneVector& batch : state.process.increments)
       for (const double u : batch.values) square += u * u;
-    return {sum(comm_, square)};
+    return {sum(state.process.all_layers, square)};
   }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
@@ -117,9 +118,6 @@ class Layerwise : public Response<Dim> {
         derivative[batch].values[i] += 2.0 * weight * increments.values[i];
     }
   }
-
- private:
-  MPI_Comm comm_;
 };
 
 }  // namespace
@@ -137,8 +135,8 @@ std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, c
 }
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_layerwise_distortion(const Part<Dim>& part) {
-  return std::make_unique<Layerwise<Dim>>(part);
+std::unique_ptr<Response<Dim>> make_layerwise_distortion() {
+  return std::make_unique<Layerwise<Dim>>();
 }
 
 #define FABSEQ_INSTANTIATE(Dim)                                                                           \
@@ -146,7 +144,7 @@ std::unique_ptr<Response<Dim>> make_layerwise_distortion(const Part<Dim>& part) 
                                                                             const NodeSet&, bool);        \
   template std::unique_ptr<Response<Dim>> make_flatness_distortion<Dim>(const Part<Dim>&, const NodeSet&, \
                                                                         int);                             \
-  template std::unique_ptr<Response<Dim>> make_layerwise_distortion<Dim>(const Part<Dim>&);
+  template std::unique_ptr<Response<Dim>> make_layerwise_distortion<Dim>();
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)
 #undef FABSEQ_INSTANTIATE

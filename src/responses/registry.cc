@@ -28,8 +28,7 @@ const std::map<std::string, Maker<ObjectiveTerm, Dim>>& objectives() {
        [](const Term& t, const Context& c) {
          return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis);
        }},
-      {"distortion layerwise",
-       [](const Term&, const Context& c) { return make_layerwise_distortion(c.part); }},
+      {"distortion layerwise", [](const Term&, const Context&) { return make_layerwise_distortion<Dim>(); }},
       {"layer_uniformity sum_of_squares",
        [](const Term&, const Context& c) { return make_sum_of_squares_uniformity(c); }},
       {"layer_uniformity variance",

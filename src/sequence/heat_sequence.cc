@@ -3,6 +3,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/io/verdict.h"
 #include "fabseq/sequence/geodesic_distance.h"
 
 #include <algorithm>
@@ -37,12 +38,13 @@ constexpr double temperature_tolerance = 1e-9;
 template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
                                 double target_gradient, std::unique_ptr<const HeatModel<Dim>> model,
-                                std::unique_ptr<HeatSolver<Dim>> solver)
+                                std::unique_ptr<HeatSolver<Dim>> solver, MPI_Comm across)
     : part_(part),
       settings_(settings),
       target_gradient_(target_gradient),
       model_(std::move(model)),
       solver_(std::move(solver)),
+      across_(across),
       filter_(part, settings.filter_radius),
       chain_rule_(part, model_->element) {}
 
@@ -87,11 +89,19 @@ void HeatSequence<Dim>::solve_temperature() {
   const Grid<Dim>& grid = part_.grid();
   const LaneVector load = prescribed_load();
   LaneVector correction = load;
-  solver_->set_operator(diffusivity_, model_->reaction);
-  const SolveReport report = solver_->solve({&load, 1}, {&correction, 1})[0];
-  require_convergence(report, "the heat solve");
-  time_.iterations = report.iterations;
+  run_in_groups(across_, [&] {
+    solver_->set_operator(diffusivity_, model_->reaction);
+    // A single right-hand side cannot be shared out; other groups would only take bandwidth from the first.
+    if (rank_of(across_) != 0) return;
+    const SolveReport report = solver_->solve({&load, 1}, {&correction, 1})[0];
+    require_convergence(report, "the heat solve");
+    time_.iterations = report.iterations;
+  });
   time_.temperature = std::move(correction.values);
+  if (size_of(across_) > 1) {
+    MPI_Bcast(time_.temperature.data(), static_cast<int>(time_.temperature.size()), MPI_DOUBLE, 0, across_);
+    MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
+  }
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
   ghosted_temperature_.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()));

@@ -79,7 +79,7 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
   text << "layer " << first_layer_ + lane + 1 << ": " << report.iterations
        << " iterations of the lane solver left a relative preconditioned residual of " << report.residual
        << "; solving it again by the reference path";
-  warn(text.str());
+  warn(grid_.comm(), text.str());
   if (!fallback_)
     fallback_ = std::make_unique<ReferenceElasticity<Dim>>(
         grid_, domain_, ElementMatrices<Dim>(grid_.spacing(), grid_.domain().thickness, poisson_).stiffness(),

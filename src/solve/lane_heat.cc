@@ -118,7 +118,7 @@ void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<Lan
        << " solves did not converge, the first in " << first.iterations
        << " iterations of the lane solver to a relative preconditioned residual of " << first.residual
        << "; solving again by the reference path";
-  warn(text.str());
+  warn(grid_.comm(), text.str());
   std::vector<LaneVector> solved = again;
   const std::vector<SolveReport> new_reports = fallback().solve(again, solved);
   for (std::size_t i = 0; i < leftovers.size(); ++i) {

@@ -1,4 +1,4 @@
-"""The same optimization on any number of ranks and with any preconditioner."""
+"""The same optimization on any number of ranks and with any preconditioner, without layer groups (groups_test.py)."""
 
 import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED, largest_relative_difference
@@ -11,7 +11,8 @@ COMPARED = ("objective", "objective_scaled", "constraints", "change", "beta", "i
 class RanksTest(FabseqTest):
     def history(self, config, ranks, *arguments):
         iterations = 2 if SANITIZED else 5
-        run = self.run_config(ranks, config, "-max_iterations", iterations, "-tolerance", "1e-11", *arguments)
+        run = self.run_config(ranks, config, "-max_iterations", iterations, "-tolerance", "1e-11",
+                              "-layer_groups", 1, *arguments)
         self.assert_done(run)
         return run.history()
 

@@ -30,7 +30,7 @@ inline constexpr const char* gallows_plane = R"({
     {"type": "layer_uniformity", "form": "sum_of_squares", "weight": 0.3, "scaling": "first"},
     {"type": "layer_uniformity", "form": "variance", "scaling": "current", "weight": 0.7, "normalize": 20}],
   "constraints": [{"type": "layer_thickness", "target": 0.5, "tolerance": 0.2}, {"type": "deposition_speed", "slack": 0.01}],
-  "solver": {"reference_method": "direct"}
+  "solver": {"reference_method": "direct", "layer_groups": 1}
 })";
 inline const Settings to_solid = {
     {"domain", R"({"size": [2, 0.9, 2.5], "elements": [5, 3, 5]})"},

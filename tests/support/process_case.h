@@ -37,8 +37,10 @@ struct ProcessCase {
       : settings(settings_),
         on_grid(odd_domain<Dim>(), settings.shape, settings.plate),
         model(on_grid.part, settings.material, settings.process),
-        simulation(model, std::make_unique<ReferenceElasticity<Dim>>(
-                              on_grid.grid, model.domain, model.element.stiffness(), exact_solver)) {}
+        simulation(model,
+                   std::make_unique<ReferenceElasticity<Dim>>(on_grid.grid, model.domain,
+                                                              model.element.stiffness(), exact_solver),
+                   groups, BlockSolver::one_by_one) {}
 
   const Part<Dim>& part() const { return on_grid.part; }
   const Grid<Dim>& grid() const { return on_grid.grid; }
@@ -125,6 +127,7 @@ struct ProcessCase {
   CaseSettings<Dim> settings;
   PartOnGrid<Dim> on_grid;
   ElasticModel<Dim> model;
+  LayerGroups groups{PETSC_COMM_WORLD, 1};
   ProcessSimulation<Dim> simulation;
 };
 

@@ -15,6 +15,9 @@ std::int64_t peak_memory_bytes(MPI_Comm comm);
 /// Memory built into the machines that the ranks of `comm` run on, each machine once, bytes.
 std::int64_t installed_memory_bytes(MPI_Comm comm);
 
+/// Memory that the machines of `comm` could give to programs now, each machine once, bytes.
+std::int64_t available_memory_bytes(MPI_Comm comm);
+
 /// Throws InputError("WHAT need at least N GB of memory; ..."), on all ranks, if `bytes` are more than all
 /// machines of `comm` have. `bytes` is a lower bound of what all ranks together need, `what` starts with the
 /// key that asks for it.

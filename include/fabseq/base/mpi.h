@@ -7,8 +7,32 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace fabseq {
+
+/// Sole owner of a communicator made by a split. Made and freed by all of its ranks.
+class Communicator {
+ public:
+  Communicator() = default;
+  /// Those of `parent` with the same color, in the order of their keys. Collective on `parent`.
+  Communicator(MPI_Comm parent, int color, int key) { MPI_Comm_split(parent, color, key, &comm_); }
+  Communicator(Communicator&& other) noexcept : comm_(std::exchange(other.comm_, MPI_COMM_NULL)) {}
+  Communicator& operator=(Communicator&& other) noexcept {
+    std::swap(comm_, other.comm_);
+    return *this;
+  }
+  Communicator(const Communicator&) = delete;
+  Communicator& operator=(const Communicator&) = delete;
+  ~Communicator() {
+    if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+  }
+
+  operator MPI_Comm() const { return comm_; }  // NOLINT(google-explicit-constructor): MPI calls take it
+
+ private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+};
 
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
@@ -26,6 +50,7 @@ bool any(MPI_Comm comm, bool value);
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 void sum_in_place(MPI_Comm comm, std::span<float> values);
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values);
+void sum_in_place(MPI_Comm comm, std::span<int> values);
 
 /// `text` of rank 0 on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, phase_count> phase_names = {
 /// Wall seconds spent in each phase, on this rank; each phase is a PETSc log stage.
 class PhaseTimer {
  public:
-  /// Registers the log stages; PETSc must be initialized.
+  /// Registers the log stages and events; PETSc must be initialized.
   PhaseTimer();
 
   /// Time from construction to destruction counts for the phase. Phases do not nest.

@@ -2,6 +2,8 @@
 /// Start and end of MPI and PETSc, and the one place where exceptions become exit statuses.
 #pragma once
 
+#include <mpi.h>
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,6 +20,8 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
 
 /// Prints "warning: MESSAGE" on stderr, once (rank 0 of the world).
 void warn(const std::string& message);
+/// The same once for each communicator that says it: for what the first rank of the world may not know of.
+void warn(MPI_Comm comm, const std::string& message);
 /// Prints a line on stdout, once (rank 0 of the world).
 void print(const std::string& line);
 

@@ -28,6 +28,7 @@ struct VoxelFile {
 struct PartDescription {
   std::variant<Shape, VoxelFile> source;
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing them
+  bool announce = true;         ///< warn of what was dropped
 };
 
 /// Densities (0 to 1) of the elements of `box`, lexicographic. Collective on `comm` for voxel files (parallel
@@ -90,7 +91,7 @@ class Part {
  private:
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
-  void drop_or_refuse_hanging_pieces(bool drop);
+  void drop_or_refuse_hanging_pieces(const PartDescription& description);
   void collect_elements();
   void measure_extent();
   void mark_touched_nodes();

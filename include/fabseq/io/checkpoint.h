@@ -18,7 +18,7 @@ namespace fabseq {
 /// object of booleans, integers, numbers and strings, each an attribute of the file, in binary; one checksum
 /// for all of them. The file does not depend on the number of ranks. Throws OutputError on all ranks if
 /// anything fails; `newest` then names what it named before. Collective on the directory's communicator,
-/// whose ranks must be those of the grid.
+/// whose first ranks must be those of the grid.
 template <int Dim>
 void write_checkpoint(const OutputDirectory& directory, const FieldSet<Dim>& fields, const Json& scalars);
 

@@ -115,6 +115,7 @@ struct SolverSettings {
   SolverCycle cycle = SolverCycle::k;
   int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
+  std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
 };
 
 struct OutputSettings {

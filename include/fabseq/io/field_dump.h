@@ -13,12 +13,12 @@ namespace fabseq {
 /// fields in single precision, lexicographic, x fastest, whatever the number of ranks) by collective MPI-IO
 /// with subarray views, and BASE.xdmf, which ParaView opens (beyond 4 GiB only with its older "XDMF Reader":
 /// the newer ones keep offsets in 32 bits). Both appear under their names when they are whole. Collective on
-/// the grid's communicator. Throws OutputError on all ranks, naming the file, if there is no room for it or
+/// `comm`, whose first ranks must be those of the grid and write; further ranks hold copies. Throws OutputError on all ranks, naming the file, if there is no room for it or
 /// any write came back short or failed.
 template <int Dim>
-void write_field_dump(const FieldSet<Dim>& fields, const std::string& base);
+void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base);
 
-extern template void write_field_dump<2>(const FieldSet<2>&, const std::string&);
-extern template void write_field_dump<3>(const FieldSet<3>&, const std::string&);
+extern template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
+extern template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
 
 }  // namespace fabseq

@@ -21,7 +21,8 @@ class SlabGather;
 /// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are
 /// collective on `comm`; rank 0 writes, with POSIX calls; the outcome of each call is known on all
 /// ranks: OutputError on all of them, naming the file, after which only the destructor may be called. Without
-/// close() nothing is left behind. The ranks of the grids that fields live on must be those of `comm`. Apart
+/// close() nothing is left behind. The ranks of the grids that fields live on must be the first of `comm`; what
+/// further ranks have must be copies. Apart
 /// from stages, datasets have an attribute `checksum` (fabseq/io/checksum.h) of their bytes.
 class Hdf5Writer {
  public:

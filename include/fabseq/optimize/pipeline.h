@@ -28,7 +28,11 @@ struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
 
-/// The chain of stages for one part. All calls are collective on the grid's communicator.
+/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. A design
+/// and its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
+///
+/// Groups share the layers (ProcessSimulation) and, in gradients(), the rows: a row's heat adjoint and what is
+/// explicit in it belong to one group. Rows that use displacements get a part of their derivative from every group.
 template <int Dim>
 class Pipeline {
  public:
@@ -47,19 +51,29 @@ class Pipeline {
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                           const PipelineState<Dim>& state);
-  /// Gradients of several rows with respect to the design of the last run, this rank's entries.
+  /// Gradients of several rows with respect to the design of the last run, this rank's shares.
   std::vector<std::vector<double>> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                              const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows);
   const SolverIterations& iterations() const { return iterations_; }
 
  private:
-  std::vector<PipelineAdjoint<Dim>> explicit_derivatives(
-      const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
-      const std::vector<GradientRow>& rows);
-  void pull_back_process(const PipelineState<Dim>& state, std::vector<PipelineAdjoint<Dim>>& adjoints);
-  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state,
-                                                std::vector<PipelineAdjoint<Dim>>& adjoints);
+  /// A row on its way back through the stages.
+  struct Row {
+    const GradientRow* terms = nullptr;
+    int owner = 0;        ///< group whose row it is
+    bool shared = false;  ///< uses displacements: other groups have parts of it
+    PipelineAdjoint<Dim> adjoint;
+  };
+  std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
+  void add_explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                const PipelineState<Dim>& state, std::vector<Row>& rows);
+  void pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows);
+  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);
+  std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
+                                                      const std::vector<Row>& rows);
+  bool is_own(const Row& row) const { return row.owner == setup_.groups.index(); }
 
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;

@@ -5,6 +5,8 @@
 #include "fabseq/grid/node_set.h"
 #include "fabseq/grid/part.h"
 #include "fabseq/io/config.h"
+#include "fabseq/optimize/run_cost.h"
+#include "fabseq/process/layer_groups.h"
 #include "fabseq/responses/response.h"
 
 #include <map>
@@ -14,17 +16,20 @@
 
 namespace fabseq {
 
-/// Grid, part and node sets of a config, with what "auto" stands for. Collective construction; cannot be
-/// copied or moved, since its members refer to each other. Throws InputError for anything wrong with part,
+/// Layer groups, grid, part and node sets of a config, with what "auto" stands for. Collective construction on the
+/// world of the run; every layer group has the same grid, part and node sets on its ranks. Cannot be copied or
+/// moved, since its members refer to each other. Throws InputError for anything wrong with part,
 /// plate or node sets.
 template <int Dim>
 class Setup {
  public:
-  Setup(MPI_Comm comm, const Config& config_);
+  Setup(MPI_Comm world, const Config& config_);
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;
 
   const Config& config;
+  const GroupChoice group_choice;
+  const LayerGroups groups;
   Grid<Dim> grid;
   Part<Dim> part;
   std::map<std::string, NodeSet> node_sets;
@@ -32,6 +37,13 @@ class Setup {
   int baseline_layers;           ///< of the planar baseline
   double characteristic_length;  ///< l_c, length unit
 
+  /// All ranks of the run; the grid has a communicator of its own.
+  MPI_Comm world() const { return groups.world(); }
+  BlockSolver block_solver() const { return fabseq::block_solver(config.solver.path); }
+  /// A design, or anything else of which this rank has its share, as a field on the owned elements. Collective.
+  std::vector<double> design_field(std::span<const double> share) const {
+    return part.expand(groups.gather(share));
+  }
   ResponseContext<Dim> context() const { return {part, node_sets, characteristic_length}; }
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
@@ -44,9 +56,7 @@ class Setup {
 
  private:
   void warn_about_method() const;
-  int resolve_layer_count() const;
   int resolve_baseline_layers() const;
-  int layers_of_target(double height, double rounded) const;
 };
 
 extern template class Setup<2>;

@@ -15,7 +15,7 @@ namespace fabseq {
 double evaluation_tolerance(const Config& config);
 constexpr double gradient_check_tolerance = 1e-12;
 
-/// The design to start from: that of -design FILE, or the sequence's own, with a warning where the file has
+/// This rank's share of the design to start from: that of -design FILE, or the sequence's own, with a warning where the file has
 /// none. Throws InputError if it does not fit the part or leaves the bounds.
 template <int Dim>
 std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,

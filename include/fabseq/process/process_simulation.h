@@ -4,21 +4,26 @@
 
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/layer_dealing.h"
 #include "fabseq/process/layer_elements.h"
+#include "fabseq/process/layer_groups.h"
 #include "fabseq/solve/elasticity_solver.h"
 
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
 
 /// Displacements of a simulated process on this rank's nodes.
 struct ProcessResult {
-  std::vector<LaneVector> increments;  ///< increment of each layer, batch by batch: [node][component][lane]
-  std::vector<double> displacement;    ///< their sum u, [owned node][component], length unit
-  std::vector<int> iterations;         ///< of each layer's solve
+  MPI_Comm all_layers = MPI_COMM_NULL;  ///< the ranks that together have the increments of all layers
+  std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
+  std::vector<LaneVector> increments;   ///< their increments, block by block: [node][component][lane]
+  std::vector<double> displacement;     ///< u, all layers' sum, [owned node][component], length unit
+  std::vector<int> iterations;          ///< of each layer's solve, all layers
 };
 
 /// One row of adjoints: derivative of a functional with respect to the displacements in, with respect to the
@@ -33,36 +38,54 @@ struct ProcessAdjoint {
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
 /// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
-/// drho^(q-1) lambda^T f_0. Collective on the grid's communicator.
+/// drho^(q-1) lambda^T f_0.
+///
+/// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the world
+/// of the groups, and errors are thrown on all of its ranks.
 template <int Dim>
 class ProcessSimulation {
  public:
   /// Layers solved side by side.
   static constexpr int batch_lanes = 8;
 
-  /// The model must outlive the simulation.
-  ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver);
+  /// `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
+  ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
+                    const LayerGroups& groups, BlockSolver blocks);
 
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming the layer
   /// if one does not converge.
   const ProcessResult& simulate(const LayerDensities& densities);
-  /// Adds the derivatives of several functionals at the last simulated densities; rows solved together share
-  /// the systems.
+  /// Adds the derivatives of several functionals at the last simulated densities, with respect to the densities
+  /// of this group's layers; rows solved together share the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
                  std::span<DensityDerivatives* const> derivatives);
   /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
-  /// Increment of a layer on the owned nodes, [node][component].
+  /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.
   std::vector<double> increment(int layer) const;
+  const LayerGroups& groups() const { return groups_; }
+  /// Iterations a layer that the next simulation is dealt out by: the last one's, forward and adjoint. Equal work
+  /// where there are none, or not for as many layers.
+  const std::vector<double>& expected_work() const { return expected_work_; }
+  void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }
   std::string solver_description() const { return solver_->description(); }
 
  private:
-  void set_operators(const LayerDensities& densities, int first, int lanes, bool changed);
+  void deal_out(int layers);
+  void solve_block(const LayerDensities& densities, std::size_t number, LaneVector& load);
+  void pull_back_block(const LayerDensities& densities, std::size_t number,
+                       std::span<const ProcessAdjoint> rows, std::span<DensityDerivatives* const> derivatives,
+                       std::span<LaneVector> loads, std::span<LaneVector> adjoints);
+  void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 
   const ElasticModel<Dim>& model_;
+  const LayerGroups& groups_;
+  BlockSolver block_solver_;
   LayerElements<Dim> elements_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
+  LayerDeal deal_;
+  std::vector<double> expected_work_;
   ProcessResult result_;
   std::vector<int> adjoint_iterations_;
 };

@@ -20,6 +20,6 @@ std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, c
 
 /// `layerwise`: sum over layers and all nodes of |increment|^2.
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_layerwise_distortion(const Part<Dim>& part);
+std::unique_ptr<Response<Dim>> make_layerwise_distortion();
 
 }  // namespace fabseq

@@ -48,7 +48,8 @@ struct ConstraintRow {
 };
 
 /// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are
-/// collective on the grid's communicator unless they say otherwise.
+/// collective on the grid's communicator unless they say otherwise; each layer group makes them for itself, but
+/// values of what is said to use displacements are asked for by all groups.
 template <int Dim>
 class Response {
  public:
@@ -56,6 +57,8 @@ class Response {
 
   /// The config's name of the type. Not collective.
   virtual std::string type() const = 0;
+  /// Whether it looks at displacements: its rows need the adjoints of all layers. Not collective.
+  virtual bool uses_displacements() const { return false; }
   /// Raw values, one a component.
   virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
   /// Adds weight * d(component) to the adjoint of each stage the component looks at.

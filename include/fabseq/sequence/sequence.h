@@ -54,7 +54,8 @@ class Sequence {
   virtual DesignSpace space() const { return {}; }
   /// The design to start from.
   virtual std::vector<double> initial_design() const { return {}; }
-  /// Pseudo-time of a design; the reference stays valid until the next call.
+  /// Pseudo-time of a design; the reference stays valid until the next call. Where there are layer groups, all of
+  /// them call it.
   virtual const PseudoTime<Dim>& update(std::span<const double> design) = 0;
   /// Gradients with respect to the design of the last update, one for each of several rows of derivatives.
   virtual std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) {
