@@ -50,6 +50,8 @@ int guarded(const std::function<void()>& program) {
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
   std::vector<std::string> copies = petsc_arguments;
+  // Signals are fabseq's (stop.h), and a closed pipe, as of `| head`, shall not end in a trace.
+  copies.emplace_back("-no_signal_handler");
   std::vector<char*> pointers;
   pointers.reserve(copies.size() + 1);
   for (std::string& argument : copies) pointers.push_back(argument.data());
@@ -59,7 +61,6 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
     return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
-  (void)PetscPopSignalHandler();  // a closed pipe, as of `| head`, shall not end in a trace
   const int status = guarded(program);
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/solve/lane_cg.h"
 #include "fabseq/solve/lane_multigrid_impl.h"
 
@@ -68,7 +69,7 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
   while (any_active()) {
     multigrid_.be_patient(state.iteration >= cycle_.patience);
     multigrid_.apply(rest.data(), preconditioned_.data());
-    std::array<double, static_cast<std::size_t>(3) * Width> sums{};
+    std::array<double, static_cast<std::size_t>(3) * Width + 1> sums{};
     const Scalars size = matrix.dot(preconditioned_.data(), preconditioned_.data());
     const Scalars decrease = matrix.dot(rest.data(), preconditioned_.data());
     std::copy(size.begin(), size.end(), sums.begin());
@@ -77,7 +78,9 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
       const Scalars overlap = matrix.dot(preconditioned_.data(), image_.data());
       std::copy(overlap.begin(), overlap.end(), sums.begin() + 2 * Width);
     }
+    sums.back() = stop_requested() ? 1.0 : 0.0;  // travels along: all ranks stop in the same iteration
     sum_in_place(comm, sums);
+    if (sums.back() > 0.0) throw_stopped(comm);
     Scalars total_size;
     std::copy_n(sums.begin(), Width, total_size.begin());
     judge(state, total_size, stop);
