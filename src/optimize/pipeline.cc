@@ -94,22 +94,22 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
 
 template <int Dim>
 PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers, double beta, bool binary) {
-  const PseudoTime<Dim>* time = nullptr;
+  time_ = nullptr;
   {
     const auto scope = timer_.enter(Phase::heat);
-    time = &sequence_->update(design);
+    time_ = &sequence_->update(design);
   }
   {
     const auto scope = timer_.enter(Phase::layers);
     layers_.emplace(setup_.part.part_density(), layers, beta, binary);
-    layers_->set_densities(time->time, densities_);
+    layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
   const ProcessResult& result = process_.simulate(densities_);
   iterations_.primal = result.iterations;
   iterations_.adjoint.clear();
-  iterations_.heat = {time->iterations};
-  return {*time, densities_, result};
+  iterations_.heat = {time_->iterations};
+  return {*time_, densities_, result};
 }
 
 template <int Dim>
@@ -133,6 +133,12 @@ std::vector<std::vector<double>> Pipeline<Dim>::gradients(
   const std::vector<int> heat = sequence_->adjoint_iterations();
   iterations_.heat.insert(iterations_.heat.end(), heat.begin(), heat.end());
   return result;
+}
+
+template <int Dim>
+void Pipeline<Dim>::start_cold() {
+  sequence_->start_cold();
+  process_.start_cold();
 }
 
 template <int Dim>

@@ -1,4 +1,5 @@
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/optimize/run_output.h"
 
 #include <hdf5.h>
@@ -26,10 +27,14 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
 
 }  // namespace
 
-OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
-  OutputDirectory directory(comm, command_line.output.value_or("output/" + config.name),
-                            command_line.overwrite);
+OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm,
+                                      bool continues) {
+  const std::string path = output_path(config, command_line);
+  const bool replaces = command_line.overwrite || command_line.restart == "auto";
+  OutputDirectory directory =
+      continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
   directory.write("config.json", config_record(config, command_line, comm).dump(2) + "\n");
+  watch_stop_file(comm, directory.file("stop"));
   return directory;
 }
 
