@@ -92,7 +92,7 @@ class ConfigErrorsTest(BadInputTest):
         self.assert_refused(plate_2d(), "-task", "optimise", words=words)
 
     def test_options_of_later_versions(self):
-        for option, value in (("-restart", "auto"), ("-layer_groups", "2")):
+        for option, value in (("-layer_groups", "2"),):
             self.assert_refused(plate_2d(), option, value, words=[option, "not available"])
 
     def test_word_that_belongs_to_no_option(self):
