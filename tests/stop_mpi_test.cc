@@ -1,10 +1,14 @@
 /// Requests to stop reach all ranks, and say what they were.
 #include "fabseq/base/error.h"
+#include "fabseq/base/standard_streams.h"
 #include "fabseq/base/stop.h"
 
 #include "support/io_support.h"
 #include <csignal>
 #include <ctime>
+#include <fcntl.h>
+#include <thread>
+#include <unistd.h>
 
 namespace fabseq {
 namespace {
@@ -108,6 +112,48 @@ TEST(Stop, AFileThatWaitsForAnIteration) {
   }
   note_iterations(12);
   EXPECT_EQ(reason(), "stopped by the file 'stop' in the output directory");
+}
+
+/// A pipe that nobody reads: nothing waits for it once the run shall stop, and what there was room for is whole.
+TEST(StandardStreams, AFullPipeDoesNotKeepFromStopping) {
+  const StopRequests requests(std::nullopt);
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  ASSERT_GT(fcntl(ends[1], F_SETPIPE_SZ, 4096), 0);
+  write_text(ends[1], "first\n");
+  (void)raise(SIGUSR1);
+  const auto start = MPI_Wtime();
+  write_text(ends[1], std::string(100000, 'x'));
+  write_text(ends[1], "last\n");
+  EXPECT_LT(MPI_Wtime() - start, 5.0);
+  EXPECT_EQ(fcntl(ends[1], F_GETFL) & O_NONBLOCK, 0) << "the pipe itself has been changed";
+  std::string found(8192, ' ');
+  found.resize(static_cast<std::size_t>(read(ends[0], found.data(), found.size())));
+  EXPECT_EQ(found.substr(0, 7), "first\nx");
+  (void)close(ends[0]);
+  (void)close(ends[1]);
+}
+
+TEST(StandardStreams, OtherwiseItWaitsForTheReader) {
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  ASSERT_GT(fcntl(ends[1], F_SETPIPE_SZ, 4096), 0);
+  const std::string text(100000, 'y');
+  std::string found;
+  std::thread reader([&] {
+    std::string piece(1000, ' ');
+    while (found.size() < text.size()) {
+      wait(0.002);
+      const ssize_t got = read(ends[0], piece.data(), piece.size());
+      if (got <= 0) break;
+      found.append(piece, 0, static_cast<std::size_t>(got));
+    }
+  });
+  write_text(ends[1], text);
+  reader.join();
+  EXPECT_EQ(found, text);
+  (void)close(ends[0]);
+  (void)close(ends[1]);
 }
 
 TEST(Stop, Durations) {
