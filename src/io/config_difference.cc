@@ -33,12 +33,12 @@ std::string difference(const Json* then, const Json* now, const std::string& poi
 
 std::string difference_of_members(const Json& then, const Json& now, const std::string& pointer) {
   for (const auto& [key, value] : then.members()) {
-    const std::string found = difference(&value, now.find(key), pointer_to(pointer, key));
+    std::string found = difference(&value, now.find(key), pointer_to(pointer, key));
     if (!found.empty()) return found;
   }
   for (const auto& [key, value] : now.members()) {
     if (then.find(key) != nullptr) continue;
-    const std::string found = difference(nullptr, &value, pointer_to(pointer, key));
+    std::string found = difference(nullptr, &value, pointer_to(pointer, key));
     if (!found.empty()) return found;
   }
   return "";
@@ -50,7 +50,7 @@ std::string difference(const Json* then, const Json* now, const std::string& poi
   if (then->is_object() && now->is_object()) return difference_of_members(*then, *now, pointer);
   if (then->is_array() && now->is_array() && then->items().size() == now->items().size()) {
     for (std::size_t i = 0; i < then->items().size(); ++i) {
-      const std::string found = difference(&then->items()[i], &now->items()[i], pointer_to(pointer, i));
+      std::string found = difference(&then->items()[i], &now->items()[i], pointer_to(pointer, i));
       if (!found.empty()) return found;
     }
     return "";

@@ -24,7 +24,7 @@ class CheckpointState {
   /// back distributed like theirs.
   void set_field(const std::string& name, std::vector<double> values);
 
-  bool has_array(const std::string& name) const { return arrays_.count(name) != 0; }
+  bool has_array(const std::string& name) const { return arrays_.contains(name); }
   int integer(const std::string& name) const;
   double number(const std::string& name) const;
   const std::string& text(const std::string& name) const;
