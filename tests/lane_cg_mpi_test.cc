@@ -46,7 +46,7 @@ struct Solver {
         touching(masked.whole.touching_elements()),
         hierarchy(masked.grid, masked.domain),
         cg(hierarchy, physics.problem, cycle) {
-    cg.multigrid().finest().coefficients() =
+    cg.matrix().coefficients() =
         test::coefficient_array(hierarchy.level(0).mesh, masked.grid.all_elements(), stride, coefficient);
     cg.set_up();
   }
@@ -306,7 +306,7 @@ TYPED_TEST(LaneCgTest, CanBeUsedAgain) {
   Solver<TypeParam, 4> solver({}, [](std::int64_t, int) { return 1.0; });
   (void)solver.solve(solver.loads(4), 4);
   solver.coefficient = moderate<TypeParam>;
-  solver.cg.multigrid().finest().coefficients() = test::coefficient_array(
+  solver.cg.matrix().coefficients() = test::coefficient_array(
       solver.hierarchy.level(0).mesh, solver.masked.grid.all_elements(), solver.stride, solver.coefficient);
   solver.cg.set_up();
   for (const int lanes : {4, 3, 1}) {

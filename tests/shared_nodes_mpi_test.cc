@@ -109,7 +109,7 @@ TYPED_TEST(SharedNodesTest, SumsOverAllHolders) {
       sum_in_place(PETSC_COMM_WORLD, expected);
       for (const std::int64_t at : places)
         for (int entry = 0; entry < block; ++entry) values.push_back(value(at, entry, rank));
-      shares.shared.sum(values, block);
+      shares.shared.sum(std::span(values), block);
       // The bits of all holders, as numbers, add up to a multiple of this rank's (modulo 2^64).
       std::vector<std::int64_t> bits(expected.size(), 0);
       for (std::size_t i = 0; i < values.size(); ++i) {
@@ -147,7 +147,7 @@ TYPED_TEST(SharedNodesTest, NodesOfOneSideAreNotShared) {
   EXPECT_EQ(shares.mesh.elements() > 0, rank_of(PETSC_COMM_WORLD) == 0);
   EXPECT_TRUE(shares.shared.nodes().empty());
   std::vector<double> nothing;
-  shares.shared.sum(nothing, 3);
+  shares.shared.sum(std::span(nothing), 3);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ Settings read_settings() {
 /// Relative error in each lane, 0 where there is no load.
 std::array<double, LaneCase::lanes> errors(Solver& solver, const LaneArray& solution,
                                            const LaneArray& exact) {
-  auto& matrix = solver.multigrid().finest();
+  auto& matrix = solver.matrix();
   LaneArray difference = solution;
   for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= exact[i];
   auto squares = matrix.dot(difference.data(), difference.data());
@@ -68,7 +68,7 @@ std::array<double, LaneCase::lanes> errors(Solver& solver, const LaneArray& solu
 void run(const benchmarks::HardCase& hard, const Settings& settings) {
   LaneCase lane_case(PETSC_COMM_WORLD, hard.part);
   Solver solver(lane_case.hierarchy(), lane_case.problem(), settings.cycle);
-  lane_case.fill(solver.multigrid().finest().coefficients());
+  lane_case.fill(solver.matrix().coefficients());
   LaneArray load = lane_case.load();
   const LaneArray same_load = load;
   LaneArray solution, exact;

@@ -17,10 +17,10 @@ struct System {
   System(int elements, double sharpness)
       : part(MPI_COMM_SELF, drawn_v_shape(elements, sharpness)),
         solver(part.hierarchy(), part.problem(), {}) {
-    part.fill(solver.multigrid().finest().coefficients());
+    part.fill(solver.matrix().coefficients());
     solver.set_up();
   }
-  double unknowns() { return static_cast<double>(solver.multigrid().finest().size()); }
+  double unknowns() { return static_cast<double>(solver.matrix().size()); }
 
   LaneCase part;
   Solver solver;

@@ -37,6 +37,10 @@ void sum_in_place(MPI_Comm comm, std::span<double> values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm);
 }
 
+void sum_in_place(MPI_Comm comm, std::span<float> values) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_FLOAT, MPI_SUM, comm);
+}
+
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm);
 }

@@ -49,24 +49,29 @@ void LaneMesh<Dim>::collect_runs() {
   });
 }
 
-/// Planes take turns in the two halves of the window.
+/// A ring: when a line is passed, sums exist from it up to the line diagonally above it, one plane further.
 template <int Dim>
 void LaneMesh<Dim>::lay_out_window() {
-  const std::int64_t planes = node_box_.size[Dim - 1];
-  const std::int64_t lines_of_plane = line_count() / planes;
-  std::int64_t widest = 0;
+  const std::int64_t lines_of_plane = line_count() / node_box_.size[Dim - 1];
+  const std::int64_t live_lines = lines_of_plane + (Dim == 3 ? 2 : 1);
+  const auto first_node = [&](std::int64_t line) {
+    const int run = first_runs_[std::min(line, line_count())];
+    return run < static_cast<int>(node_runs_.size()) ? node_runs_[run].node : node_count_;
+  };
+  std::int64_t longest = 0, most = 0;
   for (std::int64_t line = 0; line < line_count(); ++line) {
-    const std::int64_t first_run = first_runs_[line / lines_of_plane * lines_of_plane];
-    const std::int64_t end = first_runs_[line + 1];
-    const bool empty = first_runs_[line] == end;
-    slots_.push_back(empty ? 0 : node_runs_[first_runs_[line]].node - node_runs_[first_run].node);
-    if (!empty)
-      widest = std::max(widest,
-                        node_runs_[end - 1].node + node_runs_[end - 1].length - node_runs_[first_run].node);
+    longest = std::max(longest, first_node(line + 1) - first_node(line));
+    most = std::max(most, first_node(line + live_lines) - first_node(line));
   }
-  for (std::int64_t line = 0; line < line_count(); ++line)
-    slots_[line] += (line / lines_of_plane % 2) * widest;
-  window_ = 2 * widest;
+  // Lines stay in one piece: less than the longest may be left over at the end.
+  window_ = most + longest;
+  std::int64_t next = 0;
+  for (std::int64_t line = 0; line < line_count(); ++line) {
+    const std::int64_t length = first_node(line + 1) - first_node(line);
+    if (next + length > window_) next = 0;
+    slots_.push_back(next);
+    next += length;
+  }
 }
 
 template <int Dim>
@@ -109,24 +114,37 @@ void LaneMesh<Dim>::order_lines() {
   }
 }
 
+/// Rows finish what they touch last, up to the first shared node behind one that is not.
 template <int Dim>
 void LaneMesh<Dim>::set_shared(std::span<const std::int64_t> nodes) {
+  const auto position = [&](std::int64_t node) {
+    const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
+    return found != nodes.end() && *found == node ? found - nodes.begin() : std::ptrdiff_t{-1};
+  };
+  for (Row& row : rows_) {
+    row.finish_begin = 0;
+    while (row.finish_begin <= row.length && position(row.node[0] + row.finish_begin) >= 0)
+      ++row.finish_begin;
+    row.finish_end = row.finish_begin;
+    while (row.finish_end <= row.length && position(row.node[0] + row.finish_end) < 0) ++row.finish_end;
+  }
   segments_.clear();
   for (Line& line : lines_) {
     line.first_segment = static_cast<int>(segments_.size());
     const std::int64_t start = node_runs_[first_runs_[line.line]].node;
-    auto next = std::lower_bound(nodes.begin(), nodes.end(), start);
-    for (int run = first_runs_[line.line]; run < first_runs_[line.line + 1]; ++run)
-      for (int i = 0; i < node_runs_[run].length; ++i) {
-        const std::int64_t node = node_runs_[run].node + i;
-        const bool shared = next != nodes.end() && *next == node;
-        if (i > 0 && (segments_.back().shared >= 0) == shared)
-          ++segments_.back().length;
-        else
-          segments_.push_back(
-              {node, slots_[line.line] + node - start, shared ? next - nodes.begin() : -1, 1});
-        if (shared) ++next;
-      }
+    const NodeRun& last = node_runs_[first_runs_[line.line + 1] - 1];
+    int row = line.first_row;
+    std::int64_t previous = -2;
+    for (std::int64_t node = start; node < last.node + last.length; ++node) {
+      while (row < line.last_row && node >= rows_[row].node[0] + rows_[row].finish_end) ++row;
+      if (row < line.last_row && node >= rows_[row].node[0] + rows_[row].finish_begin) continue;
+      const std::int64_t shared = position(node);
+      if (node == previous + 1 && (segments_.back().shared >= 0) == (shared >= 0))
+        ++segments_.back().length;
+      else
+        segments_.push_back({node, slots_[line.line] + node - start, shared, 1});
+      previous = node;
+    }
     line.last_segment = static_cast<int>(segments_.size());
   }
 }

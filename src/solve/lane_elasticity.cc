@@ -40,7 +40,7 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
     if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
   sum_in_place(grid_.comm(), not_finite_);
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
-    LaneArray& coefficients = solver.multigrid().finest().coefficients();
+    LaneArray& coefficients = solver.matrix().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
       for (int lane = 0; lane < Width; ++lane)
         coefficients[numbers_[e] * Width + lane] = stiffness[e * lanes + (lane < lanes ? lane : 0)];

@@ -79,7 +79,7 @@ std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, Lane
   std::vector<SolveReport> reports;
   with_narrowest(solver_, load.lanes, [&]<int Width>(auto& solver) {
     if (!is_set_up_[Width]) {
-      LaneArray& coefficients = solver.multigrid().finest().coefficients();
+      LaneArray& coefficients = solver.matrix().coefficients();
       for (std::size_t e = 0; e < numbers_.size(); ++e) {
         coefficients[numbers_[e] * 2] = diffusivity_[e];
         coefficients[numbers_[e] * 2 + 1] = reaction_;

@@ -8,14 +8,14 @@
 
 namespace fabseq {
 
-template <int Dim>
-void sum_over_holders(LaneLevel<Dim>& level, double* values, int block) {
+template <int Dim, class Real>
+void sum_over_holders(LaneLevel<Dim>& level, Real* values, int block) {
   const auto& nodes = level.shared.nodes();
   if (!level.distributed) return;
-  std::vector<double> packed(nodes.size() * block);
+  std::vector<Real> packed(nodes.size() * block);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     std::copy_n(values + nodes[i] * block, block, &packed[i * block]);
-  level.shared.sum(packed, block);
+  level.shared.sum(std::span(packed), block);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     std::copy_n(&packed[i * block], block, values + nodes[i] * block);
 }
@@ -203,8 +203,10 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
   if (!collect(true)) collect(false);
 }
 
-template void sum_over_holders<2>(LaneLevel<2>&, double*, int);
-template void sum_over_holders<3>(LaneLevel<3>&, double*, int);
+template void sum_over_holders(LaneLevel<2>&, double*, int);
+template void sum_over_holders(LaneLevel<3>&, double*, int);
+template void sum_over_holders(LaneLevel<2>&, float*, int);
+template void sum_over_holders(LaneLevel<3>&, float*, int);
 template class LaneHierarchy<2>;
 template class LaneHierarchy<3>;
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 
 namespace fabseq {
 
@@ -64,48 +65,49 @@ SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm)
   }
 }
 
-void SharedNodes::add(const Neighbor& neighbor, std::span<double> values, int block) const {
-  for (std::size_t i = 0; i < neighbor.positions.size(); ++i)
-    for (int entry = 0; entry < block; ++entry)
-      values[static_cast<std::size_t>(neighbor.positions[i]) * block + entry] +=
-          neighbor.incoming[i * block + entry];
-}
-
-void SharedNodes::sum(std::span<double> values, int block) {
+template <class Real>
+void SharedNodes::sum(std::span<Real> values, int block) {
   if (neighbors_.empty()) return;
+  const MPI_Datatype type = std::is_same_v<Real, double> ? MPI_DOUBLE : MPI_FLOAT;
+  auto& [outgoing, incoming, own] = std::get<Buffers<Real>>(buffers_);
+  outgoing.resize(neighbors_.size());
+  incoming.resize(neighbors_.size());
   std::vector<MPI_Request> requests;
-  for (Neighbor& neighbor : neighbors_) {
-    const std::size_t count = neighbor.positions.size() * block;
-    neighbor.incoming.resize(count);
-    MPI_Irecv(neighbor.incoming.data(), static_cast<int>(count), MPI_DOUBLE, neighbor.rank, 0, comm_,
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    incoming[n].resize(neighbors_[n].positions.size() * block);
+    MPI_Irecv(incoming[n].data(), static_cast<int>(incoming[n].size()), type, neighbors_[n].rank, 0, comm_,
               &requests.emplace_back());
   }
-  for (Neighbor& neighbor : neighbors_) {
-    const std::size_t count = neighbor.positions.size() * block;
-    neighbor.outgoing.resize(count);
-    for (std::size_t i = 0; i < neighbor.positions.size(); ++i)
-      std::copy_n(&values[static_cast<std::size_t>(neighbor.positions[i]) * block], block,
-                  &neighbor.outgoing[i * block]);
-    MPI_Isend(neighbor.outgoing.data(), static_cast<int>(count), MPI_DOUBLE, neighbor.rank, 0, comm_,
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    const auto& positions = neighbors_[n].positions;
+    outgoing[n].resize(positions.size() * block);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      std::copy_n(&values[static_cast<std::size_t>(positions[i]) * block], block, &outgoing[n][i * block]);
+    MPI_Isend(outgoing[n].data(), static_cast<int>(outgoing[n].size()), type, neighbors_[n].rank, 0, comm_,
               &requests.emplace_back());
   }
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
   // In the order of ranks on every holder: the same bits everywhere.
-  own_.assign(values.begin(), values.end());
-  std::fill(values.begin(), values.end(), 0.0);
+  own.assign(values.begin(), values.end());
+  std::fill(values.begin(), values.end(), Real{0});
   bool own_added = false;
-  const auto add_own = [&] {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += own_[i];
+  const auto add_own = [&values, &own = own, &own_added] {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += own[i];
     own_added = true;
   };
-  for (const Neighbor& neighbor : neighbors_) {
-    if (!own_added && neighbor.rank > rank_) add_own();
-    add(neighbor, values, block);
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    if (!own_added && neighbors_[n].rank > rank_) add_own();
+    const auto& positions = neighbors_[n].positions;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      for (int entry = 0; entry < block; ++entry)
+        values[static_cast<std::size_t>(positions[i]) * block + entry] += incoming[n][i * block + entry];
   }
   if (!own_added) add_own();
 }
 
 template SharedNodes::SharedNodes(MPI_Comm, const LaneMesh<2>&);
 template SharedNodes::SharedNodes(MPI_Comm, const LaneMesh<3>&);
+template void SharedNodes::sum(std::span<double>, int);
+template void SharedNodes::sum(std::span<float>, int);
 
 }  // namespace fabseq

@@ -24,6 +24,7 @@ bool any(MPI_Comm comm, bool value);
 
 /// Sum over the ranks, entry by entry, in place; the same length on all ranks.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
+void sum_in_place(MPI_Comm comm, std::span<float> values);
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values);
 
 /// `text` of rank 0 on every rank.

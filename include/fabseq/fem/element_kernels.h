@@ -11,33 +11,40 @@
 namespace fabseq {
 
 /// Even and odd combinations of the values at a face's corners, [component][mode]; in registers.
-template <int Dim, int Components, int Width>
-using FaceModes = std::array<std::array<Lanes<Width>, corner_count<Dim> / 2>, Components>;
+template <int Dim, int Components, int Width, class Real = double>
+using FaceModes = std::array<std::array<Lanes<Width, Real>, corner_count<Dim> / 2>, Components>;
 
-/// Elasticity with a stiffness factor an element and lane.
-template <int Dim, int Width>
+/// Elasticity with a stiffness factor an element and lane. Computes in `Real`.
+template <int Dim, int Width, class Real = double>
 class ElasticKernel {
  public:
   static constexpr int dim = Dim;
   static constexpr int components = Dim;
   static constexpr int width = Width;
+  using Number = Real;
   /// Coefficients an element in memory: [element][lane].
   static constexpr int stride = Width;
-  using Modes = FaceModes<Dim, components, Width>;
+  using Value = Lanes<Width, Real>;
+  using Modes = FaceModes<Dim, components, Width, Real>;
 
-  /// Both must outlive the kernel.
-  ElasticKernel(const ParityMatrix<Dim, Dim>& matrix, const double* coefficients)
-      : matrix_(matrix), coefficients_(coefficients) {}
+  /// `coefficients` must outlive the kernel.
+  ElasticKernel(const ParityMatrix<Dim, Dim>& matrix, const Real* coefficients)
+      : coefficients_(coefficients) {
+    for (int parity_class = 0; parity_class < corner_count<Dim>; ++parity_class)
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b)
+          blocks_[parity_class][a][b] = static_cast<Real>(matrix.blocks[parity_class][a][b]);
+  }
 
   void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
 
   /// Adds the forces on the lower face to `lower_forces` and sets those on the upper face.
   [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
                                     Modes& lower_forces, Modes& upper_forces) const {
-    const auto factor = Lanes<Width>::load(coefficients_ + element * stride);
+    const auto factor = Value::load(coefficients_ + element * stride);
 #pragma GCC unroll 4
     for (int face_class = 0; face_class < corner_count<Dim> / 2; ++face_class) {
-      std::array<Lanes<Width>, Dim> even, odd;
+      std::array<Value, Dim> even, odd;
 #pragma GCC unroll 3
       for (int a = 0; a < Dim; ++a) {
         even[a] = lower[a][face_mode(face_class, a)] + upper[a][face_mode(face_class, a)];
@@ -45,7 +52,7 @@ class ElasticKernel {
       }
       // Class 2 f holds the odd modes of component 0 and the even ones of the others, class 2 f + 1 the rest.
       std::swap(even[0], odd[0]);
-      std::array<Lanes<Width>, Dim> first, second;
+      std::array<Value, Dim> first, second;
 #pragma GCC unroll 3
       for (int a = 0; a < Dim; ++a) {
         first[a] = factor * row(2 * face_class, a, even);
@@ -64,46 +71,52 @@ class ElasticKernel {
   static constexpr int face_mode(int face_class, int component) {
     return component == 0 ? face_class : face_class ^ (1 << (component - 1));
   }
-  [[gnu::always_inline]] Lanes<Width> row(int parity_class, int a,
-                                          const std::array<Lanes<Width>, Dim>& modes) const {
-    auto sum = Lanes<Width>::zero();
+  [[gnu::always_inline]] Value row(int parity_class, int a, const std::array<Value, Dim>& modes) const {
+    auto sum = Value::zero();
     bool empty = true;
 #pragma GCC unroll 3
     for (int b = 0; b < Dim; ++b) {
       if (!ParityMatrix<Dim, Dim>::couples(parity_class, a, b)) continue;
-      const Lanes<Width> term = modes[b] * matrix_.blocks[parity_class][a][b];
+      const Value term = modes[b] * blocks_[parity_class][a][b];
       sum = empty ? term : sum + term;
       empty = false;
     }
     return sum;
   }
 
-  const ParityMatrix<Dim, Dim>& matrix_;
-  const double* coefficients_;
+  std::array<std::array<std::array<Real, Dim>, Dim>, corner_count<Dim>> blocks_;
+  const Real* coefficients_;
 };
 
 /// Conduction plus reaction with two coefficients an element that all lanes share: the lanes are right-hand
-/// sides of one system.
-template <int Dim, int Width>
+/// sides of one system. Computes in `Real`.
+template <int Dim, int Width, class Real = double>
 class HeatKernel {
  public:
   static constexpr int dim = Dim;
   static constexpr int components = 1;
   static constexpr int width = Width;
+  using Number = Real;
   /// Coefficients an element in memory: diffusivity, reaction.
   static constexpr int stride = 2;
-  using Modes = FaceModes<Dim, components, Width>;
+  using Modes = FaceModes<Dim, components, Width, Real>;
 
+  /// `coefficients` must outlive the kernel.
   HeatKernel(const ParityMatrix<Dim, 1>& conductivity, const ParityMatrix<Dim, 1>& mass,
-             const double* coefficients)
-      : conductivity_(conductivity), mass_(mass), coefficients_(coefficients) {}
+             const Real* coefficients)
+      : coefficients_(coefficients) {
+    for (int mode = 0; mode < corner_count<Dim>; ++mode) {
+      conductivity_[mode] = static_cast<Real>(conductivity.blocks[mode][0][0]);
+      mass_[mode] = static_cast<Real>(mass.blocks[mode][0][0]);
+    }
+  }
 
   void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
 
   [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
                                     Modes& lower_forces, Modes& upper_forces) const {
-    const double diffusivity = coefficients_[element * stride];
-    const double reaction = coefficients_[element * stride + 1];
+    const Real diffusivity = coefficients_[element * stride];
+    const Real reaction = coefficients_[element * stride + 1];
 #pragma GCC unroll 4
     for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
       const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
@@ -114,13 +127,12 @@ class HeatKernel {
   }
 
  private:
-  [[gnu::always_inline]] double entry(int mode, double diffusivity, double reaction) const {
-    return diffusivity * conductivity_.blocks[mode][0][0] + reaction * mass_.blocks[mode][0][0];
+  [[gnu::always_inline]] Real entry(int mode, Real diffusivity, Real reaction) const {
+    return diffusivity * conductivity_[mode] + reaction * mass_[mode];
   }
 
-  const ParityMatrix<Dim, 1>& conductivity_;
-  const ParityMatrix<Dim, 1>& mass_;
-  const double* coefficients_;
+  std::array<Real, corner_count<Dim>> conductivity_, mass_;
+  const Real* coefficients_;
 };
 
 }  // namespace fabseq

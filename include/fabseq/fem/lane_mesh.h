@@ -13,7 +13,8 @@ namespace fabseq {
 /// The elements of a box that are in the model, and the nodes they touch, both numbered without gaps, x
 /// fastest: arrays hold nothing of what is not there. Kernels walk along rows of elements that follow each
 /// other in x; the nodes of such a row follow each other, too. A node's sum is complete once the row that
-/// starts at it has been passed, so that kernels need the sums of two planes (2D: lines) only: the window.
+/// starts at it has been passed, so that kernels need the sums of little more than a plane (2D: a line) at a time:
+/// the window.
 template <int Dim>
 class LaneMesh {
  public:
@@ -26,6 +27,8 @@ class LaneMesh {
     std::array<std::int64_t, face_corners> node{};  ///< numbers of the corners of its lower face across x
     std::array<std::int64_t, face_corners> slot{};  ///< where these nodes' sums are in the window
     int length = 0;
+    /// Nodes of corner 0, counted along the row, half-open, that kernels finish while they pass it.
+    int finish_begin = 0, finish_end = 0;
     std::int64_t line = 0;  ///< line of nodes it starts at, counted in the node box
   };
   /// Nodes next to each other along x.
@@ -35,7 +38,7 @@ class LaneMesh {
     int length = 0;
     std::int64_t line = 0;  ///< counted in the node box
   };
-  /// Nodes next to each other whose sums are complete at the same time.
+  /// Nodes next to each other whose sums are complete once a line has been passed, and which no row finishes.
   struct Segment {
     std::int64_t node = 0;
     std::int64_t slot = 0;

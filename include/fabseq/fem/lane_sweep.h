@@ -25,19 +25,22 @@ template <class Modes>
         }
 }
 
-/// y = K x over a row of elements, added to the window. A face's corners are transformed once and serve both
-/// of its elements, forward and back.
-template <class Kernel>
+/// y = K x over a row of elements, added to the window; calls `finish` for the nodes that the row finishes. A
+/// face's corners are transformed once and serve both of its elements, forward and back.
+template <class Kernel, class Finish>
 [[gnu::always_inline]] inline void sweep_row(const typename LaneMesh<Kernel::dim>::Row& row,
-                                             const Kernel& kernel, const double* x, double* window) {
+                                             const Kernel& kernel, const typename Kernel::Number* x,
+                                             typename Kernel::Number* window, Finish& finish) {
   constexpr int face = LaneMesh<Kernel::dim>::face_corners;
   constexpr int components = Kernel::components;
   constexpr int width = Kernel::width;
   constexpr int block = components * width;
-  constexpr int cache_line = 64 / sizeof(double);
+  using Number = typename Kernel::Number;
+  using Value = Lanes<width, Number>;
+  constexpr int cache_line = 64 / sizeof(Number);
   using Modes = typename Kernel::Modes;
-  std::array<const double*, face> from;
-  std::array<double*, face> to;
+  std::array<const Number*, face> from;
+  std::array<Number*, face> to;
   for (int corner = 0; corner < face; ++corner) {
     from[corner] = x + row.node[corner] * block;
     to[corner] = window + row.slot[corner] * block;
@@ -47,23 +50,31 @@ template <class Kernel>
     for (int corner = 0; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a)
-        modes[a][corner] = Lanes<width>::load(from[corner] + i * block + a * width);
+        modes[a][corner] = Value::load(from[corner] + i * block + a * width);
     transform_face(modes);
   };
   const auto add = [&](std::int64_t i, Modes & forces) __attribute__((always_inline)) {
     transform_face(forces);
-#pragma GCC unroll 4
-    for (int corner = 0; corner < face; ++corner)
+    const bool last = i >= row.finish_begin && i < row.finish_end;
+    std::array<Value, components> values;
+#pragma GCC unroll 3
+    for (int a = 0; a < components; ++a) {
+      Number* place = to[0] + i * block + a * width;
+      values[a] = Value::load(place) + forces[a][0];
+      (last ? Value::zero() : values[a]).store(place);
+    }
+#pragma GCC unroll 3
+    for (int corner = 1; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a) {
-        double* place = to[corner] + i * block + a * width;
-        (Lanes<width>::load(place) + forces[a][corner]).store(place);
+        Number* place = to[corner] + i * block + a * width;
+        (Value::load(place) + forces[a][corner]).store(place);
       }
+    if (last) finish(row.node[0] + i, values);
   };
-  Modes lower, upper, lower_forces, upper_forces;
-  read(0, lower);
-  for (auto& component : lower_forces) component.fill(Lanes<width>::zero());
-  for (int i = 0; i < row.length; ++i) {
+  // Passes element i, between faces whose modes and forces are `lower` and `upper`.
+  const auto pass = [&](std::int64_t i, const Modes& lower, Modes& upper, Modes& lower_forces,
+                        Modes& upper_forces) __attribute__((always_inline)) {
     // What the next row needs and this one does not: the line behind its upper corners.
     for (int a = 0; a < block; a += cache_line)
       __builtin_prefetch(from[face - 1] + (i + row.length + 1) * block + a);
@@ -71,10 +82,22 @@ template <class Kernel>
     read(i + 1, upper);
     kernel.apply(row.element + i, lower, upper, lower_forces, upper_forces);
     add(i, lower_forces);
-    lower = upper;
-    lower_forces = upper_forces;
+  };
+  // Two elements a turn: the faces change roles instead of being copied.
+  Modes even, odd, even_forces, odd_forces;
+  read(0, even);
+  for (auto& component : even_forces) component.fill(Value::zero());
+  int i = 0;
+  for (; i + 1 < row.length; i += 2) {
+    pass(i, even, odd, even_forces, odd_forces);
+    pass(i + 1, odd, even, odd_forces, even_forces);
   }
-  add(row.length, lower_forces);
+  if (i < row.length) {
+    pass(i, even, odd, even_forces, odd_forces);
+    add(row.length, odd_forces);
+  } else {
+    add(row.length, even_forces);
+  }
 }
 
 /// Calls `finish(node, sums)` with K x at each node, as soon as it is complete and nothing reads x there any
@@ -82,21 +105,24 @@ template <class Kernel>
 /// shared nodes this rank's part is copied to `shared`, [position][component][lane], instead. `window` has
 /// room for LaneMesh::window() nodes and is zero before and after.
 template <class Kernel, class Finish>
-void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const double* x, double* window,
-           double* shared, Finish&& finish) {
+void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typename Kernel::Number* x,
+           typename Kernel::Number* window, typename Kernel::Number* shared, Finish&& finish) {
   constexpr int width = Kernel::width;
   constexpr int components = Kernel::components;
   constexpr int block = components * width;
+  using Number = typename Kernel::Number;
+  using Value = Lanes<width, Number>;
   for (const auto& line : mesh.lines()) {
-    for (int row = line.first_row; row < line.last_row; ++row) sweep_row(mesh.rows()[row], kernel, x, window);
+    for (int row = line.first_row; row < line.last_row; ++row)
+      sweep_row(mesh.rows()[row], kernel, x, window, finish);
     for (int s = line.first_segment; s < line.last_segment; ++s) {
       const auto& segment = mesh.segments()[s];
-      double* sums = window + segment.slot * block;
+      Number* sums = window + segment.slot * block;
       for (int i = 0; i < segment.length; ++i, sums += block) {
-        std::array<Lanes<width>, components> values;
+        std::array<Value, components> values;
         for (int a = 0; a < components; ++a) {
-          values[a] = Lanes<width>::load(sums + a * width);
-          Lanes<width>::zero().store(sums + a * width);
+          values[a] = Value::load(sums + a * width);
+          Value::zero().store(sums + a * width);
         }
         if (segment.shared < 0)
           finish(segment.node + i, values);

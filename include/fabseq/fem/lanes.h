@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #if defined(__AVX__)
 #include <immintrin.h>
@@ -10,67 +11,65 @@
 
 namespace fabseq {
 
-/// Doubles in a vector register of the processor built for.
+/// Bytes of a vector register of the processor built for.
 #if defined(__AVX512F__)
-constexpr int native_lanes = 8;
+constexpr int register_bytes = 64;
 #elif defined(__AVX__)
-constexpr int native_lanes = 4;
+constexpr int register_bytes = 32;
 #else
-constexpr int native_lanes = 2;
+constexpr int register_bytes = 16;
 #endif
+/// Doubles in it.
+constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(double));
 
-/// `Width` doubles (a power of two), one a system, in as few registers as hold them. Arithmetic is lane by
-/// lane; an operation is an instruction a register.
-template <int Width>
+/// `Width` numbers (a power of two), one a system, in as few registers as hold them. Arithmetic is lane by
+/// lane; an operation is an instruction a register. `Real`: double or float.
+template <int Width, class Real = double>
 struct Lanes {
-  static constexpr int part_width = std::min(Width, native_lanes);
+  static constexpr int part_width = std::min(Width, register_bytes / static_cast<int>(sizeof(Real)));
   static constexpr int parts = Width / part_width;
-  using Part __attribute__((vector_size(sizeof(double) * part_width))) = double;
-  /// The same in memory of any alignment, free to alias doubles.
-  using LoosePart
-      __attribute__((vector_size(sizeof(double) * part_width), aligned(sizeof(double)), may_alias)) = double;
+  using Part __attribute__((vector_size(sizeof(Real) * part_width))) = Real;
 
   Part part[parts];
 
-  [[gnu::always_inline]] static Lanes load(const double* from) {
+  /// From memory of any alignment, doubles or floats.
+  template <class From>
+  [[gnu::always_inline]] static Lanes load(const From* from) {
     Lanes result;
     for (int i = 0; i < parts; ++i)
-      result.part[i] = *reinterpret_cast<const LoosePart*>(from + i * part_width);
+      result.part[i] =
+          __builtin_convertvector(*reinterpret_cast<const LoosePart<From>*>(from + i * part_width), Part);
     return result;
   }
-  /// Widens single precision values.
-  [[gnu::always_inline]] static Lanes load(const float* from) {
-    Lanes result;
-    for (int i = 0; i < parts; ++i)
-      for (int lane = 0; lane < part_width; ++lane) result.part[i][lane] = from[i * part_width + lane];
-    return result;
-  }
-  [[gnu::always_inline]] static Lanes broadcast(double value) {
+  [[gnu::always_inline]] static Lanes broadcast(Real value) {
     Lanes result;
     for (int i = 0; i < parts; ++i) result.part[i] = Part{} + value;
     return result;
   }
-  [[gnu::always_inline]] static Lanes zero() { return broadcast(0.0); }
+  [[gnu::always_inline]] static Lanes zero() { return broadcast(Real{0}); }
 
-  [[gnu::always_inline]] void store(double* to) const {
-    for (int i = 0; i < parts; ++i) *reinterpret_cast<LoosePart*>(to + i * part_width) = part[i];
+  /// To memory of any alignment, doubles or floats.
+  template <class To>
+  [[gnu::always_inline]] void store(To* to) const {
+    for (int i = 0; i < parts; ++i)
+      *reinterpret_cast<LoosePart<To>*>(to + i * part_width) = __builtin_convertvector(part[i], PartOf<To>);
   }
   /// store() past the caches, for what is not read again soon; `to` is aligned to a register.
-  [[gnu::always_inline]] void stream(double* to) const {
+  [[gnu::always_inline]] void stream(Real* to) const {
     for (int i = 0; i < parts; ++i) {
 #if defined(__AVX512F__)
-      if constexpr (part_width == 8) {
-        _mm512_stream_pd(to + i * part_width, (__m512d)part[i]);
+      if constexpr (sizeof(Part) == 64) {
+        _mm512_stream_pd(reinterpret_cast<double*>(to + i * part_width), (__m512d)part[i]);
         continue;
       }
 #endif
 #if defined(__AVX__)
-      if constexpr (part_width == 4) {
-        _mm256_stream_pd(to + i * part_width, (__m256d)part[i]);
+      if constexpr (sizeof(Part) == 32) {
+        _mm256_stream_pd(reinterpret_cast<double*>(to + i * part_width), (__m256d)part[i]);
         continue;
       }
 #endif
-      *reinterpret_cast<LoosePart*>(to + i * part_width) = part[i];
+      *reinterpret_cast<LoosePart<Real>*>(to + i * part_width) = part[i];
     }
   }
 
@@ -88,7 +87,7 @@ struct Lanes {
     for (int i = 0; i < parts; ++i) a.part[i] *= b.part[i];
     return a;
   }
-  [[gnu::always_inline]] friend Lanes operator*(Lanes a, double b) {
+  [[gnu::always_inline]] friend Lanes operator*(Lanes a, Real b) {
     for (int i = 0; i < parts; ++i) a.part[i] *= b;
     return a;
   }
@@ -96,22 +95,35 @@ struct Lanes {
     for (int i = 0; i < parts; ++i) a.part[i] /= b.part[i];
     return a;
   }
-  [[gnu::always_inline]] double operator[](int lane) const {
+  [[gnu::always_inline]] Real operator[](int lane) const {
     return part[lane / part_width][lane % part_width];
   }
+
+ private:
+  template <class Other>
+  using PartOf __attribute__((vector_size(sizeof(Other) * part_width))) = Other;
+  /// In memory of any alignment, free to alias its numbers.
+  template <class Other>
+  using LoosePart
+      __attribute__((vector_size(sizeof(Other) * part_width), aligned(sizeof(Other)), may_alias)) = Other;
 };
 
-/// One system: a plain double.
-template <>
-struct Lanes<1> {
-  double value;
+/// One system: a plain number.
+template <class Real>
+struct Lanes<1, Real> {
+  Real value;
 
-  static Lanes load(const double* from) { return {*from}; }
-  static Lanes load(const float* from) { return {*from}; }
-  static Lanes broadcast(double value) { return {value}; }
-  static Lanes zero() { return {0.0}; }
-  void store(double* to) const { *to = value; }
-  void stream(double* to) const { *to = value; }
+  template <class From>
+  static Lanes load(const From* from) {
+    return {static_cast<Real>(*from)};
+  }
+  static Lanes broadcast(Real value) { return {value}; }
+  static Lanes zero() { return {Real{0}}; }
+  template <class To>
+  void store(To* to) const {
+    *to = static_cast<To>(value);
+  }
+  void stream(Real* to) const { *to = value; }
 
   Lanes& operator+=(const Lanes& other) {
     value += other.value;
@@ -124,9 +136,21 @@ struct Lanes<1> {
   friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
   friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.value * b.value}; }
-  friend Lanes operator*(const Lanes& a, double b) { return {a.value * b}; }
+  friend Lanes operator*(const Lanes& a, Real b) { return {a.value * b}; }
   friend Lanes operator/(const Lanes& a, const Lanes& b) { return {a.value / b.value}; }
-  double operator[](int) const { return value; }
+  Real operator[](int) const { return value; }
 };
+
+/// In double precision.
+template <int Width, class Real>
+[[gnu::always_inline]] inline Lanes<Width> widened(const Lanes<Width, Real>& lanes) {
+  if constexpr (sizeof(Real) == sizeof(double)) {
+    return lanes;
+  } else {
+    alignas(register_bytes) std::array<Real, Width> values;
+    lanes.store(values.data());
+    return Lanes<Width>::load(values.data());
+  }
+}
 
 }  // namespace fabseq

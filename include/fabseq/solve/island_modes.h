@@ -30,7 +30,8 @@ struct IslandMotions {
 };
 
 /// Adds Z (Z^T K Z)^-1 Z^T r to a correction, Z the rigid motions of a lane's islands: motions that cost next
-/// to no energy and that no coarse grid shows. Vectors as LaneOperator's, on the finest level.
+/// to no energy and that no coarse grid shows. In double precision: what moves an island is a billionth of the
+/// forces in it. Vectors as LaneOperator's, on the finest level.
 template <class Problem, int Width>
 class IslandModes {
  public:
@@ -40,12 +41,13 @@ class IslandModes {
   using Operator = LaneOperator<Problem, Width>;
 
   bool empty() const { return most_ == 0; }
-  /// `first` and `second` are scratch vectors. Collective on the level's communicator.
-  void set_up(Operator& matrix, const std::vector<LaneIslands>& islands, LaneArray& first, LaneArray& second);
+  /// Collective on the level's communicator.
+  void set_up(Operator& matrix, const std::vector<LaneIslands>& islands);
   template <int Wider>
   void select(const IslandModes<Problem, Wider>& from, std::span<const int> lanes);
-  /// x += Z (Z^T K Z)^-1 Z^T r; `residual_part`: parts of shared nodes add up to r. Collective.
-  void add_correction(const LaneLevel<dim>& level, const double* residual_part, double* x) const;
+  /// x += Z (Z^T K Z)^-1 Z^T r. `Real`: double or float. Collective.
+  template <class Real>
+  void add_correction(const LaneLevel<dim>& level, const double* residual, Real* x) const;
 
  private:
   template <class, int>
@@ -56,8 +58,7 @@ class IslandModes {
   /// Component of a mode at a position.
   static double mode(int index, int component, const Point<dim>& position);
   static std::shared_ptr<Lane> locate(const LaneLevel<dim>& level, const LaneIslands& islands);
-  void measure_energy(Operator& matrix, LaneArray& motion, LaneArray& force,
-                      std::vector<std::vector<double>>& energies) const;
+  void measure_energy(Operator& matrix, std::vector<std::vector<double>>& energies) const;
 
   std::array<std::shared_ptr<const Lane>, Width> lanes_;
   int most_ = 0;  ///< islands of a lane
@@ -104,8 +105,9 @@ std::shared_ptr<typename IslandModes<Problem, Width>::Lane> IslandModes<Problem,
 
 /// Z^T K Z of every lane, one mode of one island of all lanes at a time.
 template <class Problem, int Width>
-void IslandModes<Problem, Width>::measure_energy(Operator& matrix, LaneArray& motion, LaneArray& force,
+void IslandModes<Problem, Width>::measure_energy(Operator& matrix,
                                                  std::vector<std::vector<double>>& energies) const {
+  LaneArray motion(matrix.size()), force(matrix.size());
   for (int column = 0; column < most_ * modes; ++column) {
     std::fill(motion.begin(), motion.end(), 0.0);
     for (int lane = 0; lane < Width; ++lane)
@@ -127,8 +129,7 @@ void IslandModes<Problem, Width>::measure_energy(Operator& matrix, LaneArray& mo
 }
 
 template <class Problem, int Width>
-void IslandModes<Problem, Width>::set_up(Operator& matrix, const std::vector<LaneIslands>& islands,
-                                         LaneArray& first, LaneArray& second) {
+void IslandModes<Problem, Width>::set_up(Operator& matrix, const std::vector<LaneIslands>& islands) {
   constexpr double regularization = 1e-10;
   std::array<std::shared_ptr<Lane>, Width> lanes;
   std::vector<std::vector<double>> energies;
@@ -140,7 +141,7 @@ void IslandModes<Problem, Width>::set_up(Operator& matrix, const std::vector<Lan
                           0.0);
   }
   if (empty()) return;
-  measure_energy(matrix, first, second, energies);
+  measure_energy(matrix, energies);
   for (int lane = 0; lane < Width; ++lane) {
     Lane& own = *lanes[lane];
     const int size = own.count * modes;
@@ -174,32 +175,37 @@ void IslandModes<Problem, Width>::select(const IslandModes<Problem, Wider>& from
 }
 
 template <class Problem, int Width>
-void IslandModes<Problem, Width>::add_correction(const LaneLevel<dim>& level, const double* residual_part,
-                                                 double* x) const {
+template <class Real>
+void IslandModes<Problem, Width>::add_correction(const LaneLevel<dim>& level, const double* residual,
+                                                 Real* x) const {
   const int stride = most_ * modes;
-  std::vector<double> forces(static_cast<std::size_t>(Width) * stride, 0.0);
-  const auto visit = [&](int lane, auto&& use) {
+  std::vector<double> amplitudes(static_cast<std::size_t>(Width) * stride, 0.0);
+  const auto first = [&](int lane) { return &amplitudes[static_cast<std::size_t>(lane) * stride]; };
+  for (int lane = 0; lane < Width; ++lane) {
     const Lane& own = *lanes_[lane];
-    for (const Place& place : own.places) {
-      if (own.count == 0) break;
-      for (int m = 0; m < modes; ++m) {
-        const int index = place.island * modes + m;
+    for (const Place& place : own.places)
+      for (int m = 0; place.counted && own.count > 0 && m < modes; ++m)
         for (int a = 0; a < dim; ++a)
-          use(forces[static_cast<std::size_t>(lane) * stride + index],
-              own.scales[index] * mode(m, a, place.position), place.node * block + a * Width + lane);
+          first(lane)[place.island * modes + m] += own.scales[place.island * modes + m] *
+                                                   mode(m, a, place.position) *
+                                                   residual[place.node * block + a * Width + lane];
+  }
+  sum_in_place(level.comm, amplitudes);
+  for (int lane = 0; lane < Width; ++lane) {
+    const Lane& own = *lanes_[lane];
+    if (own.count == 0) continue;
+    own.energy.solve({first(lane), static_cast<std::size_t>(own.count) * modes}, 1);
+    for (const Place& place : own.places)
+      for (int a = 0; a < dim; ++a) {
+        Real& value = x[place.node * block + a * Width + lane];
+        double sum = value;  // what the modes take away may be all but a little of it
+        for (int m = 0; m < modes; ++m) {
+          const int index = place.island * modes + m;
+          sum += first(lane)[index] * own.scales[index] * mode(m, a, place.position);
+        }
+        value = static_cast<Real>(sum);
       }
-    }
-  };
-  for (int lane = 0; lane < Width; ++lane)
-    visit(lane, [&](double& force, double value, std::int64_t at) { force += value * residual_part[at]; });
-  sum_in_place(level.comm, forces);
-  for (int lane = 0; lane < Width; ++lane)
-    if (lanes_[lane]->count > 0)
-      lanes_[lane]->energy.solve({&forces[static_cast<std::size_t>(lane) * stride],
-                                  static_cast<std::size_t>(lanes_[lane]->count) * modes},
-                                 1);
-  for (int lane = 0; lane < Width; ++lane)
-    visit(lane, [&](double& amplitude, double value, std::int64_t at) { x[at] += amplitude * value; });
+  }
 }
 
 }  // namespace fabseq

@@ -30,8 +30,9 @@ struct CacheLineAllocator {
 };
 
 /// [node][component][lane] on a level's own nodes, or [element][lane].
-using LaneArray = std::vector<double, CacheLineAllocator<double>>;
-using SingleLaneArray = std::vector<float, CacheLineAllocator<float>>;
+template <class Real>
+using LaneValues = std::vector<Real, CacheLineAllocator<Real>>;
+using LaneArray = LaneValues<double>;
 
 /// A number a lane.
 template <int Width>

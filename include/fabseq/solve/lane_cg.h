@@ -2,6 +2,7 @@
 /// Conjugate gradients for several lanes at once.
 #pragma once
 
+#include "fabseq/solve/island_modes.h"
 #include "fabseq/solve/lane_multigrid.h"
 #include "fabseq/solve/spectrum_estimate.h"
 
@@ -14,7 +15,8 @@ namespace fabseq {
 /// How a lane's solve ended.
 struct LaneOutcome {
   int iterations = 0;
-  double residual = 0.0;  ///< |M (f - K u)| relative to |M f|, docs/formulation.md 4.1
+  double residual =
+      0.0;  ///< |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
   bool converged = false;
   bool finite = true;  ///< false: something was not a number
 };
@@ -27,13 +29,16 @@ struct LaneStop {
   double error_factor = 2.0;
 };
 
-/// Flexible conjugate gradients with lane multigrid, every lane with scalars and a convergence test of its
-/// own. When half of the lanes or fewer are left, they go on in a solver half as wide. Collective on the
-/// grid's communicator.
+/// Flexible conjugate gradients in double precision with lane multigrid in single precision, every lane with
+/// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
+/// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M) with
+/// Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as wide.
+/// Collective on the grid's communicator.
 template <class Problem, int Width>
 class LaneCg {
  public:
-  using Multigrid = LaneMultigrid<Problem, Width>;
+  using Operator = LaneOperator<Problem, Width>;
+  using Multigrid = LaneMultigrid<Problem, Width, float>;
   using Scalars = LaneScalars<Width>;
   using Half = LaneCg<Problem, std::max(1, Width / 2)>;
 
@@ -42,8 +47,9 @@ class LaneCg {
 
   /// The solver for half as many lanes, made at first use.
   Half& half();
-  Multigrid& multigrid() { return multigrid_; }
-  /// Sets up the multigrid for the coefficients given to its finest level.
+  /// K, whose coefficients are to be filled in.
+  Operator& matrix() { return matrix_; }
+  /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
   /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
@@ -57,23 +63,35 @@ class LaneCg {
   struct State {
     int iteration = 0;
     std::array<bool, Width> active{};
+    Scalars scale{};     ///< of the lane while it is solved
     Scalars start{};     ///< |M f|^2
+    Scalars length{};    ///< |u|^2, this rank's part
     Scalars decrease{};  ///< r . M r of the last step
     Scalars energy{};    ///< p . K p of the last step
     std::array<SpectrumEstimate, Width> spectrum;
     std::array<LaneOutcome, Width> outcome{};
   };
+  void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
   void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
-  void judge(State& state, const Scalars& size, const LaneStop& stop) const;
+  void find_islands();
+  void precondition(const LaneArray& rest);
+  void turn(const Scalars& beta, bool first);
+  Scalars advance(const Scalars& alpha, LaneArray& rest, LaneArray& solution);
+  void judge(State& state, const Scalars& size, const Scalars& length, const LaneStop& stop) const;
   bool narrow(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
 
   LaneHierarchy<Problem::dim>& hierarchy_;
   const Problem& problem_;
   LaneCycle cycle_;
+  Operator matrix_;
   Multigrid multigrid_;
   std::array<bool, Width> positive_{};
-  LaneArray preconditioned_, direction_, image_;
-  std::unique_ptr<Half> half_;  ///< made at first use
+  LaneArray direction_, image_;
+  LaneValues<float> rounded_rest_, preconditioned_;
+  std::unique_ptr<IslandMap<Problem::dim>> island_map_;
+  IslandModes<Problem, Width> islands_;
+  LaneArray corrected_, left_over_;  ///< of the rigid motions, if there are islands
+  std::unique_ptr<Half> half_;       ///< made at first use
 };
 
 /// Calls `use` with the narrowest solver for this many lanes, 1 to 8, and its width as template argument.

@@ -15,42 +15,91 @@ namespace fabseq {
 template <class Problem, int Width>
 LaneCg<Problem, Width>::LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem,
                                const LaneCycle& cycle)
-    : hierarchy_(hierarchy), problem_(problem), cycle_(cycle), multigrid_(hierarchy, problem, cycle) {
-  const std::size_t size = multigrid_.finest().size();
-  preconditioned_.resize(size);
-  direction_.resize(size);
-  image_.resize(size);
-}
+    : hierarchy_(hierarchy),
+      problem_(problem),
+      cycle_(cycle),
+      matrix_(hierarchy.level(0), problem),
+      multigrid_(hierarchy, problem, cycle),
+      direction_(matrix_.size()),
+      image_(matrix_.size()),
+      rounded_rest_(matrix_.size()),
+      preconditioned_(matrix_.size()) {}
 
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::set_up() {
+  const LaneArray& coefficients = matrix_.coefficients();
+  multigrid_.finest().coefficients().assign(coefficients.begin(), coefficients.end());
   positive_ = multigrid_.set_up();
+  find_islands();
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::find_islands() {
+  if constexpr (Problem::own_operators) {
+    if (!cycle_.islands || hierarchy_.count() == 1) return;
+    if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_.level());
+    islands_.set_up(matrix_, island_map_->find(matrix_.coefficients(), Width));
+  }
 }
 
 template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
   solution.assign(load.size(), 0.0);
-  multigrid_.finest().clear_held(load.data());
   State state;
-  for (int lane = 0; lane < lanes; ++lane) {
-    state.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
-    state.outcome[lane].residual = 1.0;
-  }
+  start(state, load, solution, lanes);
   iterate(state, load, solution, stop);
+  const auto back = Lanes<Width>::broadcast(1.0) / Lanes<Width>::load(state.scale.data());
+  for (std::size_t i = 0; i < solution.size(); i += Width)
+    (Lanes<Width>::load(&solution[i]) * back).store(&solution[i]);
   return {state.outcome.begin(), state.outcome.begin() + lanes};
 }
 
-/// Ends lanes whose preconditioned residual is small enough, or no number.
+/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual down to
+/// any tolerance, and solves for rigid motions of islands.
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const LaneStop& stop) const {
+void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
+  matrix_.clear_held(load.data());
+  const Scalars squares = [&] {
+    auto sums = matrix_.dot(load.data(), load.data());
+    sum_in_place(matrix_.level().comm, sums);
+    return sums;
+  }();
+  for (int lane = 0; lane < Width; ++lane) {
+    const double size = std::sqrt(squares[lane]);
+    state.scale[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
+    if (lane >= lanes) continue;
+    state.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
+    state.outcome[lane].residual = 1.0;
+  }
+  const auto scale = Lanes<Width>::load(state.scale.data());
+  for (std::size_t i = 0; i < load.size(); i += Width) (Lanes<Width>::load(&load[i]) * scale).store(&load[i]);
+  if constexpr (Problem::own_operators) {
+    if (!islands_.empty()) {
+      islands_.add_correction(matrix_.level(), load.data(), solution.data());
+      matrix_.apply(solution.data(), image_.data());
+      for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
+      state.length = matrix_.dot(solution.data(), solution.data());
+    }
+  }
+  std::copy(load.begin(), load.end(), rounded_rest_.begin());
+}
+
+/// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution, too:
+/// where a part hangs by little, |M f| is not |u| but what rounding f does to it.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scalars& length,
+                                   const LaneStop& stop) const {
   for (int lane = 0; lane < Width; ++lane) {
     if (!state.active[lane]) continue;
-    if (state.iteration == 0) state.start[lane] = size[lane];
+    // At the start there is nothing but the rigid motions of islands, which are part of M f.
+    if (state.iteration == 0) state.start[lane] = size[lane] + length[lane];
+    const double reference =
+        state.iteration == 0 ? state.start[lane] : std::min(state.start[lane], length[lane]);
     LaneOutcome& outcome = state.outcome[lane];
     outcome.iterations = state.iteration;
     outcome.finite = std::isfinite(size[lane]);
-    outcome.residual = state.start[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / state.start[lane]);
+    outcome.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
     outcome.converged =
         outcome.finite && outcome.residual <= stop.tolerance &&
         outcome.residual <= stop.error_factor * stop.tolerance * state.spectrum[lane].smallest();
@@ -61,53 +110,96 @@ void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Lane
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& solution,
                                      const LaneStop& stop) {
-  auto& matrix = multigrid_.finest();
-  const MPI_Comm comm = matrix.level().comm;
+  const MPI_Comm comm = matrix_.level().comm;
   const auto any_active = [&] {
     return std::find(state.active.begin(), state.active.end(), true) != state.active.end();
   };
   while (any_active()) {
     multigrid_.be_patient(state.iteration >= cycle_.patience);
-    multigrid_.apply(rest.data(), preconditioned_.data());
-    std::array<double, static_cast<std::size_t>(3) * Width + 1> sums{};
-    const Scalars size = matrix.dot(preconditioned_.data(), preconditioned_.data());
-    const Scalars decrease = matrix.dot(rest.data(), preconditioned_.data());
-    std::copy(size.begin(), size.end(), sums.begin());
-    std::copy(decrease.begin(), decrease.end(), sums.begin() + Width);
-    if (state.iteration > 0) {
-      const Scalars overlap = matrix.dot(preconditioned_.data(), image_.data());
-      std::copy(overlap.begin(), overlap.end(), sums.begin() + 2 * Width);
-    }
-    sums.back() = stop_requested() ? 1.0 : 0.0;  // travels along: all ranks stop in the same iteration
-    sum_in_place(comm, sums);
-    if (sums.back() > 0.0) throw_stopped(comm);
-    Scalars total_size;
-    std::copy_n(sums.begin(), Width, total_size.begin());
-    judge(state, total_size, stop);
+    precondition(rest);
+    // The image is none before the first iteration: what it adds then is not used.
+    const auto products =
+        matrix_.dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
+    // A request to stop travels along: all ranks follow it in the same iteration.
+    const Scalars stops{stop_requested() ? 1.0 : 0.0};
+    std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
+    sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width + 1));
+    const auto& [size, decrease, overlap, length, asked] = sums;
+    if (asked[0] > 0.0) throw_stopped(comm);
+    judge(state, size, length, stop);
     if (!any_active() || state.iteration == stop.max_iterations) break;
-    Scalars beta, alpha, back;
+    Scalars beta, alpha;
     for (int lane = 0; lane < Width; ++lane) {
       const bool moves = state.active[lane] && state.energy[lane] > 0.0;
-      beta[lane] = moves ? -sums[2 * Width + lane] / state.energy[lane] : 0.0;
-      state.decrease[lane] = sums[Width + lane];
+      beta[lane] = moves ? -overlap[lane] / state.energy[lane] : 0.0;
+      state.decrease[lane] = decrease[lane];
     }
-    if (state.iteration == 0)
-      std::copy(preconditioned_.begin(), preconditioned_.end(), direction_.begin());
-    else
-      scale_and_add<Width>(beta, preconditioned_, direction_);
-    state.energy = matrix.apply(direction_.data(), image_.data());
+    turn(beta, state.iteration == 0);
+    state.energy = matrix_.apply(direction_.data(), image_.data());
     sum_in_place(comm, state.energy);
     for (int lane = 0; lane < Width; ++lane) {
       const bool moves = state.active[lane] && state.energy[lane] > 0.0;
       alpha[lane] = moves ? state.decrease[lane] / state.energy[lane] : 0.0;
-      back[lane] = -alpha[lane];
       state.spectrum[lane].add(alpha[lane], beta[lane]);
     }
-    add_scaled<Width>(alpha, direction_, solution);
-    add_scaled<Width>(back, image_, rest);
+    state.length = advance(alpha, rest, solution);
     ++state.iteration;
     if (narrow(state, rest, solution, stop)) return;
   }
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::precondition(const LaneArray& rest) {
+  multigrid_.apply(rounded_rest_.data(), preconditioned_.data());
+  if constexpr (Problem::own_operators) {
+    if (islands_.empty()) return;
+    corrected_.assign(preconditioned_.begin(), preconditioned_.end());
+    left_over_.resize(rest.size());
+    matrix_.apply(corrected_.data(), left_over_.data());
+    for (std::size_t i = 0; i < rest.size(); ++i) left_over_[i] = rest[i] - left_over_[i];
+    islands_.add_correction(matrix_.level(), left_over_.data(), preconditioned_.data());
+  }
+}
+
+/// direction = preconditioned residual + beta direction
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::turn(const Scalars& beta, bool first) {
+  using Value = Lanes<Width>;
+  const auto factor = Value::load(beta.data());
+  for (std::size_t i = 0; i < direction_.size(); i += Width) {
+    auto direction = Value::load(&preconditioned_[i]);
+    if (!first) direction += factor * Value::load(&direction_[i]);
+    direction.store(&direction_[i]);
+  }
+}
+
+/// solution += alpha direction, rest -= alpha image; this rank's part of |solution|^2.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& rest,
+                                                   LaneArray& solution) {
+  using Value = Lanes<Width>;
+  constexpr std::size_t block = Operator::block;
+  const auto factor = Value::load(alpha.data());
+  auto squares = Value::zero();
+  std::size_t next = 0;
+  const auto advance_to = [&](std::size_t end, bool counted) {
+    for (; next < end; next += Width) {
+      const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
+      value.store(&solution[next]);
+      if (counted) squares += value * value;
+      const auto left = Value::load(&rest[next]) - factor * Value::load(&image_[next]);
+      left.store(&rest[next]);
+      left.store(&rounded_rest_[next]);
+    }
+  };
+  for (const auto& range : matrix_.level().counted) {
+    advance_to(range.begin * block, false);
+    advance_to(range.end * block, true);
+  }
+  advance_to(rest.size(), false);
+  Scalars result;
+  squares.store(result.data());
+  return result;
 }
 
 template <class Problem, int Width>
@@ -134,11 +226,14 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
     if (count == 0) return false;
     const std::span<const int> lanes(left.data(), count);
     half().multigrid_.template select<Width>(multigrid_, lanes);
+    half_->matrix_.template select<Width>(matrix_, lanes);
+    if constexpr (Problem::own_operators) half_->islands_.template select<Width>(islands_, lanes);
     typename LaneCg<Problem, half_width>::State narrower;
     narrower.iteration = state.iteration;
     for (int i = 0; i < std::min(count, half_width); ++i) {
       narrower.active[i] = true;
       narrower.start[i] = state.start[lanes[i]];
+      narrower.length[i] = state.length[lanes[i]];
       narrower.decrease[i] = state.decrease[lanes[i]];
       narrower.energy[i] = state.energy[lanes[i]];
       narrower.spectrum[i] = state.spectrum[lanes[i]];
@@ -146,6 +241,7 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
     }
     LaneArray half_rest, half_solution;
     select_lanes(rest, Width, lanes, half_rest, half_width);
+    select_lanes(rounded_rest_, Width, lanes, half_->rounded_rest_, half_width);
     select_lanes(solution, Width, lanes, half_solution, half_width);
     select_lanes(direction_, Width, lanes, half_->direction_, half_width);
     select_lanes(image_, Width, lanes, half_->image_, half_width);

@@ -37,8 +37,8 @@ struct LaneLevel {
 
 /// Sums [node][entry], `block` entries a node, over the holders of shared nodes. Collective on the level's
 /// communicator.
-template <int Dim>
-void sum_over_holders(LaneLevel<Dim>& level, double* values, int block);
+template <int Dim, class Real>
+void sum_over_holders(LaneLevel<Dim>& level, Real* values, int block);
 
 /// Coarsens an axis as long as its elements are no longer than about those of the others, to a last level of
 /// a few hundred elements. The grid is padded with nothing to even counts: any count coarsens.
@@ -73,8 +73,10 @@ class LaneHierarchy {
   std::deque<LaneLevel<Dim>> levels_;
 };
 
-extern template void sum_over_holders<2>(LaneLevel<2>&, double*, int);
-extern template void sum_over_holders<3>(LaneLevel<3>&, double*, int);
+extern template void sum_over_holders(LaneLevel<2>&, double*, int);
+extern template void sum_over_holders(LaneLevel<3>&, double*, int);
+extern template void sum_over_holders(LaneLevel<2>&, float*, int);
+extern template void sum_over_holders(LaneLevel<3>&, float*, int);
 extern template class LaneHierarchy<2>;
 extern template class LaneHierarchy<3>;
 

@@ -4,7 +4,6 @@
 
 #include "fabseq/io/config.h"
 #include "fabseq/solve/band_cholesky.h"
-#include "fabseq/solve/island_modes.h"
 #include "fabseq/solve/lane_operator.h"
 
 #include <memory>
@@ -19,7 +18,7 @@ namespace fabseq {
 struct LaneCycle {
   SolverCycle kind = SolverCycle::k;
   int degree = 2;       ///< of the Chebyshev smoother, before and after
-  bool islands = true;  ///< rigid motions of stiff islands, where lanes have operators of their own
+  bool islands = true;  ///< LaneCg: rigid motions of stiff islands, where lanes have operators of their own
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
   std::vector<int> patient_steps{6, 4, 2};  ///< the same for lanes that take long (K only)
   int patience = 10;                        ///< iterations before a lane counts as one that takes long
@@ -34,13 +33,17 @@ struct LaneCycle {
 /// A preconditioner for K x = b in every lane: Chebyshev smoothing with node blocks, coarse operators by
 /// re-discretization with the mean of the children's coefficients, band Cholesky on the last level. Vectors
 /// as LaneOperator's, on the finest level. Collective on the grid's communicator.
-template <class Problem, int Width>
+///
+/// `Real`: of vectors and coefficients; the solves on the last level are in double precision all the same. A
+/// preconditioner in single precision moves half the bytes. Its rounding, about 1e-7 of the forces, is little in
+/// energy but may move what hangs by little: see LaneCg.
+template <class Problem, int Width, class Real = double>
 class LaneMultigrid {
  public:
   static constexpr int dim = Problem::dim;
   static constexpr int components = Problem::components;
   static constexpr int block = components * Width;
-  using Operator = LaneOperator<Problem, Width>;
+  using Operator = LaneOperator<Problem, Width, Real>;
   using Scalars = LaneScalars<Width>;
 
   /// `hierarchy` must outlive the multigrid.
@@ -52,33 +55,36 @@ class LaneMultigrid {
   std::array<bool, Width> set_up();
   /// Takes over lanes of a wider multigrid on the same hierarchy, without setting up.
   template <int Wider>
-  void select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes);
+  void select(LaneMultigrid<Problem, Wider, Real>& from, std::span<const int> lanes);
 
   /// From now on with more steps on the coarse levels, or not; only for flexible methods.
   void be_patient(bool patient) { patient_ = patient; }
   /// x = M b.
-  void apply(const double* b, double* x) { visit(0, b, x); }
+  void apply(const Real* b, Real* x) { visit(0, b, x); }
 
  private:
-  template <class, int>
+  template <class, int, class>
   friend class LaneMultigrid;
+  using Array = LaneValues<Real>;
 
   struct Level {
     std::unique_ptr<Operator> matrix;
-    LaneArray residual, step;                            ///< of the smoother
-    LaneArray right, solution;                           ///< below the finest
-    LaneArray rest, direction, image, scratch, product;  ///< of conjugate gradients
+    Array residual, step;                            ///< of the smoother
+    Array right, solution;                           ///< below the finest
+    Array rest, direction, image, scratch, product;  ///< of conjugate gradients
   };
   void coarsen_coefficients(int level);
-  void find_islands();
   void factor(std::array<bool, Width>& positive);
   /// One cycle from zero on a level: x = M b.
-  void visit(int index, const double* b, double* x);
+  void visit(int index, const Real* b, Real* x);
   void restrict_residual(int index);
   /// Solves on a level below the finest, from its `right` to its `solution`.
   void solve(int index);
   void iterate(int index, int steps);
   void conjugate_gradients(int index, int steps);
+  /// The vector updates of a step.
+  template <bool First>
+  void advance(Level& level, const Scalars& alpha, const Scalars& beta, bool last);
   void solve_directly();
   void sum(int index, std::span<double> scalars) const;
 
@@ -87,27 +93,9 @@ class LaneMultigrid {
   bool patient_ = false;
   std::vector<Level> levels_;
   BandNumbering<dim> numbering_;
-  std::unique_ptr<IslandMap<dim>> island_map_;
-  IslandModes<Problem, Width> islands_;
   static constexpr int factors = Problem::template operators<Width>;
   std::array<std::shared_ptr<BandCholesky>, factors> factors_;
   std::vector<double> direct_values_;
 };
-
-/// y += factor x in every lane.
-template <int Width>
-void add_scaled(const LaneScalars<Width>& factor, const LaneArray& x, LaneArray& y) {
-  const auto scale = Lanes<Width>::load(factor.data());
-  for (std::size_t i = 0; i < y.size(); i += Width)
-    (Lanes<Width>::load(&y[i]) + scale * Lanes<Width>::load(&x[i])).store(&y[i]);
-}
-
-/// y = x + factor y in every lane.
-template <int Width>
-void scale_and_add(const LaneScalars<Width>& factor, const LaneArray& x, LaneArray& y) {
-  const auto scale = Lanes<Width>::load(factor.data());
-  for (std::size_t i = 0; i < y.size(); i += Width)
-    (Lanes<Width>::load(&x[i]) + scale * Lanes<Width>::load(&y[i])).store(&y[i]);
-}
 
 }  // namespace fabseq

@@ -9,9 +9,9 @@
 
 namespace fabseq {
 
-template <class Problem, int Width>
-LaneMultigrid<Problem, Width>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem,
-                                             const LaneCycle& cycle)
+template <class Problem, int Width, class Real>
+LaneMultigrid<Problem, Width, Real>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem,
+                                                   const LaneCycle& cycle)
     : hierarchy_(hierarchy), cycle_(cycle) {
   for (int index = 0; index < hierarchy.count(); ++index) {
     Level& level = levels_.emplace_back();
@@ -28,55 +28,43 @@ LaneMultigrid<Problem, Width>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, cons
       level.right.resize(size);
       level.solution.resize(size);
     }
-    for (LaneArray* array : {&level.rest, &level.direction, &level.image, &level.scratch, &level.product})
+    for (Array* array : {&level.rest, &level.direction, &level.image, &level.scratch, &level.product})
       if (iterated) array->resize(size);
   }
   const auto& last = hierarchy.level(hierarchy.count() - 1);
   numbering_ = BandNumbering<dim>(last.mesh, components);
 }
 
-template <class Problem, int Width>
-std::array<bool, Width> LaneMultigrid<Problem, Width>::set_up() {
+template <class Problem, int Width, class Real>
+std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::set_up() {
   for (int level = 0; level + 1 < hierarchy_.count(); ++level) {
     levels_[level].matrix->set_up();
     coarsen_coefficients(level);
   }
-  find_islands();
   std::array<bool, Width> positive;
   positive.fill(true);
   factor(positive);
   return positive;
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::find_islands() {
-  if constexpr (Problem::own_operators) {
-    if (!cycle_.islands || hierarchy_.count() == 1) return;
-    Level& finest = levels_.front();
-    if (!island_map_) island_map_ = std::make_unique<IslandMap<dim>>(hierarchy_.level(0));
-    islands_.set_up(*finest.matrix, island_map_->find(finest.matrix->coefficients(), Width), finest.residual,
-                    finest.step);
-  }
-}
-
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::coarsen_coefficients(int level) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
   constexpr int stride = Operator::Kernel::stride;
   const LaneLevel<dim>& fine = hierarchy_.level(level);
-  const LaneArray& from = levels_[level].matrix->coefficients();
-  LaneArray& to = levels_[level + 1].matrix->coefficients();
-  std::fill(to.begin(), to.end(), 0.0);
-  double share = 1.0;
-  for (const int factor : fine.factors) share /= factor;
+  const Array& from = levels_[level].matrix->coefficients();
+  Array& to = levels_[level + 1].matrix->coefficients();
+  std::fill(to.begin(), to.end(), Real{0});
+  Real share{1};
+  for (const int factor : fine.factors) share /= static_cast<Real>(factor);
   for (std::size_t element = 0; element < fine.parent.size(); ++element)
     for (int i = 0; i < stride; ++i)
       to[fine.parent[element] * stride + i] += share * from[element * stride + i];
   if (fine.distributed && !hierarchy_.level(level + 1).distributed)
-    sum_in_place(fine.comm, {to.data(), to.size()});
+    sum_in_place(fine.comm, std::span<Real>(to));
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::factor(std::array<bool, Width>& positive) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positive) {
   Operator& matrix = *levels_.back().matrix;
   const LaneLevel<dim>& level = matrix.level();
   constexpr int stride = Operator::Kernel::stride;
@@ -90,7 +78,7 @@ void LaneMultigrid<Problem, Width>::factor(std::array<bool, Width>& positive) {
   }
   for (const auto& row : level.mesh.rows())
     for (int e = 0; e < row.length; ++e) {
-      const double* coefficients = &matrix.coefficients()[(row.element + e) * stride];
+      const Real* coefficients = &matrix.coefficients()[(row.element + e) * stride];
       std::array<std::int64_t, size> unknowns;
       for (int i = 0; i < size; ++i) {
         const int corner = i / components;
@@ -108,12 +96,12 @@ void LaneMultigrid<Problem, Width>::factor(std::array<bool, Width>& positive) {
     if (!factors_[lane]->factor()) positive[lane] = false;
 }
 
-template <class Problem, int Width>
+template <class Problem, int Width, class Real>
 template <int Wider>
-void LaneMultigrid<Problem, Width>::select(LaneMultigrid<Problem, Wider>& from, std::span<const int> lanes) {
+void LaneMultigrid<Problem, Width, Real>::select(LaneMultigrid<Problem, Wider, Real>& from,
+                                                 std::span<const int> lanes) {
   for (std::size_t level = 0; level < levels_.size(); ++level)
     levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
-  islands_.template select<Wider>(from.islands_, lanes);
   for (int lane = 0; lane < factors; ++lane) {
     if constexpr (Problem::own_operators)
       factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
@@ -122,8 +110,8 @@ void LaneMultigrid<Problem, Width>::select(LaneMultigrid<Problem, Wider>& from, 
   }
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::visit(int index, const double* b, double* x) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::visit(int index, const Real* b, Real* x) {
   Level& level = levels_[index];
   if (index + 1 == hierarchy_.count()) {
     if (index == 0) {
@@ -140,27 +128,26 @@ void LaneMultigrid<Problem, Width>::visit(int index, const double* b, double* x)
   solve(index + 1);
   hierarchy_.level(index).transfer.template prolong_add<components, Width>(levels_[index + 1].solution.data(),
                                                                            x);
-  if (index == 0 && !islands_.empty()) islands_.add_correction(hierarchy_.level(0), level.residual.data(), x);
   level.matrix->clear_held(x);
   level.matrix->smooth(b, x, level.step.data(), cycle_.degree, false);
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::restrict_residual(int index) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::restrict_residual(int index) {
   LaneLevel<dim>& fine = hierarchy_.level(index);
   LaneLevel<dim>& coarse = hierarchy_.level(index + 1);
   Level& below = levels_[index + 1];
-  std::fill(below.right.begin(), below.right.end(), 0.0);
+  std::fill(below.right.begin(), below.right.end(), Real{0});
   fine.transfer.template restrict_add<components, Width>(levels_[index].residual.data(), below.right.data());
   if (coarse.distributed)
     sum_over_holders(coarse, below.right.data(), block);
   else if (fine.distributed)
-    sum_in_place(fine.comm, {below.right.data(), below.right.size()});
+    sum_in_place(fine.comm, std::span<Real>(below.right));
   below.matrix->clear_held(below.right.data());
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::solve(int index) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::solve(int index) {
   const int steps = cycle_.steps_on(index, patient_);
   if (index + 1 == hierarchy_.count())
     solve_directly();
@@ -173,8 +160,8 @@ void LaneMultigrid<Problem, Width>::solve(int index) {
 }
 
 /// x += M (b - K x): symmetric, and positive if the largest eigenvalue of M K is below 2.
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::iterate(int index, int steps) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::iterate(int index, int steps) {
   Level& level = levels_[index];
   visit(index, level.right.data(), level.solution.data());
   for (int step = 1; step < steps; ++step) {
@@ -187,43 +174,68 @@ void LaneMultigrid<Problem, Width>::iterate(int index, int steps) {
 
 /// Flexible conjugate gradients with one reduction a step: with z = M r and w = K z, the new direction
 /// p = z - (z.q / p.q) p_old has the image q = w - (z.q / p.q) q_old and p.q = z.w - (z.q)^2 / p.q_old.
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::conjugate_gradients(int index, int steps) {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int steps) {
   Level& level = levels_[index];
   Operator& matrix = *level.matrix;
-  level.rest = level.right;
-  std::fill(level.solution.begin(), level.solution.end(), 0.0);
-  std::fill(level.direction.begin(), level.direction.end(), 0.0);
-  std::fill(level.image.begin(), level.image.end(), 0.0);
   Scalars energy;  // p . K p
   energy.fill(0.0);
   for (int step = 0; step < steps; ++step) {
-    visit(index, level.rest.data(), level.scratch.data());
-    std::array<double, static_cast<std::size_t>(3) * Width> sums;
+    const Array& rest = step == 0 ? level.right : level.rest;
+    visit(index, rest.data(), level.scratch.data());
+    std::array<double, static_cast<std::size_t>(3) * Width> sums{};
     const Scalars own = matrix.apply(level.scratch.data(), level.product.data());
-    const Scalars decrease = matrix.dot(level.rest.data(), level.scratch.data());
-    const Scalars overlap = matrix.dot(level.scratch.data(), level.image.data());
-    std::copy(own.begin(), own.end(), sums.begin());
-    std::copy(decrease.begin(), decrease.end(), sums.begin() + Width);
-    std::copy(overlap.begin(), overlap.end(), sums.begin() + 2 * Width);
+    const auto put = [&](int which, const Scalars& values) {
+      std::copy(values.begin(), values.end(), sums.begin() + static_cast<std::ptrdiff_t>(which) * Width);
+    };
+    put(0, own);
+    if (step == 0) {
+      put(1, matrix.dot(level.scratch.data(), rest.data()));
+    } else {
+      const auto both = matrix.dots(level.scratch.data(), rest.data(), level.image.data());
+      put(1, both[0]);
+      put(2, both[1]);
+    }
     sum(index, sums);
-    Scalars beta, alpha, back;
+    Scalars beta, alpha;
     for (int lane = 0; lane < Width; ++lane) {
       beta[lane] = energy[lane] > 0.0 ? -sums[2 * Width + lane] / energy[lane] : 0.0;
       energy[lane] = sums[lane] + beta[lane] * sums[2 * Width + lane];
       alpha[lane] = energy[lane] > 0.0 ? sums[Width + lane] / energy[lane] : 0.0;
-      back[lane] = -alpha[lane];
     }
-    scale_and_add<Width>(beta, level.scratch, level.direction);
-    add_scaled<Width>(alpha, level.direction, level.solution);
-    if (step + 1 == steps) break;
-    scale_and_add<Width>(beta, level.product, level.image);
-    add_scaled<Width>(back, level.image, level.rest);
+    if (step == 0)
+      advance<true>(level, alpha, beta, steps == 1);
+    else
+      advance<false>(level, alpha, beta, step + 1 == steps);
   }
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::solve_directly() {
+template <class Problem, int Width, class Real>
+template <bool First>
+void LaneMultigrid<Problem, Width, Real>::advance(Level& level, const Scalars& alpha, const Scalars& beta,
+                                                  bool last) {
+  using Value = Lanes<Width, Real>;
+  const auto length = Value::load(alpha.data()), turn = Value::load(beta.data());
+  for (std::size_t i = 0; i < level.solution.size(); i += Width) {
+    auto direction = Value::load(&level.scratch[i]);
+    if constexpr (!First) direction += turn * Value::load(&level.direction[i]);
+    auto change = length * direction;
+    if constexpr (!First) change += Value::load(&level.solution[i]);
+    direction.store(&level.direction[i]);
+    change.store(&level.solution[i]);
+  }
+  if (last) return;
+  const Array& rest = First ? level.right : level.rest;
+  for (std::size_t i = 0; i < level.rest.size(); i += Width) {
+    auto image = Value::load(&level.product[i]);
+    if constexpr (!First) image += turn * Value::load(&level.image[i]);
+    image.store(&level.image[i]);
+    (Value::load(&rest[i]) - length * image).store(&level.rest[i]);
+  }
+}
+
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::solve_directly() {
   Level& last = levels_.back();
   const auto& rows = numbering_.rows();
   direct_values_.resize(rows.size() * Width);
@@ -238,12 +250,13 @@ void LaneMultigrid<Problem, Width>::solve_directly() {
   }
   for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
     for (int lane = 0; lane < Width; ++lane)
-      last.solution[unknown * Width + lane] = direct_values_[lane * rows.size() + rows[unknown]];
+      last.solution[unknown * Width + lane] =
+          static_cast<Real>(direct_values_[lane * rows.size() + rows[unknown]]);
   last.matrix->clear_held(last.solution.data());
 }
 
-template <class Problem, int Width>
-void LaneMultigrid<Problem, Width>::sum(int index, std::span<double> scalars) const {
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::sum(int index, std::span<double> scalars) const {
   if (hierarchy_.level(index).distributed) sum_in_place(hierarchy_.level(index).comm, scalars);
 }
 

@@ -13,15 +13,16 @@ namespace fabseq {
 
 /// K x for every lane, without a matrix. Vectors are [node][component][lane] on the level's mesh, the same on
 /// all holders of a node, and zero at held unknowns. All calls that take vectors are collective on the
-/// level's communicator unless they say otherwise.
-template <class Problem, int Width>
+/// level's communicator unless they say otherwise. `Real`: double, or float in preconditioners; inner products are
+/// double.
+template <class Problem, int Width, class Real = double>
 class LaneOperator {
  public:
   static constexpr int dim = Problem::dim;
   static constexpr int components = Problem::components;
   static constexpr int block = components * Width;
-  using Kernel = typename Problem::template Kernel<Width>;
-  using Scaling = NodeScaling<Problem, Width>;
+  using Kernel = typename Problem::template Kernel<Width, Real>;
+  using Scaling = NodeScaling<Problem, Width, Real>;
   using Scalars = LaneScalars<Width>;
 
   /// `level` must outlive the operator.
@@ -37,55 +38,65 @@ class LaneOperator {
   /// Values of a vector on this rank.
   std::size_t size() const { return static_cast<std::size_t>(level_.mesh.nodes()) * block; }
   /// As the kernel takes them; to be filled, then set_up().
-  LaneArray& coefficients() { return coefficients_; }
+  LaneValues<Real>& coefficients() { return coefficients_; }
+  /// What smooth() needs.
   void set_up() { scaling_.set_up(level_, matrices_, coefficients_.data()); }
   /// Takes over lanes of a wider operator on the same level.
   template <int Wider>
-  void select(const LaneOperator<Problem, Wider>& from, std::span<const int> lanes);
+  void select(const LaneOperator<Problem, Wider, Real>& from, std::span<const int> lanes);
 
   /// y = K x; returns this rank's part of x . y in each lane.
-  Scalars apply(const double* x, double* y);
+  Scalars apply(const Real* x, Real* y);
   /// This rank's part of the residual b - K x: parts of shared nodes add up to it. Not collective.
-  void residual_part(const double* b, const double* x, double* residual);
+  void residual_part(const Real* b, const Real* x, Real* residual);
   /// Chebyshev iteration of `degree` on the scaled operator, for eigenvalues from `low_end` of the largest
   /// one up, from x or, `from_zero`, from nothing. `step` is scratch.
-  void smooth(const double* b, double* x, double* step, int degree, bool from_zero);
+  void smooth(const Real* b, Real* x, Real* step, int degree, bool from_zero);
   /// Sets held unknowns to 0. Not collective.
-  void clear_held(double* values) const;
-  /// This rank's part of x . y. Not collective.
-  Scalars dot(const double* x, const double* y) const;
+  void clear_held(Real* values) const;
+  /// This rank's parts of x . y for one or several y, doubles or floats. Not collective.
+  template <class X, class... Y>
+  std::array<Scalars, sizeof...(Y)> dots(const X* x, const Y*... y) const;
+  template <class X, class Y>
+  Scalars dot(const X* x, const Y* y) const {
+    return dots(x, y)[0];
+  }
 
  private:
-  template <class, int>
+  template <class, int, class>
   friend class LaneOperator;
   /// Share of the largest eigenvalue above which the smoother damps.
   static constexpr double low_end = 0.15;
-  using Values = std::array<Lanes<Width>, components>;
+  /// Vectors larger than this are written past the caches: nothing of them would be left there.
+  static constexpr std::size_t cache_bytes = std::size_t{1} << 22;
+  using Value = Lanes<Width, Real>;
+  using Values = std::array<Value, components>;
 
-  static Values load(const double* from) {
+  static Values load(const Real* from) {
     Values values;
-    for (int a = 0; a < components; ++a) values[a] = Lanes<Width>::load(from + a * Width);
+    for (int a = 0; a < components; ++a) values[a] = Value::load(from + a * Width);
     return values;
   }
-  /// Calls `finish` for every node, shared ones with the sum over their holders.
+  /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether or
+  /// not this rank counts them in inner products.
   template <class Finish>
-  void complete_sweep(const double* x, Finish&& finish);
-  void first_step_from_zero(const double* b, double* x, double scale) const;
+  void complete_sweep(const Real* x, Finish&& finish);
+  void first_step_from_zero(const Real* b, Real* x, Real scale) const;
   /// x += step, step = momentum * old step + scale * D^-1 (b - K x). The old step is none, x itself (after
   /// a first step from zero) or `step`; the new one is stored if a further step needs it.
   template <bool HasOld, bool OldIsX, bool Keep>
-  void smoother_step(const double* b, double* x, double* step, double momentum, double scale);
+  void smoother_step(const Real* b, Real* x, Real* step, Real momentum, Real scale);
 
   LaneLevel<dim>& level_;
   typename Problem::Matrices matrices_;
-  LaneArray coefficients_, window_, shared_;
+  LaneValues<Real> coefficients_, window_, shared_;
   Scaling scaling_;
 };
 
-template <class Problem, int Width>
+template <class Problem, int Width, class Real>
 template <int Wider>
-void LaneOperator<Problem, Width>::select(const LaneOperator<Problem, Wider>& from,
-                                          std::span<const int> lanes) {
+void LaneOperator<Problem, Width, Real>::select(const LaneOperator<Problem, Wider, Real>& from,
+                                                std::span<const int> lanes) {
   if constexpr (Problem::own_operators)
     select_lanes(from.coefficients_, Wider, lanes, coefficients_, Width);
   else
@@ -93,96 +104,123 @@ void LaneOperator<Problem, Width>::select(const LaneOperator<Problem, Wider>& fr
   scaling_.template select<Wider>(from.scaling_, lanes);
 }
 
-template <class Problem, int Width>
+template <class Problem, int Width, class Real>
 template <class Finish>
-void LaneOperator<Problem, Width>::complete_sweep(const double* x, Finish&& finish) {
+void LaneOperator<Problem, Width, Real>::complete_sweep(const Real* x, Finish&& finish) {
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
-  sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), finish);
+  sweep(level_.mesh, kernel, x, window_.data(), shared_.data(),
+        [&](std::int64_t node, const Values& sums) { finish(node, sums, true); });
   if (!level_.distributed) return;
-  level_.shared.sum(shared_, block);
+  level_.shared.sum(std::span<Real>(shared_), block);
   const auto& nodes = level_.shared.nodes();
-  for (std::size_t i = 0; i < nodes.size(); ++i) finish(nodes[i], load(&shared_[i * block]));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    finish(nodes[i], load(&shared_[i * block]), level_.shared.counted()[i] != 0);
 }
 
-template <class Problem, int Width>
-LaneScalars<Width> LaneOperator<Problem, Width>::apply(const double* x, double* y) {
-  complete_sweep(x, [&](std::int64_t node, const Values& sums) {
-    for (int a = 0; a < components; ++a) sums[a].stream(y + node * block + a * Width);
+template <class Problem, int Width, class Real>
+LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const Real* x, Real* y) {
+  std::array<Lanes<Width>, components> products;
+  products.fill(Lanes<Width>::zero());
+  const bool past_caches = size() * sizeof(Real) > cache_bytes;
+  complete_sweep(x, [&](std::int64_t node, const Values& sums, bool counted) {
+    for (int a = 0; a < components; ++a) {
+      Real* const place = y + node * block + a * Width;
+      if (past_caches)
+        sums[a].stream(place);
+      else
+        sums[a].store(place);
+      if (counted) products[a] += widened(Value::load(x + node * block + a * Width) * sums[a]);
+    }
   });
   clear_held(y);
-  return dot(x, y);
+  Scalars result;
+  for (int lane = 0; lane < Width; ++lane) {
+    result[lane] = 0.0;
+    for (const auto& product : products) result[lane] += product[lane];
+  }
+  return result;
 }
 
-template <class Problem, int Width>
-void LaneOperator<Problem, Width>::residual_part(const double* b, const double* x, double* residual) {
+template <class Problem, int Width, class Real>
+void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real* x, Real* residual) {
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
+  const bool past_caches = size() * sizeof(Real) > cache_bytes;
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), [&](std::int64_t node, const Values& sums) {
     const Values right = load(b + node * block);
-    for (int a = 0; a < components; ++a) (right[a] - sums[a]).store(residual + node * block + a * Width);
+    for (int a = 0; a < components; ++a) {
+      Real* const place = residual + node * block + a * Width;
+      if (past_caches)
+        (right[a] - sums[a]).stream(place);
+      else
+        (right[a] - sums[a]).store(place);
+    }
   });
   const auto& nodes = level_.shared.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (int entry = 0; entry < block; ++entry) {
       const std::size_t at = static_cast<std::size_t>(nodes[i]) * block + entry;
-      residual[at] = (level_.shared.counted()[i] != 0 ? b[at] : 0.0) - shared_[i * block + entry];
+      residual[at] = (level_.shared.counted()[i] != 0 ? b[at] : Real{0}) - shared_[i * block + entry];
     }
   clear_held(residual);
 }
 
-template <class Problem, int Width>
-void LaneOperator<Problem, Width>::first_step_from_zero(const double* b, double* x, double scale) const {
+template <class Problem, int Width, class Real>
+void LaneOperator<Problem, Width, Real>::first_step_from_zero(const Real* b, Real* x, Real scale) const {
   for (std::int64_t node = 0; node < level_.mesh.nodes(); ++node) {
     const Values scaled = scaling_.apply(node, load(b + node * block));
     for (int a = 0; a < components; ++a) (scaled[a] * scale).store(x + node * block + a * Width);
   }
 }
 
-template <class Problem, int Width>
+template <class Problem, int Width, class Real>
 template <bool HasOld, bool OldIsX, bool Keep>
-void LaneOperator<Problem, Width>::smoother_step(const double* b, double* x, double* step, double momentum,
-                                                 double scale) {
-  complete_sweep(x, [&](std::int64_t node, const Values& sums) {
+void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, Real* step, Real momentum,
+                                                       Real scale) {
+  constexpr int cache_line = 64 / sizeof(Real);
+  complete_sweep(x, [&](std::int64_t node, const Values& sums, bool) {
     constexpr std::int64_t ahead = 24;  // nodes, for the processor to have them when they are due
     scaling_.prefetch(node + ahead);
-    for (int entry = 0; entry < block; entry += 8) __builtin_prefetch(b + (node + ahead) * block + entry);
+    for (int entry = 0; entry < block; entry += cache_line)
+      __builtin_prefetch(b + (node + ahead) * block + entry);
     Values difference;
     const Values right = load(b + node * block);
     for (int a = 0; a < components; ++a) difference[a] = right[a] - sums[a];
     const Values scaled = scaling_.apply(node, difference);
     for (int a = 0; a < components; ++a) {
-      double* const place = x + node * block + a * Width;
-      double* const step_place = step + node * block + a * Width;
-      const auto value = Lanes<Width>::load(place);
+      Real* const place = x + node * block + a * Width;
+      Real* const step_place = step + node * block + a * Width;
+      const auto value = Value::load(place);
       auto change = scaled[a] * scale;
-      if constexpr (HasOld) change += (OldIsX ? value : Lanes<Width>::load(step_place)) * momentum;
+      if constexpr (HasOld) change += (OldIsX ? value : Value::load(step_place)) * momentum;
       if constexpr (Keep) change.store(step_place);
       (value + change).store(place);
     }
   });
 }
 
-template <class Problem, int Width>
-void LaneOperator<Problem, Width>::smooth(const double* b, double* x, double* step, int degree,
-                                          bool from_zero) {
+template <class Problem, int Width, class Real>
+void LaneOperator<Problem, Width, Real>::smooth(const Real* b, Real* x, Real* step, int degree,
+                                                bool from_zero) {
   const double high = matrices_.spectrum_bound;
   const double center = 0.5 * (1.0 + low_end) * high;
   const double radius = 0.5 * (1.0 - low_end) * high;
   const double ratio = center / radius;
+  const auto first_scale = static_cast<Real>(1.0 / center);
   double rho = 1.0 / ratio;
   for (int k = 0; k < degree; ++k) {
     const bool keep = k + 1 < degree;
     if (k == 0) {
       if (from_zero)
-        first_step_from_zero(b, x, 1.0 / center);
+        first_step_from_zero(b, x, first_scale);
       else if (keep)
-        smoother_step<false, false, true>(b, x, step, 0.0, 1.0 / center);
+        smoother_step<false, false, true>(b, x, step, Real{0}, first_scale);
       else
-        smoother_step<false, false, false>(b, x, step, 0.0, 1.0 / center);
+        smoother_step<false, false, false>(b, x, step, Real{0}, first_scale);
       continue;
     }
     const double next_rho = 1.0 / (2.0 * ratio - rho);
-    const double momentum = next_rho * rho;
-    const double scale = 2.0 * next_rho / radius;
+    const auto momentum = static_cast<Real>(next_rho * rho);
+    const auto scale = static_cast<Real>(2.0 * next_rho / radius);
     rho = next_rho;
     const bool old_is_x = from_zero && k == 1;
     if (old_is_x && keep)
@@ -196,30 +234,37 @@ void LaneOperator<Problem, Width>::smooth(const double* b, double* x, double* st
   }
 }
 
-template <class Problem, int Width>
-void LaneOperator<Problem, Width>::clear_held(double* values) const {
-  for (const std::int64_t unknown : level_.fixed) std::fill_n(values + unknown * Width, Width, 0.0);
+template <class Problem, int Width, class Real>
+void LaneOperator<Problem, Width, Real>::clear_held(Real* values) const {
+  for (const std::int64_t unknown : level_.fixed) std::fill_n(values + unknown * Width, Width, Real{0});
 }
 
-template <class Problem, int Width>
-LaneScalars<Width> LaneOperator<Problem, Width>::dot(const double* x, const double* y) const {
+template <class Problem, int Width, class Real>
+template <class X, class... Y>
+std::array<LaneScalars<Width>, sizeof...(Y)> LaneOperator<Problem, Width, Real>::dots(const X* x,
+                                                                                      const Y*... y) const {
   // A few sums side by side: each addition waits for the one before.
-  constexpr int chains = 4;
-  std::array<Lanes<Width>, chains> sums;
-  sums.fill(Lanes<Width>::zero());
+  constexpr int chains = sizeof...(Y) == 1 ? 4 : 2;
+  std::array<std::array<Lanes<Width>, sizeof...(Y)>, chains> sums;
+  for (auto& chain : sums) chain.fill(Lanes<Width>::zero());
+  const auto add = [&](std::int64_t i, auto& chain) {
+    const auto value = Lanes<Width>::load(x + i * Width);
+    std::size_t next = 0;
+    ((chain[next++] += value * Lanes<Width>::load(y + i * Width)), ...);
+  };
   for (const auto& range : level_.counted) {
-    const std::int64_t begin = range.begin * components;
+    std::int64_t i = range.begin * components;
     const std::int64_t end = range.end * components;
-    std::int64_t i = begin;
     for (; i + chains <= end; i += chains)
-      for (int chain = 0; chain < chains; ++chain)
-        sums[chain] +=
-            Lanes<Width>::load(x + (i + chain) * Width) * Lanes<Width>::load(y + (i + chain) * Width);
-    for (; i < end; ++i) sums[0] += Lanes<Width>::load(x + i * Width) * Lanes<Width>::load(y + i * Width);
+      for (int chain = 0; chain < chains; ++chain) add(i + chain, sums[chain]);
+    for (; i < end; ++i) add(i, sums[0]);
   }
-  Scalars result;
-  for (int lane = 0; lane < Width; ++lane)
-    result[lane] = (sums[0][lane] + sums[1][lane]) + (sums[2][lane] + sums[3][lane]);
+  std::array<Scalars, sizeof...(Y)> result;
+  for (std::size_t which = 0; which < result.size(); ++which)
+    for (int lane = 0; lane < Width; ++lane) {
+      result[which][lane] = 0.0;
+      for (const auto& chain : sums) result[which][lane] += chain[which][lane];
+    }
   return result;
 }
 

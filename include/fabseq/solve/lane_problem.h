@@ -23,8 +23,8 @@ class LaneElasticityProblem {
   /// Operators of so many lanes.
   template <int Width>
   static constexpr int operators = Width;
-  template <int Width>
-  using Kernel = ElasticKernel<Dim, Width>;
+  template <int Width, class Real = double>
+  using Kernel = ElasticKernel<Dim, Width, Real>;
 
   /// Matrices of a level's elements.
   struct Matrices {
@@ -42,13 +42,13 @@ class LaneElasticityProblem {
     result.spectrum_bound = scaled_spectrum_bound(result.stiffness, corner_count<Dim>, Dim);
     return result;
   }
-  template <int Width>
-  static Kernel<Width> kernel(const Matrices& matrices, const double* coefficients) {
+  template <int Width, class Real>
+  static Kernel<Width, Real> kernel(const Matrices& matrices, const Real* coefficients) {
     return {matrices.parity, coefficients};
   }
   /// Entry of an element's matrix in a lane.
-  template <int Width>
-  static double entry(const Matrices& matrices, int row, int column, const double* coefficients, int lane) {
+  template <int Width, class Real>
+  static double entry(const Matrices& matrices, int row, int column, const Real* coefficients, int lane) {
     return matrices.stiffness[row * element_size + column] * coefficients[lane];
   }
 
@@ -66,8 +66,8 @@ class LaneHeatProblem {
   static constexpr bool own_operators = false;
   template <int Width>
   static constexpr int operators = 1;
-  template <int Width>
-  using Kernel = HeatKernel<Dim, Width>;
+  template <int Width, class Real = double>
+  using Kernel = HeatKernel<Dim, Width, Real>;
 
   struct Matrices {
     SquareMatrix<element_size> conductivity{}, mass{};
@@ -89,12 +89,12 @@ class LaneHeatProblem {
                                      scaled_spectrum_bound(result.mass, element_size, 1));
     return result;
   }
-  template <int Width>
-  static Kernel<Width> kernel(const Matrices& matrices, const double* coefficients) {
+  template <int Width, class Real>
+  static Kernel<Width, Real> kernel(const Matrices& matrices, const Real* coefficients) {
     return {matrices.conductivity_parity, matrices.mass_parity, coefficients};
   }
-  template <int Width>
-  static double entry(const Matrices& matrices, int row, int column, const double* coefficients, int) {
+  template <int Width, class Real>
+  static double entry(const Matrices& matrices, int row, int column, const Real* coefficients, int) {
     const int at = row * element_size + column;
     return matrices.conductivity[at] * coefficients[0] + matrices.mass[at] * coefficients[1];
   }

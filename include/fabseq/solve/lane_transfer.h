@@ -21,11 +21,11 @@ class LaneTransfer {
   LaneTransfer(const LaneMesh<Dim>& fine, const LaneMesh<Dim>& coarse, const Index<Dim>& factors);
 
   /// fine += P coarse. Both [node][component][lane].
-  template <int Components, int Width>
-  void prolong_add(const double* coarse, double* fine) const;
+  template <int Components, int Width, class Real>
+  void prolong_add(const Real* coarse, Real* fine) const;
   /// coarse += P^T fine.
-  template <int Components, int Width>
-  void restrict_add(const double* fine, double* coarse) const;
+  template <int Components, int Width, class Real>
+  void restrict_add(const Real* fine, Real* coarse) const;
 
  private:
   static constexpr int max_lines = corner_count<Dim> / 2;
@@ -37,48 +37,48 @@ class LaneTransfer {
     int length = 0;
     bool starts_between = false;  ///< the first node lies between two coarse nodes
   };
-  template <int Components, int Width>
-  using Values = std::array<Lanes<Width>, Components>;
+  template <int Components, int Width, class Real>
+  using Values = std::array<Lanes<Width, Real>, Components>;
 
   std::vector<Run> runs_;
   bool halves_x_ = true;
 };
 
 template <int Dim>
-template <int Components, int Width>
-void LaneTransfer<Dim>::prolong_add(const double* coarse, double* fine) const {
+template <int Components, int Width, class Real>
+void LaneTransfer<Dim>::prolong_add(const Real* coarse, Real* fine) const {
   constexpr int block = Components * Width;
   for (const Run& run : runs_) {
-    const double weight = 1.0 / run.lines;
+    const Real weight = Real{1} / static_cast<Real>(run.lines);
     const auto mean = [&](std::int64_t i) {
-      Values<Components, Width> values;
+      Values<Components, Width, Real> values;
       for (int a = 0; a < Components; ++a) {
-        auto sum = Lanes<Width>::load(coarse + (run.coarse[0] + i) * block + a * Width);
+        auto sum = Lanes<Width, Real>::load(coarse + (run.coarse[0] + i) * block + a * Width);
         for (int line = 1; line < run.lines; ++line)
-          sum += Lanes<Width>::load(coarse + (run.coarse[line] + i) * block + a * Width);
+          sum += Lanes<Width, Real>::load(coarse + (run.coarse[line] + i) * block + a * Width);
         values[a] = sum * weight;
       }
       return values;
     };
-    double* place = fine + run.fine * block;
-    const auto add = [&](const Values<Components, Width>& values) {
+    Real* place = fine + run.fine * block;
+    const auto add = [&](const Values<Components, Width, Real>& values) {
       for (int a = 0; a < Components; ++a, place += Width)
-        (Lanes<Width>::load(place) + values[a]).store(place);
+        (Lanes<Width, Real>::load(place) + values[a]).store(place);
     };
     if (!halves_x_) {
       for (int i = 0; i < run.length; ++i) add(mean(i));
       continue;
     }
-    Values<Components, Width> below = mean(0);
+    Values<Components, Width, Real> below = mean(0);
     int left = run.length;
     if (!run.starts_between) {
       add(below);
       --left;
     }
     for (int i = 1; left > 0; ++i) {
-      const Values<Components, Width> above = mean(i);
-      Values<Components, Width> between;
-      for (int a = 0; a < Components; ++a) between[a] = (below[a] + above[a]) * 0.5;
+      const Values<Components, Width, Real> above = mean(i);
+      Values<Components, Width, Real> between;
+      for (int a = 0; a < Components; ++a) between[a] = (below[a] + above[a]) * Real{0.5};
       add(between);
       if (--left > 0) {
         add(above);
@@ -90,30 +90,30 @@ void LaneTransfer<Dim>::prolong_add(const double* coarse, double* fine) const {
 }
 
 template <int Dim>
-template <int Components, int Width>
-void LaneTransfer<Dim>::restrict_add(const double* fine, double* coarse) const {
+template <int Components, int Width, class Real>
+void LaneTransfer<Dim>::restrict_add(const Real* fine, Real* coarse) const {
   constexpr int block = Components * Width;
   for (const Run& run : runs_) {
-    const double weight = 1.0 / run.lines;
-    const double* place = fine + run.fine * block;
+    const Real weight = Real{1} / static_cast<Real>(run.lines);
+    const Real* place = fine + run.fine * block;
     const auto read = [&] {
-      Values<Components, Width> values;
-      for (int a = 0; a < Components; ++a, place += Width) values[a] = Lanes<Width>::load(place);
+      Values<Components, Width, Real> values;
+      for (int a = 0; a < Components; ++a, place += Width) values[a] = Lanes<Width, Real>::load(place);
       return values;
     };
-    const auto add = [&](std::int64_t i, const Values<Components, Width>& values) {
+    const auto add = [&](std::int64_t i, const Values<Components, Width, Real>& values) {
       for (int line = 0; line < run.lines; ++line)
         for (int a = 0; a < Components; ++a) {
-          double* to = coarse + (run.coarse[line] + i) * block + a * Width;
-          (Lanes<Width>::load(to) + values[a] * weight).store(to);
+          Real* to = coarse + (run.coarse[line] + i) * block + a * Width;
+          (Lanes<Width, Real>::load(to) + values[a] * weight).store(to);
         }
     };
     if (!halves_x_) {
       for (int i = 0; i < run.length; ++i) add(i, read());
       continue;
     }
-    Values<Components, Width> sum;
-    sum.fill(Lanes<Width>::zero());
+    Values<Components, Width, Real> sum;
+    sum.fill(Lanes<Width, Real>::zero());
     int left = run.length;
     if (!run.starts_between) {
       sum = read();
@@ -121,12 +121,12 @@ void LaneTransfer<Dim>::restrict_add(const double* fine, double* coarse) const {
     }
     int i = 0;
     for (; left > 0; ++i) {
-      const Values<Components, Width> between = read();
-      for (int a = 0; a < Components; ++a) sum[a] += between[a] * 0.5;
+      const Values<Components, Width, Real> between = read();
+      for (int a = 0; a < Components; ++a) sum[a] += between[a] * Real{0.5};
       add(i, sum);
-      for (int a = 0; a < Components; ++a) sum[a] = between[a] * 0.5;
+      for (int a = 0; a < Components; ++a) sum[a] = between[a] * Real{0.5};
       if (--left > 0) {
-        const Values<Components, Width> at = read();
+        const Values<Components, Width, Real> at = read();
         for (int a = 0; a < Components; ++a) sum[a] += at[a];
         --left;
       }

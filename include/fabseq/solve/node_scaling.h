@@ -11,8 +11,9 @@ namespace fabseq {
 
 /// The inverse of a node's block of the operator, `components` wide, symmetric; zero for held unknowns, so
 /// that whatever is scaled with it stays zero there. Kept in single precision: it need not be exact, only
-/// symmetric, positive and always the same. Problems whose lanes share the operator have one block for all.
-template <class Problem, int Width>
+/// symmetric, positive and always the same. Problems whose lanes share the operator have one block for all. `Real`: of the coefficients and of
+/// what is scaled.
+template <class Problem, int Width, class Real = double>
 class NodeScaling {
  public:
   static constexpr int components = Problem::components;
@@ -22,18 +23,18 @@ class NodeScaling {
 
   /// `coefficients` as the problem's kernel takes them. Collective on the level's communicator.
   void set_up(LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
-              const double* coefficients);
+              const Real* coefficients);
 
   /// Takes over lanes of a wider one.
   template <int Wider>
-  void select(const NodeScaling<Problem, Wider>& from, std::span<const int> lanes) {
+  void select(const NodeScaling<Problem, Wider, Real>& from, std::span<const int> lanes) {
     if constexpr (Problem::own_operators)
       select_lanes(from.inverse_, Wider, lanes, inverse_, Width);
     else
       inverse_ = from.inverse_;
   }
 
-  using Values = std::array<Lanes<Width>, components>;
+  using Values = std::array<Lanes<Width, Real>, components>;
   [[gnu::always_inline]] Values apply(std::int64_t node, const Values& values) const {
     const float* block = inverse_.data() + node * entries * width;
     Values result;
@@ -50,27 +51,27 @@ class NodeScaling {
   }
 
  private:
-  template <class, int>
+  template <class, int, class>
   friend class NodeScaling;
 
   static constexpr int off_diagonal(int a, int b) { return a == b ? a : components + a + b - 1; }
-  [[gnu::always_inline]] static Lanes<Width> load(const float* from) {
+  [[gnu::always_inline]] static Lanes<Width, Real> load(const float* from) {
     if constexpr (Problem::own_operators)
-      return Lanes<Width>::load(from);
+      return Lanes<Width, Real>::load(from);
     else
-      return Lanes<Width>::broadcast(*from);
+      return Lanes<Width, Real>::broadcast(*from);
   }
   void collect(const LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
-               const double* coefficients, LaneArray& blocks) const;
+               const Real* coefficients, LaneArray& blocks) const;
   void invert(const double* block, unsigned held, float* inverse) const;
 
-  SingleLaneArray inverse_;  ///< [node][entry][lane]
+  LaneValues<float> inverse_;  ///< [node][entry][lane]
 };
 
-template <class Problem, int Width>
-void NodeScaling<Problem, Width>::set_up(LaneLevel<Problem::dim>& level,
-                                         const typename Problem::Matrices& matrices,
-                                         const double* coefficients) {
+template <class Problem, int Width, class Real>
+void NodeScaling<Problem, Width, Real>::set_up(LaneLevel<Problem::dim>& level,
+                                               const typename Problem::Matrices& matrices,
+                                               const Real* coefficients) {
   constexpr int block = entries * width;
   LaneArray blocks(static_cast<std::size_t>(level.mesh.nodes()) * block, 0.0);
   collect(level, matrices, coefficients, blocks);
@@ -85,15 +86,15 @@ void NodeScaling<Problem, Width>::set_up(LaneLevel<Problem::dim>& level,
   }
 }
 
-template <class Problem, int Width>
-void NodeScaling<Problem, Width>::collect(const LaneLevel<Problem::dim>& level,
-                                          const typename Problem::Matrices& matrices,
-                                          const double* coefficients, LaneArray& blocks) const {
+template <class Problem, int Width, class Real>
+void NodeScaling<Problem, Width, Real>::collect(const LaneLevel<Problem::dim>& level,
+                                                const typename Problem::Matrices& matrices,
+                                                const Real* coefficients, LaneArray& blocks) const {
   constexpr int stride = Problem::template Kernel<Width>::stride;
   constexpr int corners = corner_count<Problem::dim>;
   for (const auto& row : level.mesh.rows())
     for (int i = 0; i < row.length; ++i) {
-      const double* of_element = coefficients + (row.element + i) * stride;
+      const Real* of_element = coefficients + (row.element + i) * stride;
       for (int corner = 0; corner < corners; ++corner) {
         double* place = &blocks[(row.node[corner / 2] + i + corner % 2) * entries * width];
         for (int a = 0; a < components; ++a)
@@ -106,8 +107,8 @@ void NodeScaling<Problem, Width>::collect(const LaneLevel<Problem::dim>& level,
 }
 
 /// Held unknowns count as unit rows while inverting.
-template <class Problem, int Width>
-void NodeScaling<Problem, Width>::invert(const double* block, unsigned held, float* inverse) const {
+template <class Problem, int Width, class Real>
+void NodeScaling<Problem, Width, Real>::invert(const double* block, unsigned held, float* inverse) const {
   using Value = Lanes<width>;
   const auto is_held = [&](int a, int b) { return (((held >> a) | (held >> b)) & 1U) != 0; };
   const auto entry = [&](int a, int b) {

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace fabseq {
@@ -28,22 +29,27 @@ class SharedNodes {
   const std::vector<char>& counted() const { return counted_; }
 
   /// Sums `values`, [position][entry] with `block` entries a node, over the holders of each node. Collective.
-  void sum(std::span<double> values, int block);
+  /// `Real`: double or float.
+  template <class Real>
+  void sum(std::span<Real> values, int block);
 
  private:
   struct Neighbor {
     int rank = 0;
     std::vector<int> positions;  ///< of the nodes held in common, in the same order on both sides
-    std::vector<double> outgoing, incoming;
   };
-  void add(const Neighbor& neighbor, std::span<double> values, int block) const;
+  template <class Real>
+  struct Buffers {
+    std::vector<std::vector<Real>> outgoing, incoming;  ///< a neighbour each
+    std::vector<Real> own;
+  };
 
   MPI_Comm comm_ = MPI_COMM_SELF;
   int rank_ = 0;
   std::vector<std::int64_t> nodes_;
   std::vector<char> counted_;
   std::vector<Neighbor> neighbors_;  ///< ascending ranks
-  std::vector<double> own_;
+  std::tuple<Buffers<double>, Buffers<float>> buffers_;
 };
 
 }  // namespace fabseq
