@@ -3,8 +3,5 @@
 namespace fabseq {
 
 template class LaneCg<LaneElasticityProblem<3>, 8>;
-template class LaneCg<LaneElasticityProblem<3>, 4>;
-template class LaneCg<LaneElasticityProblem<3>, 2>;
-template class LaneCg<LaneElasticityProblem<3>, 1>;
 
 }  // namespace fabseq
