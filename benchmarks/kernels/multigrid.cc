@@ -1,3 +1,4 @@
+#include "fabseq/fem/flush_to_zero.h"
 #include "fabseq/solve/band_cholesky.h"
 #include "fabseq/solve/lane_multigrid_impl.h"
 
@@ -37,6 +38,7 @@ struct Box {
     matrix.smooth(right.data(), solution.data(), extra.data(), 2, true);
   }
 
+  fabseq::FlushToZero flush_to_zero;  ///< as in LaneCg
   LaneCase part;
   fabseq::LaneLevel<3>& level;
   Operator matrix;

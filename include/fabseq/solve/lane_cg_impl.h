@@ -4,6 +4,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/stop.h"
+#include "fabseq/fem/flush_to_zero.h"
 #include "fabseq/solve/lane_cg.h"
 #include "fabseq/solve/lane_multigrid_impl.h"
 
@@ -45,6 +46,7 @@ void LaneCg<Problem, Width>::find_islands() {
 template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
+  const FlushToZero flush_to_zero;
   solution.assign(load.size(), 0.0);
   State state;
   start(state, load, solution, lanes);
