@@ -45,16 +45,6 @@ std::uint64_t checksum_of(const std::map<std::string, Json>& scalars) {
   throw OutputError("checkpoint '" + file + "' is damaged: " + what);
 }
 
-std::vector<std::string> dataset_names(hid_t file) {
-  std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-    return 0;
-  };
-  (void)H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &names, H5O_INFO_BASIC);
-  return names;
-}
-
 /// Checksum of a dataset's doubles, read slab by slab of the slowest axis; none if it cannot be read.
 std::optional<std::uint64_t> checksum_of_dataset(hid_t dataset) {
   const Hdf5Dataspace in_file(H5Dget_space(dataset));

@@ -61,14 +61,8 @@ struct Datasets {
 };
 
 Datasets datasets_of(hid_t file) {
-  std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-    return 0;
-  };
-  (void)H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &names, H5O_INFO_BASIC);
   Datasets result;
-  for (const std::string& name : names) {
+  for (const std::string& name : dataset_names(file)) {
     const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
     const Hdf5Dataspace space(H5Dget_space(dataset));
     (H5Sget_simple_extent_ndims(space) == 1 ? result.arrays : result.fields).push_back(name);

@@ -131,15 +131,7 @@ class FullDiskTest(FailureTest):
 
     def setUp(self):
         super().setUp()
-        self.disk = os.path.join(self.directory, "disk")
-        os.mkdir(self.disk)
-        if os.geteuid() != 0:
-            self.skipTest("only root can mount a small disk")
-        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=512k", "tmpfs", self.disk], capture_output=True,
-                               text=True, check=False)
-        if mount.returncode != 0:
-            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
-        self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
+        self.disk = self.small_disk("512k")
 
     def run_on_disk(self, ranks, free, *arguments):
         """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 70 kB."""

@@ -136,6 +136,20 @@ class FabseqTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.directory, ignore_errors=True)
         self.runs = 0
 
+    def small_disk(self, size):
+        """A disk in memory of that size (as mount takes it), mounted in the working directory until the test ends; skips
+        the test where that cannot be had."""
+        disk = os.path.join(self.directory, "disk")
+        os.mkdir(disk)
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", disk], capture_output=True, text=True,
+                               check=False)
+        if mount.returncode != 0:
+            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", "--lazy", disk], check=False)
+        return disk
+
     def write_config(self, config, name="case.json"):
         """Writes a config (a dict, or text) into the working directory and returns its path."""
         path = os.path.join(self.directory, name)

@@ -248,14 +248,7 @@ class KillTest(StopTest):
 class LostDiskTest(StopTest):
     def setUp(self):
         super().setUp()
-        self.disk = os.path.join(self.directory, "disk")
-        os.mkdir(self.disk)
-        if os.geteuid() != 0:
-            self.skipTest("only root can mount a small disk")
-        mount = self.mount("-t", "tmpfs", "-o", "size=2m", "tmpfs")
-        if mount.returncode != 0:
-            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
-        self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
+        self.disk = self.small_disk("2m")
 
     def mount(self, *arguments):
         return subprocess.run(["mount", *arguments, self.disk], capture_output=True, text=True, check=False)

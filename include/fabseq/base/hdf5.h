@@ -58,6 +58,9 @@ void silence_hdf5();
 /// HDF5's own description of the last failed call of this rank ("" if there is none), for error messages.
 std::string hdf5_error();
 
+/// Names of all datasets of an open file, those within groups with their path, sorted. Not collective.
+std::vector<std::string> dataset_names(hid_t file);
+
 /// Whether a file has something of that name at its top level. Collective; throws InputError, which names
 /// `file_key`, if there is no such file or it is no HDF5 file.
 bool hdf5_file_has(MPI_Comm comm, const std::string& file_name, const std::string& name,

@@ -117,13 +117,7 @@ class HeatKernel {
                                     Modes& lower_forces, Modes& upper_forces) const {
     const Real diffusivity = coefficients_[element * stride];
     const Real reaction = coefficients_[element * stride + 1];
-#pragma GCC unroll 4
-    for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
-      const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
-      const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
-      lower_forces[0][mode] += even + odd;
-      upper_forces[0][mode] = even - odd;
-    }
+    add_forces(diffusivity, reaction, lower, upper, lower_forces, upper_forces);
   }
   /// `Count` elements of one system, that follow each other along x, side by side: sets the forces on their faces.
   template <int Count>
@@ -138,16 +132,23 @@ class HeatKernel {
     }
     const auto diffusivity = Lanes<Count, Real>::load(diffusivities.data());
     const auto reaction = Lanes<Count, Real>::load(reactions.data());
+    lower_forces[0].fill(Lanes<Count, Real>::zero());
+    add_forces(diffusivity, reaction, lower, upper, lower_forces, upper_forces);
+  }
+
+ private:
+  template <class Coefficient, class FacesModes>
+  [[gnu::always_inline]] void add_forces(const Coefficient& diffusivity, const Coefficient& reaction,
+                                         const FacesModes& lower, const FacesModes& upper,
+                                         FacesModes& lower_forces, FacesModes& upper_forces) const {
 #pragma GCC unroll 4
     for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
       const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
       const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
-      lower_forces[0][mode] = even + odd;
+      lower_forces[0][mode] += even + odd;
       upper_forces[0][mode] = even - odd;
     }
   }
-
- private:
   template <class Coefficient>
   [[gnu::always_inline]] Coefficient entry(int mode, const Coefficient& diffusivity,
                                            const Coefficient& reaction) const {

@@ -74,7 +74,7 @@ class LaneMultigrid {
     Array rest, direction, image, scratch, product;  ///< of conjugate gradients
   };
   void coarsen_coefficients(int level);
-  void factor(std::array<bool, Width>& positive);
+  std::array<bool, Width> factor();
   void assemble(int lane, BandCholesky& band);
   /// One cycle from zero on a level: x = M b.
   void visit(int index, const Real* b, Real* x);

@@ -41,10 +41,7 @@ std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::set_up() {
     levels_[level].matrix->set_up();
     coarsen_coefficients(level);
   }
-  std::array<bool, Width> positive;
-  positive.fill(true);
-  factor(positive);
-  return positive;
+  return factor();
 }
 
 template <class Problem, int Width, class Real>
@@ -65,7 +62,7 @@ void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
 
 /// Every rank has the last level, but factors only the lanes dealt to it, if they have operators of their own.
 template <class Problem, int Width, class Real>
-void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positive) {
+std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::factor() {
   const MPI_Comm comm = hierarchy_.level(0).comm;
   const auto& rows = numbering_.rows();
   std::array<double, factors> failed{};
@@ -78,7 +75,10 @@ void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positi
     if (!factors_[lane]->factor()) failed[lane] = 1.0;
   }
   sum_in_place(comm, failed);
+  std::array<bool, Width> positive;
+  positive.fill(true);
   for (int lane = 0; lane < factors; ++lane) positive[lane] = failed[lane] == 0.0;
+  return positive;
 }
 
 /// Adds up the last level's matrix of a lane.

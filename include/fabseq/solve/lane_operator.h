@@ -77,6 +77,12 @@ class LaneOperator {
     for (int a = 0; a < components; ++a) values[a] = Value::load(from + a * Width);
     return values;
   }
+  [[gnu::always_inline]] static void put(const Value& value, Real* place, bool past_caches) {
+    if (past_caches)
+      value.stream(place);
+    else
+      value.store(place);
+  }
   /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether or
   /// not this rank counts them in inner products.
   template <class Finish>
@@ -125,10 +131,7 @@ LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const Real* x, Real
   complete_sweep(x, [&](std::int64_t node, const Values& sums, bool counted) {
     for (int a = 0; a < components; ++a) {
       Real* const place = y + node * block + a * Width;
-      if (past_caches)
-        sums[a].stream(place);
-      else
-        sums[a].store(place);
+      put(sums[a], place, past_caches);
       if (counted) products[a] += widened(Value::load(x + node * block + a * Width) * sums[a]);
     }
   });
@@ -147,13 +150,8 @@ void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real
   const bool past_caches = size() * sizeof(Real) > cache_bytes;
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), [&](std::int64_t node, const Values& sums) {
     const Values right = load(b + node * block);
-    for (int a = 0; a < components; ++a) {
-      Real* const place = residual + node * block + a * Width;
-      if (past_caches)
-        (right[a] - sums[a]).stream(place);
-      else
-        (right[a] - sums[a]).store(place);
-    }
+    for (int a = 0; a < components; ++a)
+      put(right[a] - sums[a], residual + node * block + a * Width, past_caches);
   });
   const auto& nodes = level_.shared.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
