@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from scaling.costs import DOUBLE, ELASTICITY, HEAT, PATIENCE, SINGLE, Work, coarse_step, outer_step, visit
-from scaling.dealing import deal_out_layers
+from scaling.dealing import deal_equal_layers, deal_out_layers, relative_cost
 from scaling.decomposition import choose
 from scaling.geometry import Hierarchy
 
@@ -45,8 +45,9 @@ class Tally:
     def collective(self, phase, kind, comm, size, times=1):
         self.collectives[phase, kind, comm, size] += times
 
-    def add(self, phase, work, times):
-        self.work[phase].add(work.flops, work.bytes, times)
+    def add(self, phase, work, times, slower=1.0):
+        """`slower`: how much longer arithmetic takes because registers are filled in part only."""
+        self.work[phase].add(slower * work.flops, work.bytes, times)
 
 
 class LaneSolver:
@@ -95,6 +96,10 @@ class LaneSolver:
             self.tally.serial[phase, "islands"] += self.lanes_here(width)
         self.reduce(phase, 0, width)  # centres of no islands
 
+    def slower(self, width):
+        """Of narrow blocks (measured: process/layer_dealing). One heat system alone has its elements side by side instead."""
+        return 1.0 if width == 1 and not self.problem.own_operators else 8 * relative_cost(width) / width
+
     def lanes_here(self, lanes):
         return -(-lanes // self.hierarchy.ranks)
 
@@ -110,11 +115,12 @@ class LaneSolver:
                     self.halo(phase, level, value * SINGLE, visits * times)
                     if self.levels[level].distributed:
                         self.reduce(phase, 3 * width * DOUBLE, visits * times)
-                    self.tally.add(phase, coarse_step(problem, self.levels[level], width, steps), visits * times)
+                    self.tally.add(phase, coarse_step(problem, self.levels[level], width, steps), visits * times, self.slower(width))
             self.halo(phase, level, value * SINGLE, 3 * visits * times)
             self.transfer_down(phase, level, value * SINGLE, times=visits * times)
-            self.tally.add(phase, visit(problem, self.levels[level], self.levels[level + 1], width), visits * times)
-        self.reduce(phase, round(self.hierarchy.rows()) * width * DOUBLE, visits * times)
+            self.tally.add(phase, visit(problem, self.levels[level], self.levels[level + 1], width), visits * times, self.slower(width))
+        if problem.own_operators:
+            self.reduce(phase, round(self.hierarchy.rows()) * width * DOUBLE, visits * times)
         self.tally.serial[phase, "direct" if problem.own_operators else "direct heat"] += visits * times * (
             self.lanes_here(width) if problem.own_operators else width)
 
@@ -132,7 +138,7 @@ class LaneSolver:
             value = self.problem.components * width
             self.halo(phase, 0, value * DOUBLE)
             self.reduce(phase, width * DOUBLE)
-            self.tally.add(phase, outer_step(self.problem, self.levels[0], width), 1)
+            self.tally.add(phase, outer_step(self.problem, self.levels[0], width), 1, self.slower(width))
             active = sum(lane > done for lane in iterations)
             if width > 1 and active <= width // 2:
                 width //= 2
@@ -222,8 +228,8 @@ def count_iteration(elastic, heat, groups, iteration):
     ranks = elastic.ranks
     layers = len(iteration.primal)
     work = iteration.expected_work or [1.0 + a + b for a, b in zip(iteration.primal, iteration.adjoint)]
-    blocks = deal_out_layers(work, groups)
-    dealt_rows = deal_out_layers([1.0] * len(iteration.heat[1:]), groups)
+    blocks = deal_out_layers(work, groups) if len(set(work)) > 1 else deal_equal_layers(layers, groups)
+    dealt_rows = deal_equal_layers(len(iteration.heat) - 1, groups)
     tallies = []
     for group in range(groups):
         tally = Tally()

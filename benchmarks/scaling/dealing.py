@@ -1,5 +1,6 @@
 """Deals layers, or rows of the heat problem, out to groups as deal_out_layers does (process/layer_dealing)."""
 
+import functools
 from dataclasses import dataclass
 
 WIDEST = 8
@@ -38,6 +39,12 @@ def deal(blocks, groups):
         result[least].append(block)
         sums[least] += block.work
     return [sorted(of_group, key=lambda block: block.first) for of_group in result], max(sums)
+
+
+@functools.lru_cache(maxsize=None)
+def deal_equal_layers(layers, groups):
+    """Of layers that all take the same."""
+    return deal_out_layers([1.0] * layers, groups)
 
 
 def deal_out_layers(work, groups):

@@ -7,8 +7,8 @@
 ///
 ///     iteration,stage,kind,ranks,bytes,count
 ///
-/// `kind` is "message" (counted by its sender) or the name of a collective; `ranks` is the size of the communicator
-/// (collectives on one rank do not count), `bytes` are of one message, or what one rank brings into the collective. Rows of
+/// `kind` is "message" (counted by its sender) or the name of a collective; `ranks` is the size of the communicator,
+/// `bytes` are of one message, or what one rank brings into the collective. Rows of
 /// iteration i count what came since iteration i - 1 began its output, up to where iteration i does; the last is the rest.
 #ifndef OMPI_SKIP_MPICXX
 #define OMPI_SKIP_MPICXX
@@ -63,8 +63,7 @@ void count_message(int to, long items, MPI_Datatype type, MPI_Comm comm) {
 }
 
 void count_collective(const char* kind, long items, MPI_Datatype type, MPI_Comm comm) {
-  const int ranks = size_of(comm);
-  if (ranks > 1) count(kind, ranks, bytes_of(items, type));
+  count(kind, size_of(comm), bytes_of(items, type));
 }
 
 long total(const int* counts, MPI_Comm comm) {
