@@ -3,7 +3,7 @@
 
     benchmarks/convergence.py build/release/benchmarks/hard_cases convergence.png [CASE...]
 
-Of the lane of each case that takes longest.
+Of the lane of each case that takes longest, at half resolution (40 x 20 x 40 elements).
 """
 import csv
 import subprocess
@@ -21,7 +21,7 @@ CURVES = {"error": ("true error of u", "black"), "preconditioned_residual": ("pr
 
 
 def history(program, case):
-    printed = subprocess.run([program, "-history", str(ITERATIONS), "-only", case], check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run([program, "-scale", "0.5", "-history", str(ITERATIONS), "-only", case], check=True, capture_output=True, text=True).stdout
     return list(csv.DictReader(printed.splitlines()))
 
 
@@ -35,6 +35,7 @@ def main():
         lines = history(program, case)
         for key, (label, color) in CURVES.items():
             axes.semilogy([int(line["iteration"]) for line in lines], [float(line[key]) for line in lines], color=color, label=label)
+        axes.set_ylim(1e-9, 1e3)
         axes.set_title(case)
         axes.set_xlabel("iteration")
         axes.grid(alpha=0.3)

@@ -81,7 +81,8 @@ void print_history(const benchmarks::HardCase& hard, const Settings& settings) {
   LaneCase lane_case(PETSC_COMM_WORLD, hard.part);
   Solver solver(lane_case.hierarchy(), lane_case.problem(), settings.cycle);
   lane_case.fill(solver.matrix().coefficients());
-  const LaneArray load = lane_case.load();
+  LaneArray load = lane_case.load();
+  solver.matrix().clear_held(load.data());
   solver.set_up();
   LaneArray rest = load, exact, solution, image(load.size());
   const auto outcomes = solver.solve(rest, exact, LaneCase::lanes, tight);

@@ -63,7 +63,7 @@ void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
     sum_in_place(fine.comm, std::span<Real>(to));
 }
 
-/// Every rank has the last level, but factors only the lanes dealt to it.
+/// Every rank has the last level, but factors only the lanes dealt to it, if they have operators of their own.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positive) {
   const MPI_Comm comm = hierarchy_.level(0).comm;
@@ -71,7 +71,7 @@ void LaneMultigrid<Problem, Width, Real>::factor(std::array<bool, Width>& positi
   std::array<double, factors> failed{};
   for (int lane = 0; lane < factors; ++lane) {
     factors_[lane] = nullptr;
-    if (lane % size_of(comm) != rank_of(comm)) continue;
+    if (Problem::own_operators && lane % size_of(comm) != rank_of(comm)) continue;
     factors_[lane] = std::make_shared<BandCholesky>();
     factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
     assemble(lane, *factors_[lane]);
@@ -266,7 +266,7 @@ void LaneMultigrid<Problem, Width, Real>::solve_directly() {
   } else if (has(0)) {
     factors_[0]->template solve_lanes<Width>(direct_values_);
   }
-  if (size_of(comm) > 1) sum_in_place(comm, direct_values_);
+  if (Problem::own_operators && size_of(comm) > 1) sum_in_place(comm, direct_values_);
   for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
     for (int lane = 0; lane < Width; ++lane)
       last.solution[unknown * Width + lane] = static_cast<Real>(direct_values_[place(unknown, lane)]);
