@@ -6,7 +6,7 @@
     benchmarks/scaling_model.sh parts --case v_shape --splits 1x1 4x16    what an iteration's time is made of
 
 `check` runs the program with a library preloaded that counts MPI calls (benchmarks/scaling/message_count.cc), on two small boxes,
-one all of material and one with a void, oversubscribed if need be: counts do not depend on that. It compares the third design
+one all of material and one with a void, oversubscribed if need be: counts do not depend on that. It compares the last design
 iteration with the model, given its numbers of CG iterations, and the whole run with PETSc's -log_view.
 
 `predict` times the counts on a stated machine (benchmarks/scaling/machine.py): --latency, --network and so on change it. For each

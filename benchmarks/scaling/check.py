@@ -15,6 +15,9 @@ from scaling.counts import Iteration, count_iteration, hierarchies
 HERE = os.path.dirname(os.path.abspath(__file__))
 PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer"]
 FIGURES = ["messages", "message_bytes", "collectives", "collective_bytes"]
+# Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt: what is set up at first
+# use is sent only once.
+ITERATIONS = 6
 # On two boxes: one all of material, which the model knows to the last byte, and one with a void.
 BLOCK = {
     "name": "block", "domain": {"size": [2.0, 1.0, 2.0], "elements": [32, 16, 32]}, "part": {"box": {"min": [0, 0, 0], "max": [2, 1, 2]}},
@@ -94,7 +97,7 @@ def iteration_of(lines, part_elements):
 
 
 def run_counted(options, case, groups, ranks, library):
-    """Counts of iteration 3 and of the whole run, the log's counts, and the model's."""
+    """Counts of the last iteration and of the whole run, the log's counts, and the model's."""
     with tempfile.TemporaryDirectory() as directory:
         options.config = os.path.join(directory, "case.json")
         program_run.write_json(options.config, case)
@@ -103,9 +106,9 @@ def run_counted(options, case, groups, ranks, library):
         options.launcher = f"mpirun -np {{ranks}} -x LD_PRELOAD={library} -x MESSAGE_COUNT_DIRECTORY={counts}"
         log = os.path.join(directory, "log.txt")
         output = os.path.join(directory, "output")
-        options.iterations = 3
+        options.iterations = ITERATIONS
         lines = program_run.iterate(options, groups * ranks, output, ["-layer_groups", groups, "-log_view", ":" + log])
-        by_phase, whole = read_counts(counts, 3)
+        by_phase, whole = read_counts(counts, ITERATIONS)
         logged = read_log(log)
         with h5py.File(os.path.join(output, "result.h5")) as file:
             part = file["density"][()].T > 0
@@ -124,7 +127,7 @@ def compare_log(whole, logged, phases=("heat", "primal", "adjoint")):
                 "message_bytes": whole[phase, "message_bytes"] + 0.5 * whole[phase, "gathered_bytes"],
                 "reductions": whole[phase, "collectives"] - whole[phase, "reduce"] - whole[phase, "barrier"]}
         for key, value in ours.items():
-            if max(value, logged[phase][key]) > 0:
+            if max(value, logged[phase][key]) > 0 and not (key == "message_bytes" and whole[phase, "messages"] == 0):
                 worst[key] = max(worst[key], abs(value - logged[phase][key]) / max(value, logged[phase][key]))
     return dict(worst)
 

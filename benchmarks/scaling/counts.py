@@ -91,7 +91,7 @@ class LaneSolver:
             return
         if self.hierarchy.box[0] * self.hierarchy.box[1] * self.hierarchy.box[2] <= LARGEST_ISLAND_FIELD:
             if self.parallel:
-                self.tally.collective(phase, "gather", "domain", round(self.levels[0].own_elements) * DOUBLE, width)
+                self.tally.collective(phase, "gather", "domain", round(self.levels[0].elements / self.hierarchy.ranks) * DOUBLE, width)
                 self.tally.collective(phase, "bcast", "domain", 4, width)
             self.tally.serial[phase, "islands"] += self.lanes_here(width)
         self.reduce(phase, 0, width)  # centres of no islands
@@ -132,7 +132,7 @@ class LaneSolver:
         self.reduce(phase, width * DOUBLE)  # |f|
         for done in range(max(iterations) + 1):
             self.precondition(phase, width, done >= PATIENCE, 1)
-            self.reduce(phase, 4 * width * DOUBLE)
+            self.reduce(phase, (4 * width + 1) * DOUBLE)  # and whether to stop
             if done == max(iterations):
                 return
             value = self.problem.components * width

@@ -18,7 +18,7 @@ class Machine:
     core_bandwidth: float = 37.5e9   # triad of one core alone
     node_bandwidth: float = 330e9    # of all cores together; assumed: 16 channels of DDR4-3200, 80 % of their peak
     cache: float = 512e6             # last-level, of a node; assumed
-    flops: float = 66e9              # half of the multiply-adds that one core does: most operations are not both
+    flops: float = 50e9              # of a core: fitted to 0.08 s a layer of the V-shape on one; its multiply-adds alone reach 132e9
     memory: float = 512e9            # of a node; assumed
 
     def bandwidth(self, cores, working_set):

@@ -103,5 +103,35 @@ class BenchmarkScriptTest(FabseqTest):
         self.assertLess(runs[1]["elements"], 1.6 * runs[0]["elements"])
 
 
+@only_release
+class ScalingModelTest(FabseqTest):
+    def run_model(self, *arguments):
+        command = ["bash", os.path.join(ROOT, "benchmarks", "scaling_model.sh"), *map(str, arguments)]
+        status, stdout, stderr = run_command(command, self.directory, 300)
+        self.assertEqual(status, DONE, stdout + stderr)
+        return stdout
+
+    def test_messages_are_those_of_the_model(self):
+        """Between neighbours, on coarse levels that all hold, and between groups."""
+        printed = self.run_model("check", "--program", PROGRAM, "--cases", "v_shape", "--splits", "1x3", "2x2")
+        self.assertEqual(printed.count("as the model says"), 2)
+        self.assertNotIn("NOT", printed)
+
+    def test_what_an_iteration_is_made_of(self):
+        """A machine whose network takes no time spends none on messages; twice the ranks compute less each."""
+        free = [word for name in ("latency", "overhead") for word in ("--" + name, "0")]
+
+        def totals(*options):
+            lines = self.run_model("parts", "--case", "v_shape", "--splits", "1x1", "1x2", *options).splitlines()
+            return [[float(word) for word in line.split()[1:]] for line in lines if line.split()[:1] == ["total"]]
+
+        (alone, pair), (_, quick) = totals(), totals(*free)
+        self.assertEqual(alone[2:4], [0.0, 0.0])
+        self.assertGreater(pair[2], quick[2])
+        self.assertLess(pair[0], 0.7 * alone[0])
+        for line in (alone, pair, quick):
+            self.assertAlmostEqual(sum(line[:4]), line[4], places=4)
+
+
 if __name__ == "__main__":
     run_fabseq.main()
