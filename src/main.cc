@@ -15,10 +15,11 @@
 /// 5 a new design by the method of moving asymptotes                   (9)
 #include "fabseq/base/error.h"
 #include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/io/command_line.h"
-#include "fabseq/optimize/best_iterate.h"
-#include "fabseq/optimize/continuation.h"
+#include "fabseq/optimize/restart.h"
 #include "fabseq/optimize/run_output.h"
+#include "fabseq/optimize/run_state.h"
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/sequence/given_sequence.h"
 
@@ -49,42 +50,44 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
 template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const Config& config = setup.config;
+  const std::optional<Restart> restart = find_restart(setup, command_line);
   Pipeline<Dim> pipeline(setup, make_sequence(setup, config.solver.tolerance), config.solver.tolerance,
                          timer);
-  Problem<Dim> problem(setup);
-  const Continuation continuation(config.projection, setup.first_beta(), setup.last_beta(), config.optimizer);
-  std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  DesignUpdate optimizer(setup.world(), pipeline.sequence().space(), design.size(), config.optimizer);
-  BestIterate best;
-  RunOutput<Dim> output(setup, command_line, timer);
-  RunEnd end{"iteration_limit", "max_iterations reached", 0};
-  int iteration = 1;
+  RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), command_line));
+  if (restart) {
+    run.restore(restart->state);
+    pipeline.restore(restart->state);
+  }
+  RunOutput<Dim> output(setup, command_line, restart, timer);
   try {
-    output.baseline(planar_baseline(setup, problem, timer), pipeline.process().solver_description());
-    for (; iteration <= config.optimizer.max_iterations; ++iteration) {
-      const double beta = continuation.beta(iteration);
-      const auto state = pipeline.run(design, setup.layer_count, beta, config.projection.binary);
-      const ProblemValues values = problem.evaluate(pipeline, state);
-      best.offer(iteration, beta, values, design);
+    output.keep(run, pipeline);
+    output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());
+    while (!run.ended()) {
+      note_iterations(run.completed());
+      stop_if_requested(setup.world());
+      const int iteration = run.completed() + 1;
+      const double beta = run.continuation.beta(iteration);
+      const auto state = pipeline.run(run.design(), setup.layer_count, beta, config.projection.binary);
+      const ProblemValues values = run.problem.evaluate(pipeline, state);
+      run.best.offer(iteration, beta, values, run.design());
 
-      const ProblemGradients gradients = problem.gradients(pipeline, state, values);
-      std::vector<double> next = design;
+      const ProblemGradients gradients = run.problem.gradients(pipeline, state, values);
+      std::vector<double> next = run.design();
       StepReport step;
       {
         const auto scope = timer.enter(Phase::optimizer);
-        step = optimizer.update(next, gradients, continuation.move_limit(iteration));
+        step = run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
       }
-      output.iteration(iteration, beta, values, step, pipeline, state, design);
-      design = std::move(next);
-      end.iterations = iteration;
-      if (step.change < config.optimizer.change_tolerance && continuation.at_last_beta(iteration)) {
-        end = {"converged", "the design's change fell below change_tolerance", iteration};
-        break;
-      }
+      output.iteration(iteration, beta, values, step, pipeline, state, run.design());
+      run.complete(std::move(next), step.change);
+      if (output.keep(run, pipeline)) pipeline.start_cold();
     }
-    output.finish(end, final_reports(setup, problem, pipeline, best), best);
+    output.finish(run.end(), final_reports(setup, run.problem, pipeline, run.best), run.best);
+  } catch (const Stopped& reason) {
+    output.stop(reason);
+    throw;
   } catch (const NumericalError& error) {
-    output.fail({"failed", error.what(), end.iterations}, continuation.beta(iteration), design);
+    output.fail(error, pipeline);
     throw;
   }
 }
@@ -130,6 +133,7 @@ int main(int argc, char** argv) {
     command_line.petsc_arguments = {argv[0]};
     refusal = error.what();
   }
+  const StopRequests stop_requests(command_line.max_wall_time);
   return run_session(command_line.petsc_arguments, [&] {
     if (!refusal.empty()) throw InputError(refusal);
     if (command_line.help) return print(help_text());

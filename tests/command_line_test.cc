@@ -89,11 +89,20 @@ TEST(CommandLineTest, Errors) {
             "\"c.json\": belongs to no option; allowed: options, each with at most one value");
 }
 
-TEST(CommandLineTest, OptionsOfLaterVersionsAreRefused) {
-  for (const char* option : {"-restart", "-max_wall_time"}) {
-    EXPECT_EQ(error_of({"-config", "c", option, "2"}),
-              std::string(option) + ": not available in this version; -help lists all options");
-  }
+TEST(CommandLineTest, RestartAndWallTime) {
+  const CommandLine line = parse({"-config", "c", "-restart", "auto", "-max_wall_time", "1:30:00"});
+  EXPECT_EQ(line.restart, "auto");
+  EXPECT_EQ(line.max_wall_time, 5400.0);
+  EXPECT_FALSE(parse({"-config", "c"}).restart);
+  EXPECT_EQ(error_of({"-config", "c", "-max_wall_time", "soon"}),
+            "-max_wall_time: found \"soon\"; allowed: a time > 0 as seconds or H:M:S");
+  EXPECT_EQ(error_of({"-config", "c", "-restart"}), "-restart: missing value; allowed: -restart VALUE");
+  EXPECT_NE(error_of({"-config", "c", "-restart", "a", "-task", "simulate"}).find("-task optimize"),
+            std::string::npos);
+  for (const char* directory : {"auto", "a"})
+    EXPECT_NE(error_of({"-config", "c", "-restart", directory, "-overwrite"}).find("-overwrite"),
+              std::string::npos);
+  EXPECT_TRUE(parse({"-config", "c", "-restart", "a", "-output", "b", "-overwrite"}).overwrite);
 }
 
 TEST(CommandLineTest, EveryFlatOptionIsUniqueAndNamesAKey) {

@@ -86,5 +86,18 @@ TEST(Continuation, EqualLimitsStayConstant) {
     EXPECT_DOUBLE_EQ(continuation.move_limit(iteration), 0.2);
 }
 
+TEST(Continuation, ARunOfAnotherLengthKeepsTheMoveLimitsItWasPlannedWith) {
+  const Continuation planned({}, 4.0, 13.5, run_of(100));
+  Continuation longer({}, 4.0, 13.5, run_of(200));
+  EXPECT_NE(longer.move_limit(70), planned.move_limit(70));
+  CheckpointState state;
+  planned.save(state);
+  longer.restore(state);
+  for (int iteration = 1; iteration <= 100; ++iteration)
+    EXPECT_EQ(longer.move_limit(iteration), planned.move_limit(iteration)) << iteration;
+  EXPECT_DOUBLE_EQ(longer.move_limit(150), 0.004);
+  EXPECT_FALSE(longer.at_last_beta(1));
+}
+
 }  // namespace
 }  // namespace fabseq

@@ -138,10 +138,60 @@ TEST(History, HoldsOneObjectALineReadableAtOnce) {
   }
 }
 
+TEST(History, GoesBackToAPosition) {
+  const test::ScratchDirectory scratch;
+  const OutputDirectory directory(PETSC_COMM_WORLD, scratch.file("a"), false);
+  const OutputDirectory other(PETSC_COMM_WORLD, scratch.file("b"), false);
+  const History history(directory), copy(other);
+  EXPECT_EQ(history.sync(), 0);
+  history.append(Json::object({{"iteration", 1}}));
+  const std::int64_t position = history.sync();
+  history.append(Json::object({{"iteration", 2}}));
+  copy.copy_from(directory.path(), position);
+  history.cut_back(position);
+  if (is_first()) {
+    EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\":1}\n");
+    EXPECT_EQ(file_text(other.file("history.jsonl")), "{\"iteration\":1}\n");
+  }
+  testing::internal::CaptureStderr();
+  history.cut_back(position + 1);
+  EXPECT_EQ(contains(testing::internal::GetCapturedStderr(), "history.jsonl has lost lines"), is_first());
+  EXPECT_EQ(history.sync(), position);
+}
+
+TEST(OutputDirectory, AContinuedRunKeepsItsFiles) {
+  const test::ScratchDirectory scratch;
+  for (const char* name : {"config.json", "history.jsonl", "summary.json", "result.h5", "result.h5.partial",
+                           "stop", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5.partial", "notes.txt"})
+    put(scratch.file(name));
+  MPI_Barrier(PETSC_COMM_WORLD);
+  const OutputDirectory directory = OutputDirectory::continued(PETSC_COMM_WORLD, scratch.path());
+  EXPECT_EQ(listing(scratch.path()),
+            "checkpoint checkpoint/slot_0.h5 config.json history.jsonl notes.txt result.h5 stop ");
+  EXPECT_TRUE(directory.has("stop"));
+  directory.remove("stop");
+  directory.remove("stop");
+  EXPECT_FALSE(directory.has("stop"));
+}
+
+TEST(OutputDirectory, IsNotMadeAgainOnceItHasVanished) {
+  const test::ScratchDirectory scratch;
+  const OutputDirectory directory(PETSC_COMM_WORLD, scratch.file("run"), false);
+  if (is_first()) fs::remove_all(scratch.file("run"));
+  MPI_Barrier(PETSC_COMM_WORLD);
+  for (const std::string& text :
+       {error_text<OutputError>([&] { directory.make_folder("fields"); }),
+        error_text<OutputError>([&] { directory.append_line("history.jsonl", "{}"); })})
+    EXPECT_TRUE(contains(text, "No such file or directory")) << text;
+  EXPECT_EQ(listing(scratch.path()), "");
+}
+
 TEST(Verdict, LowestFailingRankSpeaksForAll) {
   const int rank = rank_of(PETSC_COMM_WORLD), ranks = size_of(PETSC_COMM_WORLD);
   EXPECT_NO_THROW(run_on_all(PETSC_COMM_WORLD, [] {}));
   const int first = ranks > 1 ? 1 : 0;
+  EXPECT_EQ(error_text<Stopped>([] { run_on_first(PETSC_COMM_WORLD, [] { throw Stopped("stopped"); }); }),
+            "stopped");
   const std::string text = error_text<InputError>([&] {
     run_on_all(PETSC_COMM_WORLD, [&] {
       if (rank >= first) throw InputError("rank " + std::to_string(rank));

@@ -3,10 +3,12 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
+#include "fabseq/base/standard_streams.h"
 
 #include <mpi.h>
 
 #include <cstdio>
+#include <unistd.h>
 
 namespace fabseq {
 
@@ -35,7 +37,8 @@ int guarded(const std::function<void()>& program) {
     warn_about_unread_options();
     return static_cast<int>(ExitStatus::done);
   } catch (const Error& error) {
-    if (rank_of(PETSC_COMM_WORLD) == 0) std::fprintf(stderr, "fabseq: %s\n", error.what());
+    if (rank_of(PETSC_COMM_WORLD) == 0)
+      write_text(STDERR_FILENO, std::string("fabseq: ") + error.what() + "\n");
     (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
     return static_cast<int>(error.status());
   } catch (const std::exception& error) {
@@ -50,6 +53,8 @@ int guarded(const std::function<void()>& program) {
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
   std::vector<std::string> copies = petsc_arguments;
+  // Signals are fabseq's (stop.h), and a closed pipe, as of `| head`, shall not end in a trace.
+  copies.emplace_back("-no_signal_handler");
   std::vector<char*> pointers;
   pointers.reserve(copies.size() + 1);
   for (std::string& argument : copies) pointers.push_back(argument.data());
@@ -59,7 +64,6 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
     return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
-  (void)PetscPopSignalHandler();  // a closed pipe, as of `| head`, shall not end in a trace
   const int status = guarded(program);
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();
@@ -69,14 +73,11 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
 void warn(const std::string& message) { warn(PETSC_COMM_WORLD, message); }
 
 void warn(MPI_Comm comm, const std::string& message) {
-  if (rank_of(comm) == 0) std::fprintf(stderr, "warning: %s\n", message.c_str());
+  if (rank_of(comm) == 0) write_text(STDERR_FILENO, "warning: " + message + "\n");
 }
 
 void print(const std::string& line) {
-  if (rank_of(PETSC_COMM_WORLD) == 0) {
-    std::printf("%s\n", line.c_str());
-    std::fflush(stdout);
-  }
+  if (rank_of(PETSC_COMM_WORLD) == 0) write_text(STDOUT_FILENO, line + "\n");
 }
 
 }  // namespace fabseq

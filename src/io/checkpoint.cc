@@ -7,6 +7,7 @@
 #include "fabseq/io/hdf5_attribute.h"
 #include "fabseq/io/hdf5_writer.h"
 #include "fabseq/io/posix_file.h"
+#include "fabseq/io/seal.h"
 #include "fabseq/io/verdict.h"
 
 #include <cstdint>
@@ -94,18 +95,19 @@ std::string next_slot(const std::string& directory) {
                                                                 : "checkpoint/slot_0.h5";
 }
 
+/// Expanded to the full grid one after the other: what they take in memory is one field.
 template <int Dim>
-void write_slot(const OutputDirectory& directory, const std::string& slot, const FieldSet<Dim>& fields,
-                const Json& scalars) {
+void write_slot(const OutputDirectory& directory, const std::string& slot, const DesignLayout<Dim>& layout,
+                const CheckpointState& state) {
   Hdf5Writer writer(directory.comm(), directory.file(slot));
-  for (auto field : fields.fields) {
-    field.single_precision = false;
-    writer.write_field<Dim>(*fields.grid, field);
+  for (const auto& [name, values] : state.fields()) {
+    const std::vector<double> field = layout.to_elements(values);
+    writer.write_field<Dim>(layout.grid, {name, false, 1, field, false});
   }
-  for (const auto& [name, value] : scalars.members()) writer.write_attribute(name, value);
-  const std::map<std::string, Json> sorted(scalars.members().begin(), scalars.members().end());
-  writer.write_checksum(scalar_checksum_name, checksum_of(sorted));
-  writer.close();
+  for (const auto& [name, values] : state.arrays()) writer.write_array(name, values);
+  for (const auto& [name, value] : state.scalars()) writer.write_attribute(name, value);
+  writer.write_checksum(scalar_checksum_name, checksum_of(state.scalars()));
+  writer.close(true);
 }
 
 }  // namespace
@@ -118,6 +120,7 @@ std::string newest_checkpoint(const std::string& directory) {
 
 int verify_checkpoint(const std::string& path) {
   silence_hdf5();
+  if (!seal_is_intact(path)) refuse(path, "the checksum of the file is wrong");
   const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   if (!file) refuse(path, "it cannot be opened");
   const std::vector<std::string> names = dataset_names(file);
@@ -133,20 +136,21 @@ int verify_checkpoint(const std::string& path) {
 }
 
 template <int Dim>
-void write_checkpoint(const OutputDirectory& directory, const FieldSet<Dim>& fields, const Json& scalars) {
+void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>& layout,
+                      const CheckpointState& state) {
   const MPI_Comm comm = directory.comm();
   directory.make_folder("checkpoint");
   const std::string slot = broadcast(comm, rank_of(comm) == 0 ? next_slot(directory.path()) : "");
-  write_slot(directory, slot, fields, scalars);
+  write_slot(directory, slot, layout, state);
   run_on_first(comm, [&] {
     const std::string path = directory.file(slot);
-    if (verify_checkpoint(path) != static_cast<int>(fields.fields.size()))
+    if (verify_checkpoint(path) != static_cast<int>(state.fields().size() + state.arrays().size()))
       refuse(path, "datasets are missing");
   });
   directory.write("checkpoint/newest", slot.substr(slot.find('/') + 1) + "\n");
 }
 
-template void write_checkpoint<2>(const OutputDirectory&, const FieldSet<2>&, const Json&);
-template void write_checkpoint<3>(const OutputDirectory&, const FieldSet<3>&, const Json&);
+template void write_checkpoint<2>(const OutputDirectory&, const DesignLayout<2>&, const CheckpointState&);
+template void write_checkpoint<3>(const OutputDirectory&, const DesignLayout<3>&, const CheckpointState&);
 
 }  // namespace fabseq

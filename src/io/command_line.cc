@@ -1,10 +1,9 @@
 #include "fabseq/io/command_line.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/io/schema.h"
 
-#include <algorithm>
-#include <array>
 #include <cctype>
 #include <string_view>
 
@@ -22,9 +21,6 @@ constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
                                {"evaluate", Task::evaluate},
                                {"check_gradients", Task::check_gradients},
                                {"check", Task::check}};
-
-/// Promised for later; PETSc would not read them either, and a run without them is not what was asked for.
-constexpr std::array<std::string_view, 2> later_options = {"-restart", "-max_wall_time"};
 
 /// "-name" but not a negative number or a lone '-', the way PETSc tells options from values.
 bool is_option(std::string_view word) {
@@ -69,6 +65,7 @@ class Parser {
     if (result_.config_file.empty() && !only_prints) {
       throw InputError("-config: missing; allowed: -config FILE.json (-help lists all options)");
     }
+    check_restart();
     return std::move(result_);
   }
 
@@ -90,6 +87,10 @@ class Parser {
       result_.output = value(word);
     } else if (word == "-design") {
       result_.design_file = value(word);
+    } else if (word == "-restart") {
+      result_.restart = value(word);
+    } else if (word == "-max_wall_time") {
+      take_wall_time(value(word));
     } else if (word == "-overwrite") {
       result_.overwrite = true;
     } else if (word == "-help" || word == "--help" || word == "-h") {
@@ -100,13 +101,27 @@ class Parser {
       result_.version = true;
     } else if (word == "-set") {
       take_setting(value(word));
-    } else if (std::find(later_options.begin(), later_options.end(), word) != later_options.end()) {
-      throw InputError(word + ": not available in this version; -help lists all options");
     } else if (const ConfigKey* key = find_flat_option(word)) {
       take_flat_option(*key, word);
     } else {
       pass_on(word);
     }
+  }
+
+  void take_wall_time(const std::string& text) {
+    result_.max_wall_time = parse_duration(text);
+    if (!result_.max_wall_time) refuse("-max_wall_time", shown(text), "a time > 0 as seconds or H:M:S");
+  }
+
+  void check_restart() const {
+    if (!result_.restart) return;
+    if (result_.task != Task::optimize && result_.task != Task::check)
+      throw InputError("-restart: only an optimization can be continued; allowed: with -task optimize");
+    if (result_.overwrite &&
+        (*result_.restart == "auto" || !result_.output || *result_.output == *result_.restart))
+      throw InputError(
+          "-restart: -overwrite would remove the checkpoint it is to continue from; allowed: one of "
+          "the two, or another directory with -output");
   }
 
   void take_setting(const std::string& setting) {

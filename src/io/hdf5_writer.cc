@@ -6,6 +6,7 @@
 #include "fabseq/io/checksum.h"
 #include "fabseq/io/hdf5_attribute.h"
 #include "fabseq/io/posix_file.h"
+#include "fabseq/io/seal.h"
 #include "fabseq/io/slab_gather.h"
 #include "fabseq/io/verdict.h"
 #include "fabseq/io/xdmf.h"
@@ -79,7 +80,7 @@ class Hdf5Writer::File {
 
   void create() {
     silence_hdf5();
-    disk_.emplace(partial_name(path_), O_WRONLY | O_CREAT | O_TRUNC);
+    disk_.emplace(partial_name(path_), O_RDWR | O_CREAT | O_TRUNC);
     const Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     (void)H5Pset_fapl_stdio(access);  // the default driver insists on a name in the file system
@@ -122,7 +123,7 @@ class Hdf5Writer::File {
     require(dataset && fabseq::write_checksum(dataset, "checksum", value));
   }
 
-  void finish() {
+  void finish(bool sealed) {
     require(file_.close());
     std::vector<Place> places = {{memory_.size(), 0}};
     for (const auto& [name, place] : places_) places.push_back(place);
@@ -134,6 +135,7 @@ class Hdf5Writer::File {
       end_of_last = place.offset + place.bytes;
     }
     disk_->resize(memory_.size());
+    if (sealed) seal_file(*disk_, memory_.size());
     disk_->sync();
     disk_->close();
     publish_file(path_);
@@ -238,8 +240,8 @@ void Hdf5Writer::write_checksum(const std::string& name, std::uint64_t value) {
   run_on_first(file_->comm(), [&] { file_->require(fabseq::write_checksum(file_->root(), name, value)); });
 }
 
-void Hdf5Writer::close() {
-  run_on_first(file_->comm(), [&] { file_->finish(); });
+void Hdf5Writer::close(bool sealed) {
+  run_on_first(file_->comm(), [&] { file_->finish(sealed); });
 }
 
 template <int Dim>

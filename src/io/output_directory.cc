@@ -1,6 +1,7 @@
 #include "fabseq/io/output_directory.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
 #include "fabseq/io/posix_file.h"
 #include "fabseq/io/verdict.h"
 
@@ -85,6 +86,13 @@ void set_up(const fs::path& directory, bool overwrite) {
   if (holds_run) remove_run(directory);
 }
 
+/// Partial files are of no use to anybody, and the summary is of a run that has ended.
+void prepare_to_continue(const fs::path& directory) {
+  require_writable(directory);
+  for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).string()));
+  remove_file(directory / "summary.json");
+}
+
 }  // namespace
 
 OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
@@ -92,10 +100,15 @@ OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool ov
   run_on_first(comm_, [&] { set_up(path_, overwrite); });
 }
 
+OutputDirectory OutputDirectory::continued(MPI_Comm comm, const std::string& path) {
+  run_on_first(comm, [&] { prepare_to_continue(path); });
+  return {comm, path};
+}
+
 void OutputDirectory::make_folder(const std::string& name) const {
   run_on_first(comm_, [&] {
     std::error_code error;
-    fs::create_directories(file(name), error);
+    fs::create_directory(file(name), error);
     if (error) fail("make folder", file(name), error.message());
   });
 }
@@ -106,6 +119,15 @@ void OutputDirectory::write(const std::string& name, const std::string& text) co
 
 void OutputDirectory::append_line(const std::string& name, const std::string& line) const {
   run_on_first(comm_, [&] { append_to_file(file(name), line + "\n"); });
+}
+
+bool OutputDirectory::has(const std::string& name) const {
+  std::error_code error;
+  return any(comm_, rank_of(comm_) == 0 && fs::exists(file(name), error));
+}
+
+void OutputDirectory::remove(const std::string& name) const {
+  run_on_first(comm_, [&] { remove_file(file(name)); });
 }
 
 }  // namespace fabseq

@@ -60,6 +60,19 @@ void PosixFile::write_at(std::int64_t offset, const void* bytes, std::size_t cou
   }
 }
 
+std::size_t PosixFile::read_at(std::int64_t offset, void* bytes, std::size_t count) const {
+  std::size_t done = 0;
+  while (done < count) {
+    const ssize_t got = ::pread(descriptor_, static_cast<char*>(bytes) + done, count - done,
+                                offset + static_cast<std::int64_t>(done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("read", path_, errno);
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
 void PosixFile::resize(std::int64_t bytes) const {
   if (::ftruncate(descriptor_, bytes) != 0) fail("write", path_, errno);
 }
@@ -110,6 +123,26 @@ void append_to_file(const std::string& path, std::string_view text) {
     throw;
   }
   file.close();
+}
+
+std::int64_t cut_file(const std::string& path, std::int64_t bytes) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return 0;
+  if (status.st_size <= bytes) return status.st_size;
+  PosixFile file(path, O_WRONLY);
+  file.resize(bytes);
+  file.sync();
+  file.close();
+  return bytes;
+}
+
+std::int64_t sync_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return 0;
+  PosixFile file(path, O_WRONLY);
+  file.sync();
+  file.close();
+  return status.st_size;
 }
 
 std::string read_file_if_there(const std::string& path) {

@@ -1,6 +1,7 @@
 #include "fabseq/io/progress.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/standard_streams.h"
 
 #include <algorithm>
 #include <cmath>
@@ -90,18 +91,14 @@ void Progress::print(const ProgressLine& line) {
       mean_seconds_ == 0.0 ? line.seconds : memory * mean_seconds_ + (1.0 - memory) * line.seconds;
   if (!is_first_) return;
   const std::string text = progress_text(line, mean_seconds_);
-  if (on_terminal_)
-    std::printf("\r%s\033[K", text.c_str());  // the escape clears what is left of a longer line
-  else
-    std::printf("%s\n", text.c_str());
-  std::fflush(stdout);
+  // The escape clears what is left of a longer line.
+  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
   line_open_ = on_terminal_;
 }
 
 void Progress::finish() {
   if (!line_open_) return;
-  std::printf("\n");
-  std::fflush(stdout);
+  write_text(STDOUT_FILENO, "\n");
   line_open_ = false;
 }
 

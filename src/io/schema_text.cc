@@ -21,12 +21,18 @@ Options:
   -task TASK             optimize (default), simulate, evaluate, check_gradients, or check (writes nothing)
   -output DIR            output directory (default: output/NAME)
   -overwrite             write into a directory that already holds a run
+  -restart DIR           continue the run in DIR from its newest intact checkpoint, there or in -output; -restart auto
+                         continues the run in the output directory, and starts one where there is none yet
+  -max_wall_time TIME    stop after this time, in seconds or as H:M:S, with a checkpoint
   -design FILE.h5        design to start from, for every task but check: dataset design, as in result.h5 (missing:
                          the initial values)
   -set path.to.key=VALUE sets a config key: VALUE is JSON, or else a string; entries of lists by index or type:
                          -set objective.1.weight=0.1, -set objective.layer_uniformity.weight=0.1
   -help, -version        print and end; -help_markdown: the keys as tables for the manual
 All other options are PETSc's. Own options apply in the order given.
+
+SIGUSR1, SIGUSR2, SIGTERM, SIGINT and a file "stop" in the output directory end a run with a checkpoint; a file
+"output_now" makes the next iteration write fields and a checkpoint.
 
 Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could not be written.
 )";

@@ -40,6 +40,7 @@ Failure broadcast_failure(MPI_Comm comm, int root, Failure failure) {
 [[noreturn]] void throw_failure(const Failure& failure) {
   if (failure.status == ExitStatus::bad_input) throw InputError(failure.message);
   if (failure.status == ExitStatus::numerical_failure) throw NumericalError(failure.message);
+  if (failure.status == ExitStatus::stopped) throw Stopped(failure.message);
   throw OutputError(failure.message);
 }
 

@@ -16,4 +16,22 @@ void BestIterate::offer(int iteration, double beta, const ProblemValues& values,
   design_ = design;
 }
 
+void BestIterate::save(CheckpointState& state) const {
+  state.set_scalar("best/iteration", iteration_);
+  if (iteration_ == 0) return;
+  state.set_scalar("best/beta", beta_);
+  state.set_scalar("best/worst_constraint", worst_constraint_);
+  state.set_scalar("best/merit", merit_);
+  state.set_field("best/design", design_);
+}
+
+void BestIterate::restore(const CheckpointState& state) {
+  iteration_ = state.integer("best/iteration");
+  if (iteration_ == 0) return;
+  beta_ = state.number("best/beta");
+  worst_constraint_ = state.number("best/worst_constraint");
+  merit_ = state.number("best/merit");
+  design_ = state.field("best/design");
+}
+
 }  // namespace fabseq

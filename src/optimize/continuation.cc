@@ -17,7 +17,8 @@ Continuation::Continuation(const ProjectionSettings& projection, double first_be
     : projection_(projection),
       first_beta_(first_beta),
       last_beta_(std::max(first_beta, last_beta)),
-      optimizer_(optimizer) {}
+      optimizer_(optimizer),
+      planned_iterations_(optimizer.max_iterations) {}
 
 double Continuation::beta(int iteration) const {
   double beta = first_beta_;
@@ -31,10 +32,18 @@ bool Continuation::at_last_beta(int iteration) const {
 }
 
 double Continuation::move_limit(int iteration) const {
-  const double progress = static_cast<double>(iteration) / optimizer_.max_iterations;
+  const double progress = static_cast<double>(iteration) / planned_iterations_;
   if (progress <= free_share) return optimizer_.move_limit;
   const double share = std::min(1.0, (progress - free_share) / (1.0 - free_share));
   return optimizer_.move_limit * std::pow(optimizer_.final_move_limit / optimizer_.move_limit, share);
+}
+
+void Continuation::save(CheckpointState& state) const {
+  state.set_scalar("continuation/planned_iterations", planned_iterations_);
+}
+
+void Continuation::restore(const CheckpointState& state) {
+  planned_iterations_ = state.integer("continuation/planned_iterations");
 }
 
 }  // namespace fabseq

@@ -50,4 +50,19 @@ StepReport DesignUpdate::update(std::vector<double>& design, const ProblemGradie
   return report;
 }
 
+void DesignUpdate::save(CheckpointState& state) const {
+  const MmaState& mma = mma_.state();
+  state.set_scalar("optimizer/updates", mma.iteration);
+  state.set_field("optimizer/low", mma.low);
+  state.set_field("optimizer/upp", mma.upp);
+  state.set_field("optimizer/previous", mma.previous);
+  state.set_field("optimizer/before_previous", mma.before_previous);
+}
+
+void DesignUpdate::restore(const CheckpointState& state) {
+  mma_.restore({state.integer("optimizer/updates"), state.field("optimizer/low"),
+                state.field("optimizer/upp"), state.field("optimizer/previous"),
+                state.field("optimizer/before_previous")});
+}
+
 }  // namespace fabseq

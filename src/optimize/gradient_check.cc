@@ -129,7 +129,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   // Steps must not end on a bound: the design keeps a tenth of the range from both.
   const DesignSpace space = pipeline.sequence().space();
   for (double& value : design) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
-  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.world());
+  const OutputDirectory directory = make_output_directory(setup, command_line);
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");

@@ -18,6 +18,8 @@ namespace {
 constexpr double smallest_tolerance = 1e-13;
 /// A lane that needs more than this is solved again by the reference path.
 constexpr int lane_iterations = 300;
+/// In a checkpoint.
+constexpr const char* expected_work_name = "process/expected_work";
 
 LaneCycle lane_cycle(const SolverSettings& settings) {
   LaneCycle cycle;
@@ -95,22 +97,22 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
 
 template <int Dim>
 PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers, double beta, bool binary) {
-  const PseudoTime<Dim>* time = nullptr;
+  time_ = nullptr;
   {
     const auto scope = timer_.enter(Phase::heat);
-    time = &sequence_->update(setup_.groups.gather(design));
+    time_ = &sequence_->update(setup_.groups.gather(design));
   }
   {
     const auto scope = timer_.enter(Phase::layers);
     layers_.emplace(setup_.part.part_density(), layers, beta, binary);
-    layers_->set_densities(time->time, densities_);
+    layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
   const ProcessResult& result = process_.simulate(densities_);
   iterations_.primal = result.iterations;
   iterations_.adjoint.clear();
-  iterations_.heat = {time->iterations};
-  return {*time, densities_, result};
+  iterations_.heat = {time_->iterations};
+  return {*time_, densities_, result};
 }
 
 template <int Dim>
@@ -154,6 +156,23 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     for (const LayerBlock& block : deal.blocks[group])
       for (int row = block.first; row < block.first + block.lanes; ++row) result[row].owner = group;
   return result;
+}
+
+template <int Dim>
+void Pipeline<Dim>::start_cold() {
+  sequence_->start_cold();
+  process_.start_cold();
+}
+
+template <int Dim>
+void Pipeline<Dim>::save(CheckpointState& state) const {
+  // Nothing yet before the first iteration.
+  if (!process_.expected_work().empty()) state.set_array(expected_work_name, process_.expected_work());
+}
+
+template <int Dim>
+void Pipeline<Dim>::restore(const CheckpointState& state) {
+  if (state.has_array(expected_work_name)) process_.set_expected_work(state.array(expected_work_name));
 }
 
 template <int Dim>

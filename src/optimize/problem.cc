@@ -98,6 +98,16 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 }
 
 template <int Dim>
+void Problem<Dim>::save(CheckpointState& state) const {
+  if (!first_values_.empty()) state.set_array("problem/first_values", first_values_);
+}
+
+template <int Dim>
+void Problem<Dim>::restore(const CheckpointState& state) {
+  if (state.has_array("problem/first_values")) first_values_ = state.array("problem/first_values");
+}
+
+template <int Dim>
 std::string Problem<Dim>::component_name(std::size_t response, std::size_t component) const {
   if (response < terms_.size()) return "objective_" + std::to_string(response);
   return "constraint_" + std::to_string(response - terms_.size()) + "_" + std::to_string(component);

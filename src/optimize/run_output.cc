@@ -4,7 +4,6 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/io/checkpoint.h"
 #include "fabseq/io/field_dump.h"
 #include "fabseq/io/hdf5_writer.h"
 #include "fabseq/sequence/given_sequence.h"
@@ -25,14 +24,17 @@ Json lists(const std::vector<std::vector<double>>& values) {
 }  // namespace
 
 template <int Dim>
-RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, PhaseTimer& timer)
+RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line,
+                          const std::optional<Restart>& restart, PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
-      directory_(make_output_directory(setup.config, command_line, setup.world())),
+      directory_(make_output_directory(setup, command_line, restart && restart->in_place)),
       history_(directory_),
       progress_(setup.world()),
       start_(MPI_Wtime()),
-      iteration_start_(start_) {}
+      iteration_start_(start_) {
+  if (restart) continue_from(*restart);
+}
 
 template <int Dim>
 void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {
@@ -53,10 +55,9 @@ void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& 
                                const PipelineState<Dim>& state, const std::vector<double>& design) {
   {
     const auto scope = timer_.enter(Phase::output);
-    const OutputSettings& due = setup_.config.output;
-    if (due.every > 0 && iteration % due.every == 0) dump_fields(iteration, state, design);
-    if (due.checkpoint_every > 0 && iteration % due.checkpoint_every == 0)
-      write_design_checkpoint(iteration, beta, design);
+    const int every = setup_.config.output.every;
+    asked_ = directory_.has(output_request);
+    if (asked_ || (every > 0 && iteration % every == 0)) dump_fields(iteration, state, design);
   }
   const double now = MPI_Wtime();
   const double total = now - iteration_start_;
@@ -125,16 +126,6 @@ void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
 }
 
 template <int Dim>
-void RunOutput<Dim>::write_design_checkpoint(int iteration, double beta, const std::vector<double>& design) {
-  const std::vector<double> field = setup_.design_field(design);
-  FieldSet<Dim> fields;
-  fields.grid = &setup_.grid;
-  fields.add_elements("design", field);
-  write_checkpoint(directory_, fields,
-                   Json::object({{"iteration", iteration}, {"beta", beta}, {"name", setup_.config.name}}));
-}
-
-template <int Dim>
 void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best) {
   progress_.finish();
   write_result(reports, best);
@@ -152,19 +143,6 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
 }
 
 template <int Dim>
-void RunOutput<Dim>::fail(const RunEnd& end, double beta, const std::vector<double>& design) {
-  progress_.finish();
-  try {
-    write_design_checkpoint(end.iterations + 1, beta, design);
-    Json record = summary(end);
-    record.set("baseline", baseline_.block);
-    directory_.write("summary.json", record.dump(2) + "\n");
-  } catch (const OutputError& error) {
-    warn(error.what());
-  }
-}
-
-template <int Dim>
 Json RunOutput<Dim>::summary(const RunEnd& end) const {
   return Json::object({{"name", setup_.config.name},
                        {"status", end.status},
@@ -173,7 +151,7 @@ Json RunOutput<Dim>::summary(const RunEnd& end) const {
                        {"ranks", size_of(setup_.world())},
                        {"layer_groups", setup_.groups.count()},
                        {"part_elements", setup_.part.count()},
-                       {"seconds", seconds_record(phase_seconds_, MPI_Wtime() - start_)},
+                       {"seconds", seconds_record(phase_seconds_, total_seconds())},
                        {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
 }
 

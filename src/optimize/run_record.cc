@@ -1,4 +1,5 @@
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/optimize/run_output.h"
 
 #include <hdf5.h>
@@ -26,10 +27,17 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
 
 }  // namespace
 
-OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
-  OutputDirectory directory(comm, command_line.output.value_or("output/" + config.name),
-                            command_line.overwrite);
-  directory.write("config.json", config_record(config, command_line, comm).dump(2) + "\n");
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues) {
+  const MPI_Comm comm = setup.world();
+  const std::string path = output_path(setup.config, command_line);
+  const bool replaces = command_line.overwrite || command_line.restart == "auto";
+  OutputDirectory directory =
+      continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
+  directory.write("config.json", config_record(setup.config, command_line, comm).dump(2) + "\n");
+  // Each layer group looks for itself: those that are still at work then leave it, too.
+  watch_stop_file(setup.groups.domain(), directory.file("stop"));
   return directory;
 }
 
@@ -40,5 +48,8 @@ Json seconds_record(const std::array<double, phase_count>& phases, double total)
   record.set("total", total);
   return record;
 }
+
+template OutputDirectory make_output_directory<2>(const Setup<2>&, const CommandLine&, bool);
+template OutputDirectory make_output_directory<3>(const Setup<3>&, const CommandLine&, bool);
 
 }  // namespace fabseq

@@ -50,6 +50,12 @@ int Setup<Dim>::resolve_baseline_layers() const {
 }
 
 template <int Dim>
+DesignLayout<Dim> Setup<Dim>::design_layout() const {
+  return {grid, [this](std::span<const double> share) { return design_field(share); },
+          [this](std::span<const double> field) { return groups.share(part.restrict_to_part(field)); }};
+}
+
+template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const bool planar = baseline_layers > layer_count;
   const double layers = std::max(layer_count, baseline_layers);

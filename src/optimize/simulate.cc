@@ -62,7 +62,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
   const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  const OutputDirectory directory = make_output_directory(setup.config, command_line, setup.world());
+  const OutputDirectory directory = make_output_directory(setup, command_line);
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);

@@ -1,6 +1,8 @@
 #include "fabseq/solve/assembled_system.h"
 
 #include "fabseq/base/log_event.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/solve/block_solve.h"
 
 #include <algorithm>
@@ -11,6 +13,19 @@ namespace {
 
 /// Right-hand sides a factorization takes at a time: as many as MUMPS works on at once, and no more memory.
 constexpr std::size_t block_columns = 32;
+/// Iterations between two questions whether to stop.
+constexpr PetscInt poll_interval = 10;
+
+/// PETSc's own convergence test, which also ends where a rank has been asked to stop.
+PetscErrorCode converged_or_stopped(KSP solver, PetscInt iteration, PetscReal norm,
+                                    KSPConvergedReason* reason, void* context) {
+  PetscFunctionBegin;
+  PetscCall(KSPConvergedDefault(solver, iteration, norm, reason, context));
+  if (*reason == KSP_CONVERGED_ITERATING && iteration % poll_interval == poll_interval - 1 &&
+      any(PetscObjectComm(reinterpret_cast<PetscObject>(solver)), stop_requested()))
+    *reason = KSP_DIVERGED_BREAKDOWN;
+  PetscFunctionReturn(0);
+}
 
 }  // namespace
 
@@ -65,6 +80,9 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetType(solver_, KSPCG));
   check(KSPSetNormType(solver_, KSP_NORM_PRECONDITIONED));
   check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
+  void* test = nullptr;
+  check(KSPConvergedDefaultCreate(&test));
+  check(KSPSetConvergenceTest(solver_, converged_or_stopped, test, KSPConvergedDefaultDestroy));
   check(KSPSetResidualHistory(solver_, nullptr, PETSC_DECIDE, PETSC_TRUE));
   check(KSPSetOptionsPrefix(solver_, settings_.options_prefix.c_str()));
   check(KSPSetOperators(solver_, matrix_, matrix_));
@@ -141,8 +159,11 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   check(VecNorm(load_, NORM_INFINITY, &size));
   if (size == 0.0) return {};
 
+  const MPI_Comm comm = numbering_->grid().comm();
+  stop_if_requested(comm);
   check(KSPSolve(solver_, load_, solution_));
   SolveReport report = last_report();
+  if (!report.converged) stop_if_requested(comm);
   if (!report.converged && relax()) {
     check(KSPSolve(solver_, load_, solution_));
     report = last_report();
@@ -187,6 +208,7 @@ std::vector<SolveReport> AssembledSystem<Dim>::solve_side_by_side(std::span<cons
   for (PetscInt column = 0; column < columns; ++column) gather_load(loads[column], values + column * rows);
   check(MatDenseRestoreArrayWrite(load, &values));
 
+  stop_if_requested(numbering_->grid().comm());
   const BlockReport block = solve_block(solver_, load, solution, settings_.tolerance);
   std::vector<SolveReport> reports;
   const PetscScalar* result = nullptr;

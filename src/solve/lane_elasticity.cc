@@ -93,6 +93,12 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
   displacement.set_lane(lane, solution.lane(0));
 }
 
+/// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
+template <int Dim>
+void LaneElasticity<Dim>::start_cold() {
+  fallback_.reset();
+}
+
 template <int Dim>
 std::string LaneElasticity<Dim>::description() const {
   std::ostringstream text;

@@ -127,6 +127,14 @@ void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<Lan
   }
 }
 
+/// The lanes begin every solve from zero; what lasts is the fallback.
+template <int Dim>
+void LaneHeat<Dim>::start_cold() {
+  is_set_up_.fill(false);
+  fallback_.reset();
+  fallback_is_set_up_ = false;
+}
+
 template <int Dim>
 ReferenceHeat<Dim>& LaneHeat<Dim>::fallback() {
   if (!fallback_)

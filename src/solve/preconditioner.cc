@@ -2,6 +2,9 @@
 
 #include "fabseq/solve/interpolation.h"
 
+#include <array>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -24,11 +27,22 @@ constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
 /// And by this one once the other was too small.
 constexpr const char* safest_transform = "0,0.1,0,3";
 
-/// Sets a PETSc option unless the user did. Asking for it marks it as read.
-void set_default_option(const std::string& name, const char* value) {
+/// Value of an option for systems that are not relaxed: the user's, or else `value`. Kept, for the option itself
+/// may since have been set for a relaxed system, and the next one shall begin like the first.
+const std::string& normal_value(const std::string& name, const char* value) {
+  static std::map<std::string, std::string> values;
+  const auto known = values.find(name);
+  if (known != values.end()) return known->second;
+  std::array<char, 256> given{};
+  PetscBool is_given = PETSC_FALSE;
+  check(PetscOptionsGetString(nullptr, nullptr, name.c_str(), given.data(), given.size(), &is_given));
+  return values.emplace(name, is_given == PETSC_TRUE ? given.data() : value).first->second;
+}
+
+/// Sets a PETSc option to its normal value. Asking for it marks it as read.
+void set_normal_option(const std::string& name, const char* value) {
+  check(PetscOptionsSetValue(nullptr, name.c_str(), normal_value(name, value).c_str()));
   PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
-  if (given == PETSC_FALSE) check(PetscOptionsSetValue(nullptr, name.c_str(), value));
   check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
 }
 
@@ -128,7 +142,7 @@ void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& 
   if (method == ReferenceMethod::multigrid && safe)
     check(PetscOptionsSetValue(nullptr, transform.c_str(), safest_transform));
   else
-    set_default_option(transform, chebyshev_transform);
+    set_normal_option(transform, chebyshev_transform);
   if (method == ReferenceMethod::multigrid)
     set_up_multigrid(pc, numbering);
   else

@@ -57,6 +57,13 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
   return reports;
 }
 
+/// Kept systems hold factorizations, estimates of eigenvalues, and whether their preconditioner was relaxed.
+template <int Dim>
+void ReferenceElasticity<Dim>::start_cold() {
+  systems_.clear();
+  up_to_date_.clear();
+}
+
 template <int Dim>
 std::string ReferenceElasticity<Dim>::description() const {
   const auto unknowns = numbering_->count() * Dim;

@@ -7,13 +7,21 @@ ReferenceHeat<Dim>::ReferenceHeat(const Grid<Dim>& grid, const SystemDomain& dom
                                   const AssembledSolverSettings& settings)
     : element_(grid.spacing(), grid.domain().thickness, 0.0),
       lumped_(lumped),
-      system_(domain, std::make_shared<UnknownNumbering<Dim>>(grid, domain), settings) {}
+      settings_(settings),
+      domain_(domain),
+      numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
+      system_(std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_)) {}
+
+template <int Dim>
+void ReferenceHeat<Dim>::start_cold() {
+  system_ = std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_);
+}
 
 template <int Dim>
 void ReferenceHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
   const std::vector<double> reactions(diffusivity.size(), reaction);
-  system_.assemble({{element_.conductivity(), diffusivity},
-                    {lumped_ ? element_.lumped_mass() : element_.consistent_mass(), reactions}});
+  system_->assemble({{element_.conductivity(), diffusivity},
+                     {lumped_ ? element_.lumped_mass() : element_.consistent_mass(), reactions}});
 }
 
 template <int Dim>
@@ -25,7 +33,7 @@ std::vector<SolveReport> ReferenceHeat<Dim>::solve(std::span<const LaneVector> l
       load.push_back(block.lane(lane));
       solution.emplace_back(block.unknowns());
     }
-  std::vector<SolveReport> reports = system_.solve(load, solution);
+  std::vector<SolveReport> reports = system_->solve(load, solution);
   std::size_t next = 0;
   for (LaneVector& block : solutions)
     for (int lane = 0; lane < block.lanes; ++lane) block.set_lane(lane, solution[next++]);

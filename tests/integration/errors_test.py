@@ -91,10 +91,6 @@ class ConfigErrorsTest(BadInputTest):
         words = ["-task", '"optimise"', "optimize", "check_gradients"]
         self.assert_refused(plate_2d(), "-task", "optimise", words=words)
 
-    def test_options_of_later_versions(self):
-        for option, value in (("-restart", "auto"), ("-max_wall_time", "60")):
-            self.assert_refused(plate_2d(), option, value, words=[option, "not available"])
-
     def test_word_that_belongs_to_no_option(self):
         self.assert_refused(plate_2d(), "stray", words=['"stray"'])
 

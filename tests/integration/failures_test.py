@@ -7,11 +7,15 @@ import h5py
 import numpy as np
 
 import run_fabseq
+from compare_runs import history_text
+from read_outputs import read_dump
 from run_fabseq import FabseqTest, NUMERICAL_FAILURE, OUTPUT_FAILURE
 from small_parts import hook_3d, plate_2d
 
 
 class FailureTest(FabseqTest):
+    resumes = False  # disks are full here, and solvers do not converge
+
     def assert_fails(self, result, status, *patterns):
         self.assertEqual(result.status, status, str(result))
         messages = [line for line in result.messages() if not line.startswith("warning: ")]
@@ -37,10 +41,37 @@ class SolverTest(FailureTest):
                 with open(run.path("checkpoint/newest"), encoding="utf-8") as file:
                     slot = file.read().strip()
                 with h5py.File(run.path("checkpoint/" + slot), "r") as file:
-                    self.assertEqual(file.attrs["iteration"], 1)
+                    self.assertEqual(file.attrs["iteration"], 0)
                     design = file["design"][()]
                 self.assertEqual(design.shape, (8, 4, 8))
                 self.assertEqual(np.count_nonzero(design), 8 * 4 * 8 - 4 * 4 * 5)
+                fields = read_dump(run, "0001_failed")
+                np.testing.assert_array_equal(fields["design"].ravel(), design.ravel())
+                self.assertEqual(set(fields), {"density", "design"})  # it was the planar baseline that failed
+                # With a solver that converges the run goes on from there.
+                resumed = self.run_config(ranks, hook_3d(), "-restart", run.output, "-max_iterations", 2,
+                                          output=run.output)
+                self.assert_done(resumed)
+                self.assertEqual(len(resumed.history()), 2)
+
+    def test_failure_in_an_iteration(self):
+        """GAMG needs more steps once layers are sharper. The state before that iteration is in the checkpoint, its fields
+        are in a dump, and with steps enough the run goes on as if nothing had happened."""
+        arguments = ("-max_iterations", 5, "-solver_path", "reference", "-reference_method", "gamg", "-set",
+                     "projection.interval=2")
+        run = self.run_config(1, hook_3d(), *arguments, "-elasticity_ksp_max_it", 19)
+        message = self.assert_fails(run, NUMERICAL_FAILURE, r"layer \d\b", r"\b19 iterations")
+        self.assertEqual(run.json("summary.json")["reason"], message[len("fabseq: "):])
+        done = len(run.history())
+        self.assertGreater(done, 0)
+        fields = read_dump(run, f"{done + 1:04d}_failed")
+        self.assertEqual(set(fields), {"density", "design", "time", "layer", "temperature"})
+        self.assertEqual(fields["layer"].max(), 3)
+        expected = self.run_config(1, hook_3d(), *arguments, "-checkpoint_every", done)
+        resumed = self.run_config(1, hook_3d(), *arguments, "-checkpoint_every", done, "-restart", "auto",
+                                  output=run.output)
+        self.assert_done(resumed)
+        self.assertEqual(history_text(resumed), history_text(expected))
 
     def test_other_tasks(self):
         for task in ("simulate", "evaluate", "check_gradients"):
@@ -111,7 +142,7 @@ class FullDiskTest(FailureTest):
         self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
 
     def run_on_disk(self, ranks, free, *arguments):
-        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 11 kB."""
+        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 70 kB."""
         name = f"{ranks}_{free}"
         with open(os.path.join(self.disk, "filler"), "wb") as file:
             file.write(bytes(512 * 1024 - free))
@@ -138,7 +169,7 @@ class FullDiskTest(FailureTest):
         self.check(16 * 1024, r"checkpoint/slot_[01]\.h5", "-output_every", 0, "-checkpoint_every", 1)
 
     def test_result(self):
-        self.check(48 * 1024, r"result\.h5", "-output_every", 0)
+        self.check(48 * 1024, r"result\.h5", "-output_every", 0, "-checkpoint_every", 0)
 
     def test_results_of_other_tasks(self):
         self.check(48 * 1024, r"result\.h5", "-task", "simulate")

@@ -146,12 +146,18 @@ class OutputsOfOneRankTest(FabseqTest):
             assert_close(values, data[name].reshape(values.shape), 1e-8, name)
 
     def test_checkpoint(self):
+        """The last one holds the end of the run: its best design, and what a further iteration would evaluate."""
         run = RUNS[self.ranks]
         with open(run.path("checkpoint/newest"), encoding="utf-8") as file:
-            slot = file.read().strip()
-        with h5py.File(run.path("checkpoint/" + slot), "r") as file:
+            newest = file.read().strip()
+        other = {"slot_0.h5": "slot_1.h5", "slot_1.h5": "slot_0.h5"}[newest]
+        with h5py.File(run.path("checkpoint/" + newest), "r") as file:
+            self.assertEqual(file.attrs["iteration"], ITERATIONS)
+            np.testing.assert_array_equal(file["best/design"][()], read_result(run)["design"])
+            self.assertTrue(all("checksum" in file[name].attrs for name in ("design", "optimizer/low", "best/design")))
+        with h5py.File(run.path("checkpoint/" + other), "r") as file:
             self.assertEqual(file.attrs["iteration"], 4)
-            np.testing.assert_array_equal(file["design"][()].ravel(), read_dump(run, 4)["design"].ravel())
+            np.testing.assert_array_equal(file["design"][()].ravel(), read_dump(run, 5)["design"].ravel())
 
 
 class OutputsOfTwoRanksTest(OutputsOfOneRankTest):

@@ -25,8 +25,8 @@ def assert_close(values, expected, tolerance, name):
 
 
 def read_dump(run, iteration):
-    """Fields of fields/iteration_NNNN.bin, read as its .xdmf describes them."""
-    base = run.path(f"fields/iteration_{iteration:04d}")
+    """Fields of fields/iteration_NNNN.bin (a number, or NNNN and what follows), read as its .xdmf describes them."""
+    base = run.path("fields/iteration_" + (iteration if isinstance(iteration, str) else f"{iteration:04d}"))
     with open(base + ".xdmf", encoding="utf-8") as file:
         text = file.read()
     with open(base + ".bin", "rb") as file:

@@ -70,7 +70,8 @@ class RerunTest(FabseqTest):
         self.assert_done(first)
         with open(os.path.join(output, "notes.txt"), "w", encoding="utf-8") as file:
             file.write("mine\n")
-        second = self.run_config(2, plate_2d(), "-max_iterations", 2, "-output_every", 2, "-overwrite", output=output)
+        second = self.run_config(2, plate_2d(), "-max_iterations", 2, "-output_every", 2, "-checkpoint_every", 0,
+                                 "-overwrite", output=output)
         self.assert_done(second)
         self.assertEqual(len(second.history()), 2)
         self.assertEqual(sorted(os.listdir(second.path("fields"))), ["iteration_0002.bin", "iteration_0002.xdmf"])

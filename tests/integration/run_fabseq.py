@@ -1,5 +1,8 @@
 """Runs fabseq as users do, under mpirun, for the tests of this folder.
 
+Every optimization that a test runs is run once more in two halves, stopped and continued, and must come to the same
+bytes (FabseqTest.resumes).
+
 FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow one,
 instrumented with sanitizers.
 """
@@ -14,13 +17,15 @@ import sys
 import tempfile
 import unittest
 
+from compare_runs import assert_same_run
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 PROGRAM = os.path.abspath(os.environ.get("FABSEQ_PROGRAM", os.path.join(ROOT, "build", "release", "fabseq")))
 SANITIZED = os.environ.get("FABSEQ_SANITIZED", "0") not in ("", "0", "OFF", "FALSE")
 REFERENCE_DATA = os.path.join(ROOT, "tests", "data", "reference")
 
-DONE, BAD_INPUT, NUMERICAL_FAILURE, OUTPUT_FAILURE = 0, 2, 3, 5
+DONE, BAD_INPUT, NUMERICAL_FAILURE, STOPPED, OUTPUT_FAILURE = 0, 2, 3, 4, 5
 
 only_release = unittest.skipIf(SANITIZED, "the sanitizers make this too slow: runs in the release build")
 
@@ -63,34 +68,68 @@ class Result:
         return f"{' '.join(self.command)}\nexit status {self.status}\nstdout:\n{self.stdout}stderr:\n{self.stderr}"
 
 
-def run_command(command, directory, timeout):
-    """Status, stdout and stderr of a command that must end within `timeout` seconds."""
-    with tempfile.TemporaryFile("w+") as stdout, tempfile.TemporaryFile("w+") as stderr:
-        environment = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT}
-        process = subprocess.Popen(command, cwd=directory, env=environment, stdin=subprocess.DEVNULL, stdout=stdout,
-                                   stderr=stderr, start_new_session=True)
+class Process:
+    """A command under way, to be used in a with statement."""
+
+    def __init__(self, command, directory, environment=None):
+        self.command = command
+        self.streams = [tempfile.TemporaryFile("w+") for _ in range(2)]
+        variables = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT, **(environment or {})}
+        self.process = subprocess.Popen(command, cwd=directory, env=variables, stdin=subprocess.DEVNULL,
+                                        stdout=self.streams[0], stderr=self.streams[1], start_new_session=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.end()
+        for stream in self.streams:
+            stream.close()
+
+    def end(self):
+        if self.process.poll() is not None:
+            return
+        os.killpg(self.process.pid, signal.SIGTERM)  # mpirun ends its ranks, which have groups of their own
+        try:
+            self.process.wait(30)
+        except subprocess.TimeoutExpired:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+
+    def ranks(self):
+        """Processes that mpirun has started."""
+        path = f"/proc/{self.process.pid}/task/{self.process.pid}/children"
+        with open(path, encoding="utf-8") as file:
+            return [int(word) for word in file.read().split()]
+
+    def wait(self, timeout):
+        """Status, stdout and stderr of the command, which must end within `timeout` seconds."""
         hangs = False
         try:
-            process.wait(timeout)
+            self.process.wait(timeout)
         except subprocess.TimeoutExpired:
             hangs = True
-            os.killpg(process.pid, signal.SIGTERM)  # mpirun ends its ranks, which have groups of their own
-            try:
-                process.wait(30)
-            except subprocess.TimeoutExpired:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+            self.end()
         texts = []
-        for stream in (stdout, stderr):
+        for stream in self.streams:
             stream.seek(0)
             texts.append(stream.read())
         if hangs:
-            raise AssertionError(f"no end after {timeout} s: {' '.join(command)}\n{texts[0]}{texts[1]}")
-        return process.returncode, texts[0], texts[1]
+            raise AssertionError(f"no end after {timeout} s: {' '.join(self.command)}\n{texts[0]}{texts[1]}")
+        return self.process.returncode, texts[0], texts[1]
+
+
+def run_command(command, directory, timeout):
+    """Status, stdout and stderr of a command that must end within `timeout` seconds."""
+    with Process(command, directory) as process:
+        return process.wait(timeout)
 
 
 class FabseqTest(unittest.TestCase):
     """A test with a working directory of its own, `directory`."""
+
+    # Whether every optimization is repeated in two halves. With sanitizers only restart_test does that.
+    resumes = not SANITIZED
 
     def setUp(self):
         self.directory = tempfile.mkdtemp(prefix="fabseq_test_")
@@ -117,7 +156,38 @@ class FabseqTest(unittest.TestCase):
             command += ["-output", output]
         if timeout is None:
             timeout = 600 if SANITIZED else 120
-        return Result(command, *run_command(command, self.directory, timeout), output)
+        result = Result(command, *run_command(command, self.directory, timeout), output)
+        if self.resumes and output and result.status == DONE and "-restart" not in command:
+            self.check_resumed(ranks, [str(argument) for argument in arguments], result, timeout)
+        return result
+
+    def check_resumed(self, ranks, arguments, expected, timeout):
+        """Repeats an optimization with a stop after half of its iterations, and compares."""
+        if not os.path.exists(expected.path("history.jsonl")) or len(expected.history()) < 2:
+            return
+        output = os.path.join(self.directory, f"resumed_{self.runs}")
+        os.mkdir(output)
+        half = len(expected.history()) // 2
+        if expected.json("config.json")["solver"]["path"] == "reference":
+            # Its systems last until a checkpoint: the run to compare with has to write the same ones.
+            arguments = [word for word in arguments if word != "-overwrite"] + ["-checkpoint_every", str(half)]
+            twin = output + "_twin"
+            command = ["mpirun", "-np", str(ranks), PROGRAM, *arguments, "-output", twin]
+            expected = Result(command, *run_command(command, self.directory, timeout), twin)
+            self.assertEqual(expected.status, DONE, str(expected))
+        with open(os.path.join(output, "stop"), "w", encoding="utf-8") as file:
+            file.write(f"{half}\n")
+        command = ["mpirun", "-np", str(ranks), PROGRAM, *arguments, "-output", output, "-restart", "auto"]
+        command = [word for word in command if word != "-overwrite"]
+        stopped = Result(command, *run_command(command, self.directory, timeout), output)
+        self.assertEqual(stopped.status, STOPPED, str(stopped))
+        self.assertEqual(len(stopped.history()), half, str(stopped))
+        self.assertEqual(stopped.json("summary.json")["status"], "stopped")
+        resumed = Result(command, *run_command(command, self.directory, timeout), output)
+        self.assertEqual(resumed.status, DONE, str(resumed))
+        self.assertIn(f"continues after iteration {half} of", resumed.stdout)
+        assert_same_run(self, resumed, expected, ranks)
+        shutil.rmtree(output)
 
     def run_config(self, ranks, config, *arguments, **options):
         """As run_program, of a config (a dict, text, or a path)."""

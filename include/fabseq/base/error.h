@@ -35,6 +35,12 @@ class NumericalError : public Error {
   explicit NumericalError(const std::string& message) : Error(ExitStatus::numerical_failure, message) {}
 };
 
+/// Somebody asked the run to end before its time (stop.h). Not a failure: what was reached is kept.
+class Stopped : public Error {
+ public:
+  explicit Stopped(const std::string& message) : Error(ExitStatus::stopped, message) {}
+};
+
 /// A file or directory could not be written.
 class OutputError : public Error {
  public:

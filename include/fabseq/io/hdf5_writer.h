@@ -48,8 +48,9 @@ class Hdf5Writer {
   void write_attribute(const std::string& name, const Json& value);
   /// An attribute of the file itself: 64 unsigned bits.
   void write_checksum(const std::string& name, std::uint64_t value);
-  /// Flushes, closes, and gives the file its name; on the disk when it returns.
-  void close();
+  /// Flushes, closes, and gives the file its name; on the disk when it returns. `sealed`: with a seal
+  /// (fabseq/io/seal.h), by which a reader finds damage before HDF5, which may crash of it.
+  void close(bool sealed = false);
 
  private:
   class File;

@@ -7,6 +7,7 @@
 #include <mpi.h>
 
 #include <string>
+#include <utility>
 
 namespace fabseq {
 
@@ -17,11 +18,15 @@ class OutputDirectory {
   /// removes what an earlier run left there (only files and folders a run writes, and a file `stop` or
   /// `output_now`). Throws OutputError if it cannot be made or written to. Collective.
   OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
+  /// The directory of a run that goes on there: what it left stays, but for its summary.json and for files
+  /// that it did not complete. Throws OutputError if it cannot be written to. Collective.
+  static OutputDirectory continued(MPI_Comm comm, const std::string& path);
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }
   std::string file(const std::string& name) const { return path_ + "/" + name; }
-  /// Makes a folder in it, if it is not there yet. Throws OutputError on all ranks if that fails. Collective.
+  /// Makes a folder in it, if it is not there yet. Throws OutputError on all ranks if that fails, as it does
+  /// where the directory itself has vanished. Collective.
   void make_folder(const std::string& name) const;
   /// Writes a file whole, through a temporary name and a rename, by rank 0; the outcome is known on all
   /// ranks: throws OutputError on all of them if it failed. Collective.
@@ -30,7 +35,14 @@ class OutputDirectory {
   /// not there in part either.
   void append_line(const std::string& name, const std::string& line) const;
 
+  /// Whether a file is there, by a look of rank 0. Collective.
+  bool has(const std::string& name) const;
+  /// Removes a file, if it is there. Collective.
+  void remove(const std::string& name) const;
+
  private:
+  OutputDirectory(MPI_Comm comm, std::string path) : comm_(comm), path_(std::move(path)) {}
+
   MPI_Comm comm_;
   std::string path_;
 };

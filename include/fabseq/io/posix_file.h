@@ -25,6 +25,8 @@ class PosixFile {
   void write(std::string_view bytes) const;
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
   void resize(std::int64_t bytes) const;
+  /// Reads up to that many bytes from `offset` on; how many there were.
+  std::size_t read_at(std::int64_t offset, void* bytes, std::size_t count) const;
   /// Takes the room for that many bytes on the disk, so that writing them later cannot find it full; the file
   /// has this size then, and zeros where nothing was written.
   void reserve(std::int64_t bytes) const;
@@ -46,6 +48,11 @@ std::string partial_name(const std::string& path);
 void replace_file(const std::string& path, std::string_view text);
 /// Appends `text` in one piece; a file that could not take all of it is cut back to what it was.
 void append_to_file(const std::string& path, std::string_view text);
+/// Cuts a file back to its first `bytes` bytes, on the disk when it returns; a file that is shorter or not there
+/// stays so. Returns its size.
+std::int64_t cut_file(const std::string& path, std::int64_t bytes);
+/// Puts what a file holds on the disk and returns its size; 0 if it is not there.
+std::int64_t sync_file(const std::string& path);
 /// Text of a file; "" if there is none.
 std::string read_file_if_there(const std::string& path);
 

@@ -2,6 +2,7 @@
 /// The design a run ends with: the best feasible iterate at the last sharpness (docs/formulation.md 9).
 #pragma once
 
+#include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/problem.h"
 
 #include <vector>
@@ -21,6 +22,9 @@ class BestIterate {
   double worst_constraint() const { return worst_constraint_; }
   bool feasible() const { return worst_constraint_ <= 0.0; }
   const std::vector<double>& design() const { return design_; }
+
+  void save(CheckpointState& state) const;
+  void restore(const CheckpointState& state);
 
  private:
   int iteration_ = 0;

@@ -3,6 +3,7 @@
 /// (docs/formulation.md 3.1, 9).
 #pragma once
 
+#include "fabseq/io/checkpoint_state.h"
 #include "fabseq/io/config.h"
 
 namespace fabseq {
@@ -22,10 +23,16 @@ class Continuation {
   /// geometrically.
   double move_limit(int iteration) const;
 
+  /// The length of the run the move limit was planned for: a run that continues with another number of
+  /// iterations goes on as planned.
+  void save(CheckpointState& state) const;
+  void restore(const CheckpointState& state);
+
  private:
   ProjectionSettings projection_;
   double first_beta_, last_beta_;
   OptimizerSettings optimizer_;
+  int planned_iterations_;
 };
 
 }  // namespace fabseq

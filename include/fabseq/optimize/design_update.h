@@ -2,6 +2,7 @@
 /// One step of the optimizer on the scale the design moves on.
 #pragma once
 
+#include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/mma.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/sequence/sequence.h"
@@ -24,6 +25,10 @@ class DesignUpdate {
 
   /// `design` in and out; gradients with respect to the design.
   StepReport update(std::vector<double>& design, const ProblemGradients& gradients, double move_limit);
+
+  /// The optimizer's memory: asymptotes and the last two designs.
+  void save(CheckpointState& state) const;
+  void restore(const CheckpointState& state);
 
  private:
   MPI_Comm comm_;

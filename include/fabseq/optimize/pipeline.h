@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
+#include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/setup.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response.h"
@@ -48,6 +49,8 @@ class Pipeline {
   /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. The state refers to
   /// results that stay valid until the next run.
   PipelineState<Dim> run(std::span<const double> design, int layers, double beta, bool binary);
+  /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get there.
+  const PseudoTime<Dim>* last_time() const { return time_; }
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                           const PipelineState<Dim>& state);
@@ -55,6 +58,12 @@ class Pipeline {
   std::vector<std::vector<double>> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                              const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows);
+  /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
+  /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
+  void start_cold();
+  /// Adds what start_cold() leaves: by what work the layers are dealt out to the groups next. Not collective.
+  void save(CheckpointState& state) const;
+  void restore(const CheckpointState& state);
   const SolverIterations& iterations() const { return iterations_; }
 
  private:
@@ -82,6 +91,7 @@ class Pipeline {
   ProcessSimulation<Dim> process_;
   std::optional<CurvedLayers> layers_;
   LayerDensities densities_;
+  const PseudoTime<Dim>* time_ = nullptr;
   SolverIterations iterations_;
 };
 

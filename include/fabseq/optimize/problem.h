@@ -2,6 +2,7 @@
 /// Responses scaled and stacked into an optimization problem (docs/formulation.md 9).
 #pragma once
 
+#include "fabseq/io/checkpoint_state.h"
 #include "fabseq/io/json.h"
 #include "fabseq/optimize/pipeline.h"
 
@@ -45,6 +46,10 @@ class Problem {
   /// Gradients at the state of the last evaluate(). Collective.
   ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                              const ProblemValues& values) const;
+
+  /// The values of the first evaluate(), by which terms are scaled.
+  void save(CheckpointState& state) const;
+  void restore(const CheckpointState& state);
 
   /// Name, type and value of every component, as in evaluation.json: objective_0, constraint_0_0, ...
   Json describe(const std::vector<std::vector<double>>& values) const;

@@ -2,32 +2,29 @@
 /// Everything an optimization leaves in its output directory (docs/users-guide.md, output directory).
 #pragma once
 
+#include "fabseq/base/error.h"
 #include "fabseq/io/command_line.h"
 #include "fabseq/io/history.h"
 #include "fabseq/io/output_directory.h"
 #include "fabseq/io/progress.h"
-#include "fabseq/optimize/best_iterate.h"
-#include "fabseq/optimize/design_update.h"
+#include "fabseq/optimize/restart.h"
+#include "fabseq/optimize/run_state.h"
 #include "fabseq/optimize/sequence_report.h"
 
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace fabseq {
 
-/// Makes the directory that -output names and writes config.json: the effective config with the key `run`
-/// (command line, versions, ranks). Collective.
-OutputDirectory make_output_directory(const Config& config, const CommandLine& command_line, MPI_Comm comm);
+/// Makes the directory of output_path(), writes config.json: the effective config with the key `run` (command
+/// line, versions, ranks), and begins to watch for a file `stop` there. `continues`: a run that is there goes
+/// on. Collective.
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues = false);
 /// Seconds of each phase and "total" as an object.
 Json seconds_record(const std::array<double, phase_count>& phases, double total);
-
-/// How a run ended.
-struct RunEnd {
-  std::string status;  ///< converged, iteration_limit, failed
-  std::string reason;
-  int iterations = 0;
-};
 
 /// The three sequences a run ends with.
 template <int Dim>
@@ -41,28 +38,41 @@ struct FinalReports {
 template <int Dim>
 class RunOutput {
  public:
-  /// Makes the directory and writes config.json. Everything must outlive the object.
-  RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, PhaseTimer& timer);
+  /// Makes the directory and writes config.json; goes on with the files of the run that is continued, if one
+  /// is. All but `restart` must outlive the object.
+  RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, const std::optional<Restart>& restart,
+            PhaseTimer& timer);
 
   const std::string& path() const { return directory_.path(); }
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport<Dim> report, const std::string& solver);
-  /// One iteration: history, progress line, field dump and checkpoint when they are due.
+  /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for it.
   void iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
                  Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const std::vector<double>& design);
+  /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is due, asked for, or the
+  /// state is the last; returns whether it did.
+  bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
   void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
-  /// What is left of a run that failed: a checkpoint of the design that could not be evaluated, and
-  /// summary.json. If these cannot be written, that is a warning: the failure itself is what the user has to
-  /// know.
-  void fail(const RunEnd& end, double beta, const std::vector<double>& design);
+  /// What is left of a run that was stopped: a checkpoint of the state last kept, and summary.json.
+  void stop(const Stopped& reason);
+  /// What is left of a run that failed: the same, and as much as there is of the fields of the failing
+  /// iteration. If these cannot be written, that is a warning: the failure itself is what the user has to know.
+  void fail(const NumericalError& error, const Pipeline<Dim>& pipeline);
 
  private:
+  /// File by which a user asks for fields and a checkpoint of the iteration under way.
+  static constexpr const char* output_request = "output_now";
+
+  void continue_from(const Restart& restart);
   void write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
                      const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, double total);
   void dump_fields(int iteration, const PipelineState<Dim>& state, const std::vector<double>& design);
   void write_result(const FinalReports<Dim>& reports, const BestIterate& best);
-  void write_design_checkpoint(int iteration, double beta, const std::vector<double>& design);
+  void write_checkpoint();
+  void dump_failure(const Pipeline<Dim>& pipeline);
+  void write_end(const RunEnd& end);
+  double total_seconds() const { return earlier_seconds_ + MPI_Wtime() - start_; }
   Json summary(const RunEnd& end) const;
   void print_table(const FinalReports<Dim>& reports, const Json& summary) const;
 
@@ -74,6 +84,11 @@ class RunOutput {
   SequenceReport<Dim> baseline_;
   std::array<double, phase_count> phase_seconds_{};  ///< of the iterations so far
   double start_, iteration_start_;
+  double earlier_seconds_ = 0.0;     ///< of the run that this one continues
+  CheckpointState kept_;             ///< the state between the last two iterations
+  std::optional<int> checkpointed_;  ///< iterations of the checkpoint in the directory, if it has one
+  bool asked_ = false;               ///< for fields and a checkpoint, by output_request
+  bool checkpoint_due_ = false;      ///< whatever the iteration
 };
 
 extern template class RunOutput<2>;

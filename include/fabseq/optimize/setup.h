@@ -5,6 +5,7 @@
 #include "fabseq/grid/node_set.h"
 #include "fabseq/grid/part.h"
 #include "fabseq/io/config.h"
+#include "fabseq/io/design_layout.h"
 #include "fabseq/optimize/run_cost.h"
 #include "fabseq/process/layer_groups.h"
 #include "fabseq/responses/response.h"
@@ -44,6 +45,8 @@ class Setup {
   std::vector<double> design_field(std::span<const double> share) const {
     return part.expand(groups.gather(share));
   }
+  /// The same, and back, for files.
+  DesignLayout<Dim> design_layout() const;
   ResponseContext<Dim> context() const { return {part, node_sets, characteristic_length}; }
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }

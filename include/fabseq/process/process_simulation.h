@@ -59,6 +59,8 @@ class ProcessSimulation {
   /// of this group's layers; rows solved together share the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
                  std::span<DensityDerivatives* const> derivatives);
+  /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
+  void start_cold() { solver_->start_cold(); }
   /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
   /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.

@@ -61,6 +61,8 @@ class Sequence {
   virtual std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) {
     return std::vector<std::vector<double>>(rows.size());
   }
+  /// Forgets what earlier solves have left for later ones (HeatSolver::start_cold()).
+  virtual void start_cold() {}
   /// Iterations of the last pull_back, a row each.
   virtual std::vector<int> adjoint_iterations() const { return {}; }
 };

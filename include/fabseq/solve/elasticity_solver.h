@@ -28,6 +28,10 @@ class ElasticitySolver {
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
 
+  /// Forgets what earlier solves have left for later ones: from here on everything goes as in a new solver,
+  /// to the last bit. Collective.
+  virtual void start_cold() = 0;
+
   /// One line for the log: what it is and how it was chosen.
   virtual std::string description() const = 0;
 };

@@ -32,6 +32,10 @@ class HeatSolver {
   /// report a right-hand side, block by block. Collective; does not throw if one does not converge.
   virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                          std::span<LaneVector> solutions) = 0;
+
+  /// Forgets what earlier solves have left for later ones, the operator too: from here on everything goes as
+  /// in a new solver, to the last bit. Collective.
+  virtual void start_cold() = 0;
 };
 
 }  // namespace fabseq

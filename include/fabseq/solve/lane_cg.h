@@ -52,7 +52,7 @@ class LaneCg {
   /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
-  /// `load` is overwritten.
+  /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
   std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
 
  private:

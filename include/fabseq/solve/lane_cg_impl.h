@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/solve/lane_cg.h"
 #include "fabseq/solve/lane_multigrid_impl.h"
 
@@ -119,9 +120,12 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
     // The image is none before the first iteration: what it adds then is not used.
     const auto products =
         matrix_.dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
-    std::array<Scalars, 4> sums{products[0], products[1], products[2], state.length};
-    sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width));
-    const auto& [size, decrease, overlap, length] = sums;
+    // A request to stop travels along: all ranks follow it in the same iteration.
+    const Scalars stops{stop_requested() ? 1.0 : 0.0};
+    std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
+    sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width + 1));
+    const auto& [size, decrease, overlap, length, asked] = sums;
+    if (asked[0] > 0.0) throw_stopped(comm);
     judge(state, size, length, stop);
     if (!any_active() || state.iteration == stop.max_iterations) break;
     Scalars beta, alpha;

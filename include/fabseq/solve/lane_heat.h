@@ -30,6 +30,7 @@ class LaneHeat : public HeatSolver<Dim> {
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+  void start_cold() override;
 
  private:
   static LaneCycle cycle();

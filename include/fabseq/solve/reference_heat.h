@@ -5,6 +5,7 @@
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/heat_solver.h"
 
+#include <memory>
 #include <vector>
 
 namespace fabseq {
@@ -20,11 +21,15 @@ class ReferenceHeat : public HeatSolver<Dim> {
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+  void start_cold() override;
 
  private:
   ElementMatrices<Dim> element_;
   bool lumped_;
-  AssembledSystem<Dim> system_;
+  AssembledSolverSettings settings_;
+  const SystemDomain& domain_;
+  std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
+  std::unique_ptr<AssembledSystem<Dim>> system_;
 };
 
 extern template class ReferenceHeat<2>;

@@ -1,0 +1,24 @@
+/// \file
+/// Where a rank's entries of a design belong on the grid, for those who write and read such vectors.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// How vectors with an entry a design variable are spread over the ranks of a run, which may be more than those
+/// of the grid: several grids alike, whose ranks share the entries.
+template <int Dim>
+struct DesignLayout {
+  const Grid<Dim>& grid;
+  /// This rank's entries to values on its owned elements. Collective on all ranks that share the vector.
+  std::function<std::vector<double>(std::span<const double>)> to_elements;
+  /// The other way round; not collective.
+  std::function<std::vector<double>(std::span<const double>)> from_elements;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,60 @@
+/// \file
+/// Everything that an optimization carries from one iteration to the next.
+#pragma once
+
+#include "fabseq/optimize/best_iterate.h"
+#include "fabseq/optimize/continuation.h"
+#include "fabseq/optimize/design_update.h"
+
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// How a run ended.
+struct RunEnd {
+  std::string status;  ///< converged, iteration_limit, stopped, failed
+  std::string reason;
+  int iterations = 0;
+};
+
+/// The design and whatever remembers earlier iterations. A state that is saved and restored, be it on another
+/// number of ranks or layer groups, goes on like the first. Collective construction.
+template <int Dim>
+class RunState {
+ public:
+  /// Before the first iteration. `design`: to start from; the setup must outlive the state.
+  RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, std::vector<double> design);
+
+  Problem<Dim> problem;
+  Continuation continuation;
+  DesignUpdate optimizer;
+  BestIterate best;
+
+  /// What the next iteration evaluates, this rank's variables.
+  const std::vector<double>& design() const { return design_; }
+  /// Iterations done.
+  int completed() const { return completed_; }
+  /// Ends an iteration, whose step to the `next` design was `change` (StepReport::change).
+  void complete(std::vector<double> next, double change);
+  /// Whether there is nothing left to do: converged, or as many iterations as were asked for.
+  bool ended() const { return converged() || completed_ >= settings_.max_iterations; }
+  /// How, once it has.
+  RunEnd end() const;
+
+  CheckpointState save() const;
+  void restore(const CheckpointState& state);
+
+ private:
+  bool converged() const;
+
+  const OptimizerSettings& settings_;
+  std::vector<double> design_;
+  int completed_ = 0;
+  double change_ = 1.0;  ///< of the last iteration; no step is larger than the range
+};
+
+extern template class RunState<2>;
+extern template class RunState<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,177 @@
+#include "fabseq/base/stop.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+#include <unistd.h>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct NamedSignal {
+  int number;
+  const char* name;
+};
+constexpr std::array<NamedSignal, 4> stop_signals = {
+    {{SIGUSR1, "USR1"}, {SIGUSR2, "USR2"}, {SIGTERM, "TERM"}, {SIGINT, "INT"}}};
+
+// Reasons as numbers, so that ranks can agree on one: a signal's own number is larger than these.
+constexpr int no_reason = 0, file_reason = -2, time_reason = -1;
+
+const Clock::time_point process_start = Clock::now();
+constexpr long nanoseconds = 1000000000L;
+
+// What the signal handler knows.
+volatile std::sig_atomic_t caught_signal = 0;
+volatile std::sig_atomic_t caught_seconds = 0, caught_nanoseconds = 0;
+
+/// What the process is to look for beside signals.
+struct Watch {
+  std::optional<double> max_wall_time;
+  std::string file;
+  int iterations = 0;
+  bool file_asked = false;
+  Clock::time_point last_look;
+};
+
+Watch& watch() {
+  static Watch instance;
+  return instance;
+}
+
+extern "C" void on_stop_signal(int signal) {
+  constexpr long same_request = nanoseconds / 10;
+  const int error = errno;
+  timespec now{};
+  (void)clock_gettime(CLOCK_MONOTONIC, &now);
+  if (caught_signal == 0) {
+    caught_signal = signal;
+    caught_seconds = static_cast<std::sig_atomic_t>(now.tv_sec);
+    caught_nanoseconds = static_cast<std::sig_atomic_t>(now.tv_nsec);
+  } else if ((now.tv_sec - caught_seconds) * nanoseconds + now.tv_nsec - caught_nanoseconds > same_request) {
+    (void)std::signal(signal, SIG_DFL);
+    (void)raise(signal);  // delivered when this returns
+  }
+  errno = error;
+}
+
+/// A file that cannot be read, other than one that is not there, is taken for a request as well.
+bool file_asks(const Watch& seen) {
+  if (seen.file.empty() || ::access(seen.file.c_str(), F_OK) != 0) return false;
+  std::string word;
+  if (!(std::ifstream(seen.file) >> word)) return true;
+  int wanted = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), wanted);
+  const bool is_number = error == std::errc() && end == word.data() + word.size();
+  return !is_number || seen.iterations >= wanted;
+}
+
+void look_for_file(Watch& seen) {
+  seen.last_look = Clock::now();
+  seen.file_asked = seen.file_asked || file_asks(seen);
+}
+
+bool time_is_up(const Watch& seen) {
+  return seen.max_wall_time &&
+         std::chrono::duration<double>(Clock::now() - process_start).count() >= *seen.max_wall_time;
+}
+
+int own_reason() {
+  const Watch& seen = watch();
+  if (caught_signal != 0) return caught_signal;
+  if (time_is_up(seen)) return time_reason;
+  return seen.file_asked ? file_reason : no_reason;
+}
+
+std::string reason_text(int reason) {
+  if (reason == time_reason) return "stopped: -max_wall_time is over";
+  if (reason == file_reason) return "stopped by the file 'stop' in the output directory";
+  for (const NamedSignal& signal : stop_signals)
+    if (signal.number == reason) return std::string("stopped by signal ") + signal.name;
+  return "stopped";
+}
+
+std::optional<double> to_seconds(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return std::isfinite(value) && value >= 0.0 ? std::optional<double>(value) : std::nullopt;
+}
+
+}  // namespace
+
+StopRequests::StopRequests(std::optional<double> max_wall_time) {
+  watch().max_wall_time = max_wall_time;
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  action.sa_flags = SA_RESTART;  // writes go on
+  for (const NamedSignal& signal : stop_signals) (void)sigaction(signal.number, &action, nullptr);
+}
+
+StopRequests::~StopRequests() {
+  for (const NamedSignal& signal : stop_signals) (void)std::signal(signal.number, SIG_DFL);
+  caught_signal = 0;
+  watch() = Watch();
+}
+
+void watch_stop_file(MPI_Comm comm, const std::string& path) {
+  if (rank_of(comm) == 0) watch().file = path;
+}
+
+void note_iterations(int done) {
+  Watch& seen = watch();
+  seen.iterations = done;
+  look_for_file(seen);
+}
+
+void remove_stop_file() noexcept {
+  if (watch().file_asked) (void)::unlink(watch().file.c_str());
+}
+
+bool stop_requested() {
+  Watch& seen = watch();
+  if (!seen.file.empty() && !seen.file_asked && Clock::now() - seen.last_look >= std::chrono::seconds(1))
+    look_for_file(seen);
+  return own_reason() != no_reason;
+}
+
+void stop_if_requested(MPI_Comm comm) {
+  if (any(comm, stop_requested())) throw_stopped(comm);
+}
+
+void throw_stopped(MPI_Comm comm) {
+  // Signals are positive and come first, then the file, then the time; 0 has not been asked.
+  const auto own = static_cast<std::int64_t>(own_reason());
+  const std::int64_t largest = max(comm, own);
+  throw Stopped(reason_text(static_cast<int>(largest > 0 ? largest : min(comm, own))));
+}
+
+std::optional<double> parse_duration(const std::string& text) {
+  std::vector<double> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ':');) {
+    const std::optional<double> value = to_seconds(part);
+    if (!value) return std::nullopt;
+    parts.push_back(*value);
+  }
+  if (text.empty() || text.back() == ':' || (parts.size() != 1 && parts.size() != 3)) return std::nullopt;
+  double seconds = 0.0;
+  for (const double part : parts) seconds = 60.0 * seconds + part;
+  return seconds > 0.0 ? std::optional<double>(seconds) : std::nullopt;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,61 @@
+#include "fabseq/optimize/run_state.h"
+
+#include <utility>
+
+namespace fabseq {
+
+template <int Dim>
+RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, std::vector<double> design)
+    : problem(setup),
+      continuation(setup.config.projection, setup.first_beta(), setup.last_beta(), setup.config.optimizer),
+      optimizer(setup.world(), sequence.space(), design.size(), setup.config.optimizer),
+      settings_(setup.config.optimizer),
+      design_(std::move(design)) {}
+
+template <int Dim>
+void RunState<Dim>::complete(std::vector<double> next, double change) {
+  design_ = std::move(next);
+  change_ = change;
+  ++completed_;
+}
+
+template <int Dim>
+bool RunState<Dim>::converged() const {
+  return completed_ > 0 && change_ < settings_.change_tolerance && continuation.at_last_beta(completed_);
+}
+
+template <int Dim>
+RunEnd RunState<Dim>::end() const {
+  if (converged()) return {"converged", "the design's change fell below change_tolerance", completed_};
+  return {"iteration_limit", "max_iterations reached", completed_};
+}
+
+template <int Dim>
+CheckpointState RunState<Dim>::save() const {
+  CheckpointState state;
+  state.set_scalar("iteration", completed_);
+  state.set_scalar("beta", continuation.beta(completed_ + 1));
+  state.set_scalar("change", change_);
+  state.set_field("design", design_);
+  problem.save(state);
+  continuation.save(state);
+  optimizer.save(state);
+  best.save(state);
+  return state;
+}
+
+template <int Dim>
+void RunState<Dim>::restore(const CheckpointState& state) {
+  completed_ = state.integer("iteration");
+  change_ = state.number("change");
+  design_ = state.field("design");
+  problem.restore(state);
+  continuation.restore(state);
+  optimizer.restore(state);
+  best.restore(state);
+}
+
+template class RunState<2>;
+template class RunState<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,326 @@
+"""Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost but the work
+since the last checkpoint, and nothing hangs."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import run_fabseq
+from compare_runs import history_text
+from run_fabseq import DONE, OUTPUT_FAILURE, PROGRAM, SANITIZED, STOPPED, FabseqTest, Process, Result
+from small_parts import plate_2d
+
+PATIENCE = 600 if SANITIZED else 240
+# Long enough for what happens here to happen on the way.
+LONG = ("-elements", "60,36", "-max_iterations", "100000")
+
+
+class StopTest(FabseqTest):
+    resumes = False
+
+    def start(self, ranks, output, *arguments, environment=None):
+        path = self.write_config(plate_2d())
+        command = ["mpirun", "-np", str(ranks), PROGRAM, "-config", path, "-output", output, *LONG, *map(str, arguments)]
+        return Process(command, self.directory, environment)
+
+    def wait_for_lines(self, process, output, count):
+        """Until the history has that many lines."""
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            self.assertIsNone(process.process.poll(), "the run has ended by itself")
+            try:
+                with open(os.path.join(output, "history.jsonl"), encoding="utf-8") as file:
+                    if len(file.readlines()) >= count:
+                        return
+            except FileNotFoundError:
+                pass
+            time.sleep(0.01)
+        self.fail(f"no {count} lines after {PATIENCE} s")
+
+    def finish(self, process, output):
+        return Result(process.command, *process.wait(PATIENCE), output)
+
+    def check_goes_on(self, ranks, output, *arguments):
+        """Continues for four iterations, and compares with a run that was not interrupted but wrote a checkpoint at the
+        same iteration."""
+        stopped = Result([], STOPPED, "", "", output)
+        done = len(stopped.history())
+        self.assertEqual(stopped.json("summary.json")["status"], "stopped")
+        self.assertEqual(stopped.json("summary.json")["iterations"], done)
+        runs = []
+        expected = output + "_expected"
+        os.mkdir(expected)
+        for folder, options in ((output, ("-restart", "auto", "-checkpoint_every", done)),
+                                (expected, ("-checkpoint_every", done))):
+            with open(os.path.join(folder, "stop"), "w", encoding="utf-8") as file:
+                file.write(str(done + 4))
+            with self.start(ranks, folder, *arguments, *options) as process:
+                runs.append(self.finish(process, folder))
+            self.assertEqual(runs[-1].status, STOPPED, str(runs[-1]))
+        self.assertIn(f"continues after iteration {done} of", runs[0].stdout)
+        self.assertEqual(history_text(runs[0]), history_text(runs[1]))
+        self.assertEqual(len(runs[0].history()), done + 4)
+
+
+class SignalTest(StopTest):
+    def stop_by(self, number, ranks, *arguments, output="run", environment=None):
+        output = os.path.join(self.directory, output)
+        with self.start(ranks, output, *arguments, environment=environment) as process:
+            self.wait_for_lines(process, output, 3)
+            process.process.send_signal(number)
+            return self.finish(process, output)
+
+    def test_user_signals(self):
+        for number, name in ((signal.SIGUSR1, "USR1"), (signal.SIGUSR2, "USR2")):
+            for ranks in (1, 2):
+                with self.subTest(name=name, ranks=ranks):
+                    output = f"{name}_{ranks}"
+                    run = self.stop_by(number, ranks, output=output)
+                    self.assertEqual(run.status, STOPPED, str(run))
+                    own = [line for line in run.messages() if not line.startswith("mpirun: Forwarding")]
+                    self.assertEqual(own, [f"fabseq: stopped by signal {name}"])
+                    self.assertEqual(run.json("summary.json")["reason"], f"stopped by signal {name}")
+                    self.check_goes_on(ranks, run.output)
+
+    def test_on_the_reference_path(self):
+        arguments = ("-solver_path", "reference", "-reference_method", "gamg", "-elements", "40,24")
+        run = self.stop_by(signal.SIGUSR1, 2, *arguments, "-checkpoint_every", 0)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.check_goes_on(2, run.output, *arguments)
+
+    def test_end_by_the_launcher(self):
+        """The checkpoint is what is promised: mpirun has a status of its own. For TERM and for INT it waits for so many
+        seconds, passes TERM on, and kills after as many again. In the meantime it reads nothing of what the ranks
+        print: they must not wait for that."""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(number=number):
+                run = self.stop_by(number, 2, output=f"end_{number}",
+                                   environment={"OMPI_MCA_odls_base_sigkill_timeout": "5"})
+                self.assertEqual(run.json("summary.json")["reason"], "stopped by signal TERM")
+                self.check_goes_on(2, run.output)
+
+    def test_without_mpirun(self):
+        path, output = self.write_config(plate_2d()), os.path.join(self.directory, "alone")
+        for number, name in ((signal.SIGTERM, "TERM"), (signal.SIGINT, "INT")):
+            command = [PROGRAM, "-config", path, "-output", output, *LONG, "-restart", "auto"]
+            with Process(command, self.directory) as process:
+                before = len(Result([], 0, "", "", output).history()) if os.path.exists(output) else 0
+                self.wait_for_lines(process, output, before + 3)
+                process.process.send_signal(number)
+                run = self.finish(process, output)
+            self.assertEqual(run.status, STOPPED, str(run))
+            self.assertIn(f"fabseq: stopped by signal {name}", run.stderr)
+
+    def test_to_one_rank_only(self):
+        output = os.path.join(self.directory, "one")
+        with self.start(3, output) as process:
+            self.wait_for_lines(process, output, 2)
+            os.kill(process.ranks()[1], signal.SIGUSR2)
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertIn("stopped by signal USR2", run.stderr)
+        self.check_goes_on(3, run.output)
+
+    def test_layer_groups(self):
+        for ranks, groups in ((2, 2), (4, 2)):
+            with self.subTest(ranks=ranks, groups=groups):
+                arguments = ("-layer_groups", groups)
+                run = self.stop_by(signal.SIGUSR1, ranks, *arguments, output=f"groups_{ranks}")
+                self.assertEqual(run.status, STOPPED, str(run))
+                self.assertIn("fabseq: stopped by signal USR1", run.messages())
+                self.check_goes_on(ranks, run.output, *arguments)
+
+    def test_other_tasks(self):
+        """Nothing to continue, but the same status."""
+        path, output = self.write_config(plate_2d()), os.path.join(self.directory, "task")
+        for task in ("simulate", "evaluate", "check_gradients"):
+            command = ["mpirun", "-np", "2", PROGRAM, "-config", path, "-task", task, "-output", output, "-overwrite",
+                       "-max_wall_time", "0.001"]
+            run = Result(command, *run_fabseq.run_command(command, self.directory, PATIENCE), output)
+            self.assertEqual(run.status, STOPPED, str(run))
+            self.assertEqual(run.messages(), ["fabseq: stopped: -max_wall_time is over"])
+
+
+class WithinAnIterationTest(StopTest):
+    """Layer groups are each at its own layers when the request comes, for seconds: they all leave them."""
+
+    ARGUMENTS = ("-layer_groups", 2, "-elements", "240,144", "-layers", 24 if SANITIZED else 64, "-tolerance", "1e-11")
+
+    def stop_by(self, request, reason):
+        output = os.path.join(self.directory, "run")
+        with self.start(2, output, *self.ARGUMENTS) as process:
+            self.wait_for_lines(process, output, 1)
+            request(process, output)
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertIn(f"fabseq: {reason}", run.messages())
+        self.assertEqual(run.json("summary.json")["reason"], reason)
+        self.assertEqual(run.json("summary.json")["layer_groups"], 2)
+        self.assertEqual(len(run.history()), 1, "the iteration was completed")
+        self.assertTrue(os.path.exists(run.path("checkpoint/newest")))
+        return run
+
+    def test_signal(self):
+        self.stop_by(lambda process, _: process.process.send_signal(signal.SIGUSR1), "stopped by signal USR1")
+
+    def test_signal_to_a_rank_of_one_group(self):
+        for rank in range(2):
+            with self.subTest(rank=rank):
+                self.stop_by(lambda process, _, victim=rank: os.kill(process.ranks()[victim], signal.SIGUSR2),
+                             "stopped by signal USR2")
+                shutil.rmtree(os.path.join(self.directory, "run"))
+
+    def test_file(self):
+        run = self.stop_by(lambda _, output: os.close(os.open(os.path.join(output, "stop"), os.O_CREAT)),
+                           "stopped by the file 'stop' in the output directory")
+        self.assertFalse(os.path.exists(run.path("stop")))
+
+
+class LimitTest(StopTest):
+    def test_wall_time(self):
+        for limit, ranks in (("0:0:3", 1), ("2.5", 2)):
+            with self.subTest(limit=limit):
+                output = os.path.join(self.directory, f"limit_{ranks}")
+                with self.start(ranks, output, "-max_wall_time", limit) as process:
+                    run = self.finish(process, output)
+                self.assertEqual(run.status, STOPPED, str(run))
+                self.assertEqual(run.messages(), ["fabseq: stopped: -max_wall_time is over"])
+                if run.history():
+                    self.check_goes_on(ranks, output)
+
+    def test_over_before_the_first_iteration(self):
+        output = os.path.join(self.directory, "at_once")
+        with self.start(2, output, "-max_wall_time", "0.0001") as process:
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertEqual(run.json("summary.json")["iterations"], 0)
+        with open(run.path("stop"), "w", encoding="utf-8") as file:
+            file.write("3")
+        with self.start(2, output, "-restart", "auto") as process:
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertEqual([line["iteration"] for line in run.history()], [1, 2, 3])
+
+    def test_stop_file(self):
+        output = os.path.join(self.directory, "file")
+        with self.start(2, output) as process:
+            self.wait_for_lines(process, output, 2)
+            with open(os.path.join(output, "stop"), "w", encoding="utf-8"):
+                pass
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertFalse(os.path.exists(run.path("stop")))
+        self.check_goes_on(2, output)
+
+
+class KillTest(StopTest):
+    def test_kill(self):
+        """Of all ranks, or of one, which mpirun answers by ending the others."""
+        for victims in ("all", "one"):
+            with self.subTest(victims=victims):
+                output = os.path.join(self.directory, f"kill_{victims}")
+                with self.start(2, output, "-checkpoint_every", 3) as process:
+                    self.wait_for_lines(process, output, 8)
+                    ranks = process.ranks()
+                    self.assertEqual(len(ranks), 2)
+                    for rank in ranks if victims == "all" else ranks[1:]:
+                        os.kill(rank, signal.SIGKILL)
+                    self.assertNotEqual(self.finish(process, output).status, 0)
+                done = len(Result([], 0, "", "", output).history())
+                expected = output + "_expected"
+                os.mkdir(expected)
+                runs = []
+                for folder in (output, expected):
+                    with open(os.path.join(folder, "stop"), "w", encoding="utf-8") as file:
+                        file.write(str(done + 2))
+                    with self.start(2, folder, "-checkpoint_every", 3, "-restart", "auto") as process:
+                        runs.append(self.finish(process, folder))
+                    self.assertEqual(runs[-1].status, STOPPED, str(runs[-1]))
+                continued = int(runs[0].stdout.split("continues after iteration ")[1].split()[0])
+                self.assertGreaterEqual(continued, done - 4)  # the one every three iterations, or the one under way then
+                self.assertEqual(history_text(runs[0]), history_text(runs[1]))
+
+
+class LostDiskTest(StopTest):
+    def setUp(self):
+        super().setUp()
+        self.disk = os.path.join(self.directory, "disk")
+        os.mkdir(self.disk)
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        mount = self.mount("-t", "tmpfs", "-o", "size=2m", "tmpfs")
+        if mount.returncode != 0:
+            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", "--lazy", self.disk], check=False)
+
+    def mount(self, *arguments):
+        return subprocess.run(["mount", *arguments, self.disk], capture_output=True, text=True, check=False)
+
+    def assert_lost(self, process, output, *words):
+        run = self.finish(process, output)
+        self.assertEqual(run.status, OUTPUT_FAILURE, str(run))
+        messages = [line for line in run.messages() if not line.startswith("warning: ")]
+        self.assertEqual(len(messages), 1, str(run))
+        for word in words:
+            self.assertRegex(messages[0], word)
+        return run
+
+    def check_goes_on_from_the_last_good_one(self, ranks, output):
+        with open(os.path.join(output, "stop"), "w", encoding="utf-8"):
+            pass
+        with self.start(ranks, output, "-checkpoint_every", 2, "-restart", "auto") as process:
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertGreater(int(run.stdout.split("continues after iteration ")[1].split()[0]), 0)
+        self.assertNotIn("warning", run.stderr)
+
+    def test_full(self):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                output = os.path.join(self.disk, f"run_{ranks}")
+                with self.start(ranks, output, "-checkpoint_every", 2) as process:
+                    self.wait_for_lines(process, output, 5)
+                    filler = os.path.join(self.disk, "filler")
+                    with open(filler, "wb", buffering=0) as file:
+                        try:
+                            while file.write(bytes(4096)) == 4096:
+                                pass
+                        except OSError:
+                            pass
+                    self.assert_lost(process, output, r"(history\.jsonl|slot_[01]\.h5|newest)", "No space left on device")
+                os.remove(filler)
+                self.check_goes_on_from_the_last_good_one(ranks, output)
+
+    def test_read_only(self):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                output = os.path.join(self.disk, f"run_{ranks}")
+                with self.start(ranks, output, "-checkpoint_every", 2) as process:
+                    self.wait_for_lines(process, output, 5)
+                    for _ in range(1000):  # busy while one of the run's files is open for writing
+                        if self.mount("-o", "remount,ro").returncode == 0:
+                            break
+                    else:
+                        self.fail("the disk cannot be made read-only")
+                    self.assert_lost(process, output, "Read-only file system", r"(history\.jsonl|slot_[01]\.h5|newest)")
+                self.assertEqual(self.mount("-o", "remount,rw").returncode, 0)
+                self.check_goes_on_from_the_last_good_one(ranks, output)
+
+    def test_vanished(self):
+        for ranks in (1, 3):
+            with self.subTest(ranks=ranks):
+                output = os.path.join(self.disk, f"run_{ranks}")
+                with self.start(ranks, output, "-checkpoint_every", 2) as process:
+                    self.wait_for_lines(process, output, 5)
+                    os.rename(output, output + "_moved")
+                    self.assert_lost(process, output, "No such file or directory", f"run_{ranks}/")
+                self.assertFalse(os.path.exists(output))
+                os.rename(output + "_moved", output)
+                self.check_goes_on_from_the_last_good_one(ranks, output)
+                shutil.rmtree(output)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()
