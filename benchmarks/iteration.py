@@ -16,9 +16,8 @@ import tempfile
 
 import program_run
 from displacement_error import TIGHT, DisplacementErrors
-from program_run import LANES, METHODS, REFERENCES, method_options
+from program_run import LANES, METHODS, PHASES, REFERENCES, method_options
 
-PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer", "output", "total"]
 COMPARED = [*PHASES, "seconds_a_solve", "peak_memory_gigabytes"]
 
 

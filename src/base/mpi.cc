@@ -1,5 +1,7 @@
 #include "fabseq/base/mpi.h"
 
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+
 namespace fabseq {
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 #include "fabseq/optimize/mma_subproblem.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "fabseq/optimize/mma_subproblem.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 #include "fabseq/optimize/mma_rows.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "fabseq/process/layer_groups.h"
 
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 #include "fabseq/io/verdict.h"
 
 #include <numeric>

@@ -1,6 +1,7 @@
 #include "fabseq/solve/shared_nodes.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 
 #include <algorithm>
 #include <map>

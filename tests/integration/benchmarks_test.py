@@ -1,5 +1,6 @@
 """The scripts of benchmarks/ run the program and report what they should; not how fast it is."""
 
+import csv
 import json
 import os
 
@@ -48,6 +49,88 @@ class BenchmarkScriptTest(FabseqTest):
         self.assertEqual([(run["layers"], run["ranks"]) for run in record["runs"]], [(2, 1), (2, 2), (3, 1), (3, 2)])
         self.assertTrue(all(run["primal_seconds"][0] > 0 for run in record["runs"]))
         self.assertEqual([line.split()[0] for line in lines[-2:]], ["2", "3"])
+
+    def read_csv(self, name):
+        with open(os.path.join(self.directory, name), encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def assert_picture(self, name):
+        with open(os.path.join(self.directory, name), "rb") as file:
+            self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+
+    def test_layers_by_phase(self):
+        lines, record = self.run_script("layers.sh", "--phases", "--layers", 2, 3, "--ranks", 1, "--iterations", 2, "--csv", "l.csv", "--plot",
+                                        "l.png")
+        total = {row["layers"]: row for row in record["table"] if row["phase"] == "total"}
+        self.assertEqual(sorted(total), [2, 3])
+        for layers, row in total.items():
+            self.assertAlmostEqual(row["seconds_a_layer"] * layers, row["seconds"])
+        self.assertEqual([line.split()[0] for line in lines[-3:]], ["2", "3", "[D24]"])
+        self.assertEqual(len(self.read_csv("l.csv")), len(record["table"]))
+        self.assert_picture("l.png")
+
+    def test_strong_scaling_against_one_baseline(self):
+        _, record = self.run_script("strong_scaling.sh", "--ranks", 1, 2, "--baseline", "1x2", "--iterations", 3, "--warm-up", 2, "--csv",
+                                    "s.csv", "--plot", "s.png")
+        self.assertEqual([(run["groups"], run["domain_ranks"]) for run in record["samples"]], [(1, 1), (1, 2), (2, 1)])
+        self.assertEqual([len(run["iterations"]) for run in record["samples"]], [1, 1, 1])
+        total = {(row["groups"], row["domain_ranks"]): row for row in record["table"] if row["phase"] == "total"}
+        reference = total[1, 2]
+        self.assertEqual((reference["speed_up"], reference["efficiency"], reference["serial_fraction"]), (1.0, 1.0, None))
+        for split, row in total.items():
+            ratio = reference["seconds"] / row["seconds"]
+            self.assertAlmostEqual(row["speed_up"], ratio)
+            self.assertAlmostEqual(row["efficiency"], 2 * ratio / row["ranks"])
+            if split == (1, 1):  # half of the ranks: T = T0 (f + 2 (1 - f))
+                self.assertAlmostEqual(row["serial_fraction"] + 2 * (1 - row["serial_fraction"]), 1 / ratio)
+        self.assertEqual([row["phase"] for row in self.read_csv("s.csv")], [row["phase"] for row in record["table"]])
+        self.assert_picture("s.png")
+
+    def test_sizes_up_to_a_limit(self):
+        _, record = self.run_script("size.sh", "--smallest", 500, "--largest", 2500, "--iterations", 2, "--csv", "z.csv", "--plot", "z.png")
+        self.assertEqual([run["box"] for run in record["runs"]], ["10x4x10", "12x6x12", "16x8x16"])
+        for run, row in zip(record["runs"], self.read_csv("z.csv")):
+            self.assertGreater(run["gigabytes"], 0.01)
+            self.assertEqual(int(row["part_elements"]), run["part_elements"])
+            self.assertEqual(run["layer_count"], 3)
+            self.assertLess(run["primal"], run["total"])
+        self.assert_picture("z.png")
+
+    def test_sizes_end_where_memory_does(self):
+        used = self.run_script("size.sh", "--smallest", 2048, "--largest", 2100, "--iterations", 2)[1]["runs"][0]["gigabytes"]
+        runs = self.run_script("size.sh", "--smallest", 2048, "--memory", 1.5 * used, "--iterations", 2)[1]["runs"]
+        self.assertGreater(len(runs), 1)
+        self.assertLess(runs[1]["elements"], 1.6 * runs[0]["elements"])
+
+
+@only_release
+class ScalingModelTest(FabseqTest):
+    def run_model(self, *arguments):
+        command = ["bash", os.path.join(ROOT, "benchmarks", "scaling_model.sh"), *map(str, arguments)]
+        status, stdout, stderr = run_command(command, self.directory, 300)
+        self.assertEqual(status, DONE, stdout + stderr)
+        return stdout
+
+    def test_messages_are_those_of_the_model(self):
+        """Between neighbours, on coarse levels that all hold, and between groups."""
+        printed = self.run_model("check", "--program", PROGRAM, "--cases", "v_shape", "--splits", "1x3", "2x2")
+        self.assertEqual(printed.count("as the model says"), 2)
+        self.assertNotIn("NOT", printed)
+
+    def test_what_an_iteration_is_made_of(self):
+        """A machine whose network takes no time spends none on messages; twice the ranks compute less each."""
+        free = [word for name in ("latency", "overhead") for word in ("--" + name, "0")]
+
+        def totals(*options):
+            lines = self.run_model("parts", "--case", "v_shape", "--splits", "1x1", "1x2", *options).splitlines()
+            return [[float(word) for word in line.split()[1:]] for line in lines if line.split()[:1] == ["total"]]
+
+        (alone, pair), (_, quick) = totals(), totals(*free)
+        self.assertEqual(alone[2:4], [0.0, 0.0])
+        self.assertGreater(pair[2], quick[2])
+        self.assertLess(pair[0], 0.7 * alone[0])
+        for line in (alone, pair, quick):
+            self.assertAlmostEqual(sum(line[:4]), line[4], places=4)
 
 
 if __name__ == "__main__":

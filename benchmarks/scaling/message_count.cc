@@ -1,0 +1,271 @@
+/// \file
+/// Counts what a run sends, by phase and by design iteration: a library to be preloaded (LD_PRELOAD) under every rank.
+///
+/// The lane kernels send by plain MPI, PETSc by its own scatters; this sees both, whoever calls. A phase is a stage of
+/// PETSc's log ("fabseq primal"), so PetscLogStageRegister, -Push and -Pop are watched, too. Each rank writes
+/// MESSAGE_COUNT_DIRECTORY/RANK.csv when it ends:
+///
+///     iteration,stage,kind,ranks,bytes,count
+///
+/// `kind` is "message" (counted by its sender) or the name of a collective; `ranks` is the size of the communicator,
+/// `bytes` are of one message, or what one rank brings into the collective. Rows of
+/// iteration i count what came since iteration i - 1 began its output, up to where iteration i does; the last is the rest.
+#ifndef OMPI_SKIP_MPICXX
+#define OMPI_SKIP_MPICXX
+#endif
+#include <mpi.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace {
+
+using Key = std::tuple<std::string, std::string, int, long>;  // stage, kind, ranks, bytes
+using Counts = std::map<Key, long>;
+
+struct Counter {
+  std::map<int, std::string> stage_names{{0, "main"}};
+  std::vector<int> stages{0};
+  std::vector<Counts> finished;  ///< iterations
+  Counts current;
+  std::map<MPI_Request, std::pair<int, long>> persistent;  ///< sends: ranks, bytes
+};
+
+Counter& counter() {
+  static Counter instance;
+  return instance;
+}
+
+int size_of(MPI_Comm comm) {
+  int size = 1;
+  PMPI_Comm_size(comm, &size);
+  return size;
+}
+
+long bytes_of(long count, MPI_Datatype type) {
+  int size = 0;
+  PMPI_Type_size(type, &size);
+  return count * size;
+}
+
+void count(const char* kind, int ranks, long bytes) {
+  Counter& all = counter();
+  ++all.current[{all.stage_names[all.stages.back()], kind, ranks, bytes}];
+}
+
+void count_message(int to, long items, MPI_Datatype type, MPI_Comm comm) {
+  if (to != MPI_PROC_NULL) count("message", size_of(comm), bytes_of(items, type));
+}
+
+void count_collective(const char* kind, long items, MPI_Datatype type, MPI_Comm comm) {
+  count(kind, size_of(comm), bytes_of(items, type));
+}
+
+long total(const int* counts, MPI_Comm comm) {
+  long sum = 0;
+  for (int rank = 0; rank < size_of(comm); ++rank) sum += counts[rank];
+  return sum;
+}
+
+void count_start(MPI_Request request) {
+  const auto found = counter().persistent.find(request);
+  if (found != counter().persistent.end()) count("message", found->second.first, found->second.second);
+}
+
+void write() {
+  const char* const directory = std::getenv("MESSAGE_COUNT_DIRECTORY");
+  if (directory == nullptr) return;
+  int rank = 0;
+  PMPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  std::FILE* const file =
+      std::fopen((std::string(directory) + "/" + std::to_string(rank) + ".csv").c_str(), "w");
+  if (file == nullptr) return;
+  std::fputs("iteration,stage,kind,ranks,bytes,count\n", file);
+  std::vector<Counts> all = counter().finished;
+  all.push_back(counter().current);
+  for (std::size_t iteration = 0; iteration < all.size(); ++iteration)
+    for (const auto& [key, value] : all[iteration]) {
+      const auto& [stage, kind, ranks, bytes] = key;
+      std::fprintf(file, "%zu,%s,%s,%d,%ld,%ld\n", iteration + 1, stage.c_str(), kind.c_str(), ranks, bytes,
+                   value);
+    }
+  std::fclose(file);
+}
+
+/// PETSc's own function of this name.
+template <class Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+extern "C" {
+
+int PetscLogStageRegister(const char name[], int* stage) {
+  static auto* const original = next<int(const char*, int*)>("PetscLogStageRegister");
+  const int status = original(name, stage);
+  if (status == 0) counter().stage_names[*stage] = name;
+  return status;
+}
+
+int PetscLogStagePush(int stage) {
+  static auto* const original = next<int(int)>("PetscLogStagePush");
+  Counter& all = counter();
+  all.stages.push_back(stage);
+  if (all.stage_names[stage] == "fabseq output") {
+    all.finished.push_back(all.current);
+    all.current.clear();
+  }
+  return original(stage);
+}
+
+int PetscLogStagePop() {
+  static auto* const original = next<int()>("PetscLogStagePop");
+  if (counter().stages.size() > 1) counter().stages.pop_back();
+  return original();
+}
+
+int MPI_Finalize() {
+  write();
+  return PMPI_Finalize();
+}
+
+int MPI_Send(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm) {
+  count_message(to, n, type, comm);
+  return PMPI_Send(data, n, type, to, tag, comm);
+}
+
+int MPI_Isend(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
+              MPI_Request* request) {
+  count_message(to, n, type, comm);
+  return PMPI_Isend(data, n, type, to, tag, comm, request);
+}
+
+int MPI_Issend(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
+               MPI_Request* request) {
+  count_message(to, n, type, comm);
+  return PMPI_Issend(data, n, type, to, tag, comm, request);
+}
+
+int MPI_Sendrecv(const void* data, int n, MPI_Datatype type, int to, int tag, void* received, int received_n,
+                 MPI_Datatype received_type, int from, int received_tag, MPI_Comm comm, MPI_Status* status) {
+  count_message(to, n, type, comm);
+  return PMPI_Sendrecv(data, n, type, to, tag, received, received_n, received_type, from, received_tag, comm,
+                       status);
+}
+
+int MPI_Send_init(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
+                  MPI_Request* request) {
+  const int status = PMPI_Send_init(data, n, type, to, tag, comm, request);
+  if (status == MPI_SUCCESS && to != MPI_PROC_NULL)
+    counter().persistent[*request] = {size_of(comm), bytes_of(n, type)};
+  return status;
+}
+
+int MPI_Request_free(MPI_Request* request) {
+  counter().persistent.erase(*request);
+  return PMPI_Request_free(request);
+}
+
+int MPI_Start(MPI_Request* request) {
+  count_start(*request);
+  return PMPI_Start(request);
+}
+
+int MPI_Startall(int n, MPI_Request requests[]) {
+  for (int i = 0; i < n; ++i) count_start(requests[i]);
+  return PMPI_Startall(n, requests);
+}
+
+int MPI_Allreduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
+  count_collective("allreduce", n, type, comm);
+  return PMPI_Allreduce(in, out, n, type, operation, comm);
+}
+
+int MPI_Reduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, int root,
+               MPI_Comm comm) {
+  count_collective("reduce", n, type, comm);
+  return PMPI_Reduce(in, out, n, type, operation, root, comm);
+}
+
+int MPI_Bcast(void* data, int n, MPI_Datatype type, int root, MPI_Comm comm) {
+  count_collective("bcast", n, type, comm);
+  return PMPI_Bcast(data, n, type, root, comm);
+}
+
+int MPI_Gather(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type, int root,
+               MPI_Comm comm) {
+  count_collective("gather", n, type, comm);
+  return PMPI_Gather(in, n, type, out, m, out_type, root, comm);
+}
+
+int MPI_Gatherv(const void* in, int n, MPI_Datatype type, void* out, const int counts[], const int starts[],
+                MPI_Datatype out_type, int root, MPI_Comm comm) {
+  count_collective("gather", n, type, comm);
+  return PMPI_Gatherv(in, n, type, out, counts, starts, out_type, root, comm);
+}
+
+int MPI_Scatterv(const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out, int n,
+                 MPI_Datatype out_type, int root, MPI_Comm comm) {
+  count_collective("scatter", n, out_type, comm);
+  return PMPI_Scatterv(in, counts, starts, type, out, n, out_type, root, comm);
+}
+
+int MPI_Allgather(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type,
+                  MPI_Comm comm) {
+  count_collective("allgather", n, type, comm);
+  return PMPI_Allgather(in, n, type, out, m, out_type, comm);
+}
+
+int MPI_Allgatherv(const void* in, int n, MPI_Datatype type, void* out, const int counts[],
+                   const int starts[], MPI_Datatype out_type, MPI_Comm comm) {
+  count_collective("allgather", n, type, comm);
+  return PMPI_Allgatherv(in, n, type, out, counts, starts, out_type, comm);
+}
+
+int MPI_Alltoall(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type,
+                 MPI_Comm comm) {
+  count_collective("alltoall", static_cast<long>(n) * size_of(comm), type, comm);
+  return PMPI_Alltoall(in, n, type, out, m, out_type, comm);
+}
+
+int MPI_Alltoallv(const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out,
+                  const int out_counts[], const int out_starts[], MPI_Datatype out_type, MPI_Comm comm) {
+  count_collective("alltoall", total(counts, comm), type, comm);
+  return PMPI_Alltoallv(in, counts, starts, type, out, out_counts, out_starts, out_type, comm);
+}
+
+int MPI_Reduce_scatter_block(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation,
+                             MPI_Comm comm) {
+  count_collective("reduce_scatter", n, type, comm);
+  return PMPI_Reduce_scatter_block(in, out, n, type, operation, comm);
+}
+
+int MPI_Scan(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
+  count_collective("scan", n, type, comm);
+  return PMPI_Scan(in, out, n, type, operation, comm);
+}
+
+int MPI_Exscan(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
+  count_collective("scan", n, type, comm);
+  return PMPI_Exscan(in, out, n, type, operation, comm);
+}
+
+int MPI_Barrier(MPI_Comm comm) {
+  count_collective("barrier", 0, MPI_CHAR, comm);
+  return PMPI_Barrier(comm);
+}
+
+int MPI_Iallreduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm,
+                   MPI_Request* request) {
+  count_collective("allreduce", n, type, comm);
+  return PMPI_Iallreduce(in, out, n, type, operation, comm, request);
+}
+
+}  // extern "C"

@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+"""Time and memory over the number of elements, up to the largest box that fits:
+
+    benchmarks/size.sh configs/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [-- OPTIONS OF THE PROGRAM]
+
+The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many; parts read from voxels cannot
+be. The next size is run if the peak memory of all ranks, grown in proportion to the elements from the last one, stays within --memory
+(GB); the last size is as large as that allows. Each run is an optimization of a few iterations; memory is its peak, of all ranks
+together, as the system reports it, set-up and planar baseline included; seconds are medians over the iterations after the warm-up, of
+all repetitions.
+"""
+import argparse
+import os
+import sys
+import tempfile
+
+import program_run
+from program_run import PHASES
+
+# Of --memory: a margin for what does not grow in proportion.
+USABLE = 0.95
+# A larger last size must be worth it.
+LEAST_GROWTH = 1.2
+
+
+def refined(elements, total):
+    """Element counts in the same proportions, even ones, of about `total` elements."""
+    product = 1
+    for count in elements:
+        product *= count
+    factor = (total / product)**(1.0 / len(elements))
+    return [max(2, 2 * round(count * factor / 2)) for count in elements]
+
+
+def measure(options, elements, directory):
+    setting = "domain.elements=[" + ",".join(map(str, elements)) + "]"
+    arguments = ["-set", setting, "-layer_groups", options.groups, *(["-layers", options.layers] if options.layers else [])]
+    size = program_run.problem_size(options, directory, arguments[:2] + arguments[4:])
+    lines = program_run.iterate(options, options.ranks, directory, arguments)
+    record = program_run.medians([line["seconds"] for line in lines[options.warm_up:]])
+    counts = [sum(line["solver_iterations"][kind]) / size["layer_count"] for line in lines[options.warm_up:] for kind in ("primal", "adjoint")]
+    return {**size, "box": "x".join(map(str, elements)), "gigabytes": max(line["peak_memory_bytes"] for line in lines) / 1e9,
+            "cg_iterations": sum(counts) / len(counts), **record}
+
+
+def next_size(last, memory):
+    """Elements of the next box: twice as many, or as many as fit; None if there is no more room."""
+    most = USABLE * memory / (last["gigabytes"] / last["elements"])
+    if most < LEAST_GROWTH * last["elements"]:
+        return None
+    return min(2 * last["elements"], int(most))
+
+
+def run_all(options, directory):
+    """Records of all sizes, smallest first."""
+    elements = program_run.resolved_config(options, os.path.join(directory, "settings"))["domain"]["elements"]
+    records = []
+    total = options.smallest
+    while total and (options.largest is None or total <= options.largest):
+        box = refined(elements, total)
+        samples = [measure(options, box, os.path.join(directory, "optimize")) for _ in range(options.repetitions)]
+        record = {**samples[0], **program_run.medians([{key: value for key, value in s.items() if key != "box"} for s in samples])}
+        print_line(record)
+        if record["gigabytes"] > options.memory:
+            print(f"more than {options.memory:g} GB: not what was expected of it")
+            break
+        records.append(record)
+        total = next_size(record, options.memory)
+    return records
+
+
+def print_header():
+    print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}" + "".join(f"{phase:>10s}" for phase in PHASES)
+          + f"{'us/unknown,layer':>18s}")
+
+
+def print_line(record):
+    work = record["unknowns"] * record["layer_count"]
+    print(f"{record['box']:>14s}{record['elements']:11.0f}{record['part_elements']:10.0f}{record['gigabytes']:8.2f}"
+          f"{1e6 * record['gigabytes'] / record['part_elements']:12.2f}{record['cg_iterations']:8.1f}"
+          + "".join(f"{record[phase]:10.3f}" for phase in PHASES) + f"{1e6 * record['total'] / work:18.3f}", flush=True)
+
+
+def plot(path, title, records):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5))
+    elements = [record["elements"] for record in records]
+    for phase in PHASES:
+        values = [record[phase] for record in records]
+        if min(values) > 0 and phase != "output":
+            left.loglog(elements, values, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
+    right.loglog(elements, [record["gigabytes"] for record in records], "k-o", label="peak, all ranks", markersize=4)
+    for axes, first in ((left, records[0]["total"]), (right, records[0]["gigabytes"])):
+        axes.loglog(elements, [first * count / elements[0] for count in elements], "k:", label="in proportion")
+        axes.set_xlabel("elements of the box")
+        axes.grid(alpha=0.3, which="both")
+        axes.legend(fontsize=8)
+    left.set_ylabel("seconds an iteration")
+    right.set_ylabel("GB")
+    figure.suptitle(title)
+    figure.tight_layout()
+    figure.savefig(path, dpi=100)
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    program_run.add_common_options(parser)
+    program_run.add_iteration_options(parser)
+    parser.set_defaults(repetitions=1, iterations=3)
+    parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
+    parser.add_argument("--groups", type=int, default=1, metavar="G", help="layer groups; one needs least memory (default: %(default)s)")
+    parser.add_argument("--layers", type=int, metavar="N", help="default: the config's; thickness targets stay")
+    parser.add_argument("--memory", type=float, default=20.0, metavar="GB", help="of all ranks (default: %(default)s)")
+    parser.add_argument("--smallest", type=int, default=32000, metavar="E", help="elements of the first box (default: %(default)s)")
+    parser.add_argument("--largest", type=int, metavar="E", help="end there, whatever the memory")
+    parser.add_argument("--csv", metavar="FILE", help="a line a size")
+    parser.add_argument("--plot", metavar="FILE", help="a picture")
+    options = program_run.parse(parser)
+    program_run.check_iteration_options(parser, options)
+    return options
+
+
+def main():
+    options = parse_arguments()
+    title = f"{os.path.basename(options.config)}, {options.groups} x {options.ranks // options.groups} ranks"
+    bandwidth = [program_run.triad_bandwidth()]
+    print(f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} GB/s a core before")
+    print_header()
+    with tempfile.TemporaryDirectory() as directory:
+        records = run_all(options, directory)
+    bandwidth.append(program_run.triad_bandwidth())
+    print(f"triad {bandwidth[1]:.1f} GB/s a core after")
+    if not records:
+        sys.exit(f"not even {options.smallest} elements fit into {options.memory:g} GB")
+    if options.csv:
+        program_run.write_csv(options.csv, records)
+    if options.plot:
+        plot(options.plot, title, records)
+    if options.json:
+        program_run.write_json(options.json, {"config": options.config, "arguments": sys.argv[1:], "ranks": options.ranks,
+                                              "groups": options.groups, "memory": options.memory, "triad": bandwidth, "runs": records})
+
+
+if __name__ == "__main__":
+    main()
