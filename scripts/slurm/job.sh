@@ -11,14 +11,19 @@
 export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-10}"
 source "$FABSEQ_ROOT/scripts/environment.sh"
 
+# One task of an array has the array's number as SLURM_JOB_ID; requeued by that, all tasks would run again.
+job=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}
+job=${job:-$SLURM_JOB_ID}
+
 signals=0 # all that have come
 warned=no # the job's time is nearly over: USR1 from sbatch --signal
 ended=no  # Slurm takes the job away: cancelled, preempted, requeued
 launcher=
 
+# mpirun and srun hand it on to the ranks; once, as a second one would end them without a checkpoint.
 on_warning() {
+  [[ $warned == yes || -z $launcher ]] || kill -USR1 "$launcher"
   signals=$((signals + 1)) warned=yes
-  [[ -z $launcher ]] || kill -USR1 "$launcher" # mpirun and srun hand it on to the ranks
 }
 
 # Slurm sends TERM to the ranks as well. The script has to stay: when it ends, Slurm kills the rest of the job at once.
@@ -45,7 +50,7 @@ fabseq_until_done() {
   read -ra launch <<<"${FABSEQ_LAUNCH:-mpirun}"
   local command=("${launch[@]}" "${FABSEQ_PROGRAM:-$FABSEQ_ROOT/build/release/fabseq}" -config "$config" -output "$output" -restart auto "$@")
   before=$(completed_iterations "$output")
-  echo "job ${SLURM_JOB_ID} on ${SLURM_JOB_NODELIST}, start $((${SLURM_RESTART_COUNT:-0} + 1)), $(date '+%F %T'): ${command[*]}"
+  echo "job $job on ${SLURM_JOB_NODELIST}, start $((${SLURM_RESTART_COUNT:-0} + 1)), $(date '+%F %T'): ${command[*]}"
 
   trap on_warning USR1
   trap on_end TERM
@@ -57,11 +62,11 @@ fabseq_until_done() {
   if [[ $status == 4 && $warned == yes && $ended == no ]]; then
     done_now=$(completed_iterations "$output")
     if ((done_now == before)); then
-      echo "job ${SLURM_JOB_ID}: not queued again: no iteration was completed in the time of this job; ask for more with --time" >&2
-    elif scontrol requeue "$SLURM_JOB_ID"; then
-      echo "job ${SLURM_JOB_ID}: queued again after iteration $done_now, $(date '+%F %T')"
+      echo "job $job: not queued again: no iteration was completed in the time of this job; ask for more with --time" >&2
+    elif scontrol requeue "$job"; then
+      echo "job $job: queued again after iteration $done_now, $(date '+%F %T')"
     else
-      echo "job ${SLURM_JOB_ID}: could not be queued again; submit the same command once more to continue" >&2
+      echo "job $job: could not be queued again; submit the same command once more to continue" >&2
     fi
   fi
   exit "$status"
