@@ -159,7 +159,7 @@ def draw(abscissa):
     for axis in axes[0]:
         axis.legend(frameon=False, fontsize=9)
     for axis in axes[1]:
-        axis.legend(title=abscissa.title, frameon=False, fontsize=9, title_fontsize=9)
+        axis.legend(title=abscissa.title, frameon=False, fontsize=9, title_fontsize=9, alignment="left")
     return figure
 
 
