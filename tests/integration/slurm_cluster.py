@@ -115,8 +115,10 @@ class Cluster:
     def wait_for(self, condition, name):
         end = time.monotonic() + PATIENCE
         while not condition():
-            if time.monotonic() > end:
-                raise Unavailable(f"{name} does not answer: {' | '.join(self.log(name).splitlines()[-3:])}")
+            status = self.daemons[-1].poll()
+            if status is not None or time.monotonic() > end:
+                what = "does not answer" if status is None else f"ended with status {status}"
+                raise Unavailable(f"{name} {what}; its last words: {' | '.join(self.log(name).splitlines()[-3:]) or 'none'}")
             time.sleep(0.1)
 
     def log(self, name):
