@@ -64,7 +64,7 @@ fabseq_until_done() {
     if ((done_now == before)); then
       echo "job $job: not queued again: no iteration was completed in the time of this job; ask for more with --time" >&2
     elif scontrol requeue "$job"; then
-      echo "job $job: queued again after iteration $done_now, $(date '+%F %T')"
+      printf 'job %s: queued again after iteration %d, %(%F %T)T\n' "$job" "$done_now" -1 # other commands are killed by now
     else
       echo "job $job: could not be queued again; submit the same command once more to continue" >&2
     fi
