@@ -10,18 +10,21 @@ import numpy as np
 class Run:
     """An output directory with the result of `-task optimize`. Raises RunError if there is none.
 
-    `config`, `summary`: as in the files. `history`: one dictionary an iteration. `fields`: datasets of result.h5 by name.
+    `config`, `summary`: as in the files. `history`: one dictionary an iteration. `fields`: datasets of result.h5 by name,
+    unless told to leave them.
     """
 
-    def __init__(self, directory):
+    def __init__(self, directory, with_fields=True):
         self.config = read_json(directory, "config.json")
         self.summary = read_json(directory, "summary.json")
         if "optimized" not in self.summary:
             raise RunError(f"{directory}: holds no finished optimization (status: {self.summary.get('status', 'none')})")
         with open_text(directory, "history.jsonl") as file:
             self.history = [json.loads(line) for line in file if line.strip()]
+        self.fields = {}
+        if not with_fields:
+            return
         with open_result(directory) as file:
-            self.fields = {}
             file.visititems(lambda name, item: self.fields.update({name: item[()]} if isinstance(item, h5py.Dataset) else {}))
 
     @property

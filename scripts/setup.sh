@@ -3,7 +3,7 @@
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
-#   --ci           also install what scripts/lint.sh needs
+#   --ci           also install what scripts/lint.sh needs, and Slurm, in which the tests run the batch scripts
 #   --benchmarks   also install Google Benchmark and build benchmarks/kernels, now and with this preset from now on
 #   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail
@@ -12,7 +12,7 @@ source scripts/environment.sh
 
 packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev nlohmann-json3-dev
   libgtest-dev libopenblas0-serial python3-numpy python3-h5py python3-matplotlib python3-paraview xvfb xauth)
-ci_packages=(clang-format clang-tidy)
+ci_packages=(clang-format clang-tidy slurm-wlm munge)
 preset=release
 cmake_options=()
 while (($#)); do
