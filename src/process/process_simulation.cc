@@ -43,15 +43,20 @@ void set_adjoint_load(const ProcessAdjoint& row, std::size_t block, LaneVector& 
 template <int Dim>
 ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
                                           std::unique_ptr<ElasticitySolver<Dim>> solver,
-                                          const LayerGroups& groups, BlockSolver blocks)
-    : model_(model), groups_(groups), block_solver_(blocks), elements_(model), solver_(std::move(solver)) {
+                                          const LayerGroups& groups, BlockSolver blocks, int lanes)
+    : model_(model),
+      groups_(groups),
+      block_solver_(blocks),
+      lanes_(lanes),
+      elements_(model),
+      solver_(std::move(solver)) {
   result_.all_layers = groups.world();
 }
 
 template <int Dim>
 void ProcessSimulation<Dim>::deal_out(int layers) {
   if (expected_work_.size() != static_cast<std::size_t>(layers)) expected_work_.assign(layers, 1.0);
-  deal_ = deal_out_layers(expected_work_, groups_.count(), batch_lanes, block_solver_);
+  deal_ = deal_out_layers(expected_work_, groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
 }
 
@@ -74,6 +79,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       solve_block(densities, number, load);
   });
+  solver_->rest();
   groups_.sum(result_.displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
@@ -124,6 +130,7 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, rows, derivatives, loads, adjoints);
   });
+  solver_->rest();
   groups_.sum(adjoint_iterations_);
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];

@@ -45,12 +45,12 @@ struct ProcessAdjoint {
 template <int Dim>
 class ProcessSimulation {
  public:
-  /// Layers solved side by side.
-  static constexpr int batch_lanes = 8;
+  /// Layers solved side by side at most, unless memory is to be saved.
+  static constexpr int most_lanes = 8;
 
-  /// `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
+  /// `lanes`: layers solved side by side at most. `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
-                    const LayerGroups& groups, BlockSolver blocks);
+                    const LayerGroups& groups, BlockSolver blocks, int lanes = most_lanes);
 
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming the layer
   /// if one does not converge.
@@ -84,6 +84,7 @@ class ProcessSimulation {
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
   BlockSolver block_solver_;
+  int lanes_;
   LayerElements<Dim> elements_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
   LayerDeal deal_;
