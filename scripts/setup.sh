@@ -59,7 +59,7 @@ install_slurm() {
   ((${#slurm_packages[@]})) || return 0
   install_missing "${slurm_packages[@]}" && return 0
   echo "setup.sh: warning: Slurm cannot be installed here: the tests of the batch scripts will be skipped" >&2
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get purge -y --autoremove "${slurm_packages[@]}" >/dev/null 2>&1 || true
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get purge -y "${slurm_packages[@]}" >/dev/null 2>&1 || true
 }
 
 # PETSc calls the BLAS that Debian's alternatives select; reference BLAS would make it several times slower.
