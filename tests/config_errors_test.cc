@@ -254,23 +254,47 @@ TEST(ConfigErrorsTest, KeysThatNeedEachOther) {
   const std::string reason =
       " with sequence type \"file\", for which the gradient of the pseudo-time is not defined; allowed: this "
       "type with "
-      "sequence type heat or planar";
+      "sequence type heat, planar, or direct with location nodes";
   EXPECT_EQ(error_of(solid, {{"sequence", file}}), "/objective/1/type: found \"layer_uniformity\"" + reason);
   EXPECT_EQ(error_of(solid, {{"sequence", file}, {"objective", "[]"}}),
             "/constraints/0/type: found \"layer_thickness\"" + reason);
+  const std::string of_elements =
+      " with sequence type \"direct\" and location \"elements\"" + reason.substr(reason.find(", for which"));
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}}),
+            "/objective/1/type: found \"layer_uniformity\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}, {"objective", "[]"}}),
+            "/constraints/0/type: found \"layer_thickness\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct", "location": "nodes"})"}}), "no error");
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "direction": [0, 0, 0]})"}}),
             "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
   EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),
             "/baseline/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
 }
 
+TEST(ConfigErrorsTest, DirectSequences) {
+  const auto error = [](const std::string& keys) {
+    return error_of(plane, {{"sequence", R"({"type": "direct", )" + keys + "}"}});
+  };
+  EXPECT_EQ(error(R"("location": "node")"), "/sequence/location: found \"node\"; allowed: elements, nodes");
+  EXPECT_EQ(error(R"("start": "plte")"),
+            "/sequence/start: found \"plte\"; allowed: \"plate\" or an object with one shape");
+  EXPECT_EQ(error(R"("start": 3)").rfind("/sequence/start: found 3; allowed: ", 0), 0U);
+  EXPECT_EQ(error(R"("start": {"box": {"min": [1, 0], "max": [0, 0]}})"),
+            "/sequence/start/box/max/0: found 0; allowed: a number >= 1 (that entry of min)");
+  EXPECT_EQ(error(R"("start": {"box": {"min": [0, 0], "max": [0, 0]}})"), "no error");
+  EXPECT_EQ(error(R"("bounds": [0, 1])").rfind("/sequence/bounds: unknown key for type \"direct\"", 0), 0U);
+}
+
+TEST(ConfigErrorsTest, LeastVolumesOfAllLayersMustFit) {
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.3})"),
+            "/constraints/0/fraction: found 0.3 for each of 4 layers; allowed: at most 1 / layers.count");
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.25})"),
+            "no error");
+}
+
 TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   const std::string later = " is not available in this version; allowed: ";
-  EXPECT_EQ(solid_error("sequence", R"({"type": "direct", "location": "nodes"})"),
-            "/sequence/type: \"direct\"" + later + "heat, planar, file");
   EXPECT_EQ(solid_error("layers.type", "multi_planar"), "/layers/type: \"multi_planar\"" + later + "curved");
-  EXPECT_EQ(solid_error("layers.time_points", "variable"),
-            "/layers/time_points: \"variable\"" + later + "uniform");
   EXPECT_EQ(solid_error("objective.0.least_squares", "true"),
             "/objective/0/least_squares: true" + later + "false");
   EXPECT_EQ(solid_error("objective.0.after_release", "true"),
@@ -282,10 +306,9 @@ TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"),
             "/material/inherent_strain: {\"tangential\":-0.01,\"normal\":0}" + later +
                 "a list of 6 numbers (xx, yy, zz, xy, yz, zx)");
-  for (const std::string type : {"continuity", "minimum_layer_volume", "subpart_volume"}) {
-    EXPECT_EQ(solid_error("constraints.0", R"({"type": ")" + type + "\"}"),
-              "/constraints/0/type: \"" + type + "\"" + later + "layer_thickness, deposition_speed");
-  }
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),
+            "/constraints/0/type: \"subpart_volume\"" + later +
+                "layer_thickness, deposition_speed, continuity, minimum_layer_volume");
   EXPECT_EQ(solid_error("objective.0", R"({"type": "segmentation_alignment", "band": 0.1})"),
             "/objective/0/type: \"segmentation_alignment\"" + later + "distortion, layer_uniformity");
   for (const std::string key : {"substrate", "clamps"}) {

@@ -12,9 +12,6 @@ namespace fabseq {
 
 namespace {
 
-/// docs/users-guide.md, conventions: nodes up to this share of the smallest spacing outside a shape count.
-constexpr double shape_tolerance = 1e-6;
-
 template <int Dim>
 std::vector<int> find_owned_nodes(const Part<Dim>& part, const Shape& shape) {
   const Grid<Dim>& grid = part.grid();

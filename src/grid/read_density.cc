@@ -13,9 +13,6 @@ namespace fabseq {
 
 namespace {
 
-/// docs/users-guide.md, conventions: primitives contain points up to this share of the smallest spacing
-/// outside.
-constexpr double shape_tolerance = 1e-6;
 /// Work of an element outside the part relative to one inside.
 constexpr double void_weight = 0.1;
 

@@ -93,11 +93,20 @@ void read_heat(SequenceSettings& sequence, const Json& value) {
   sequence.filter_radius = value.at("filter_radius").number();
 }
 
+void read_direct(SequenceSettings& sequence, const Json& value) {
+  sequence.scale = VariableScale::linear;
+  sequence.location = is(value, "location", "nodes") ? DesignLocation::nodes : DesignLocation::elements;
+  if (value.at("start").is_object()) sequence.start = make_shape(value.at("start"), "/sequence/start");
+}
+
 SequenceSettings make_sequence(const Json& value) {
   SequenceSettings sequence;
   if (is(value, "type", "heat")) {
     sequence.type = SequenceType::heat;
     read_heat(sequence, value);
+  } else if (is(value, "type", "direct")) {
+    sequence.type = SequenceType::direct;
+    read_direct(sequence, value);
   } else if (is(value, "type", "planar")) {
     sequence.type = SequenceType::planar;
     sequence.direction = optional_vector(value.at("direction"));
@@ -140,6 +149,8 @@ ConstraintTerm make_constraint(const Json& value) {
   if (const Json* target = value.find("target")) term.target = target->number();
   if (const Json* tolerance = value.find("tolerance")) term.tolerance = tolerance->number();
   if (const Json* slack = value.find("slack")) term.slack = slack->number();
+  if (const Json* limit = value.find("limit")) term.limit = limit->number();
+  if (const Json* fraction = value.find("fraction")) term.fraction = fraction->number();
   return term;
 }
 
@@ -211,6 +222,7 @@ Config make_config(const Json& document, const std::string& directory) {
   config.process = make_process(all.at("process"));
   config.sequence = make_sequence(all.at("sequence"));
   config.layers.count = optional_integer(all.at("layers").at("count"));
+  config.layers.variable_time_points = is(all.at("layers"), "time_points", "variable");
   config.projection = make_projection(all.at("projection"));
   for (const Json& term : all.at("objective").items()) config.objective.push_back(make_objective_term(term));
   for (const Json& term : all.at("constraints").items()) config.constraints.push_back(make_constraint(term));

@@ -89,13 +89,24 @@ void check_distortion(const Config& config, std::size_t index) {
   }
 }
 
-/// Thickness needs the gradient of the pseudo-time, which element-wise values from a file do not have.
+/// Thickness needs the gradient of the pseudo-time, which element-wise values do not have.
 void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
-  if (config.sequence.type != SequenceType::file) return;
-  refuse(
-      pointer,
-      shown(type) + " with sequence type \"file\", for which the gradient of the pseudo-time is not defined",
-      "this type with sequence type heat or planar");
+  if (config.has_time_gradient()) return;
+  const std::string sequence =
+      config.sequence.type == SequenceType::file ? "\"file\"" : "\"direct\" and location \"elements\"";
+  refuse(pointer,
+         shown(type) + " with sequence type " + sequence +
+             ", for which the gradient of the pseudo-time is not defined",
+         "this type with sequence type heat, planar, or direct with location nodes");
+}
+
+/// Layers share the whole: they cannot all have more than an equal part.
+void check_least_volume(const Config& config, std::size_t index) {
+  const double fraction = config.constraints[index].fraction;
+  if (!config.layers.count || fraction * *config.layers.count <= 1.0) return;
+  refuse(entry("constraints", index, "fraction"),
+         shown(fraction) + " for each of " + std::to_string(*config.layers.count) + " layers",
+         "at most 1 / layers.count");
 }
 
 void check_terms(const Config& config) {
@@ -107,6 +118,7 @@ void check_terms(const Config& config) {
   for (std::size_t i = 0; i < config.constraints.size(); ++i) {
     const std::string& type = config.constraints[i].type;
     if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
+    if (type == "minimum_layer_volume") check_least_volume(config, i);
   }
 }
 
@@ -151,9 +163,9 @@ void check_task(const Config& config, Task task) {
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");
-  if (config.sequence.type != SequenceType::heat) {
+  if (config.sequence.type != SequenceType::heat && config.sequence.type != SequenceType::direct) {
     refuse("/sequence/type", given(config, "sequence", "type") + ", which has nothing to vary",
-           "heat " + with_task + ", all with -task simulate");
+           "heat, direct " + with_task + ", all with -task simulate");
   }
   if (config.projection.binary)
     refuse("/projection/binary", "true", "false " + with_task + ", which needs derivatives");

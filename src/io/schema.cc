@@ -58,6 +58,8 @@ std::string plain_values(const ConfigKey& key, int dimension) {
                             : "a list of 6 numbers (xx, yy, zz, xy, yz, zx)";
     case KeyType::points:
       return "a list of three or more pairs of numbers";
+    case KeyType::shape:
+      return "an object with one shape";
     case KeyType::shapes:
       return "a list of one or more shapes";
     case KeyType::sections:

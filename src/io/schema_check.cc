@@ -114,6 +114,8 @@ class Completion {
 
   Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     switch (key.type) {
+      case KeyType::shape:
+        return value.is_string() ? checked_value(key, value, pointer, context_) : shape(value, pointer, "");
       case KeyType::shapes:
         return shape_list(key, value, pointer);
       case KeyType::section:

@@ -14,7 +14,7 @@ constexpr ConfigSection sections_table[] = {
     {"domain", "Box and grid; \"up\" is the last axis"},
     {"part", "The part: one shape or `voxels`, and"},
     {"part.voxels", "Part density from an HDF5 file with axes [z][y][x]"},
-    {"shape", "Shapes, for `part` and node sets: an object with exactly one of"},
+    {"shape", "Shapes, for `part`, node sets and `start`: an object with exactly one of"},
     {"shape.box", "Box along the axes"},
     {"shape.half_space", "Half space"},
     {"shape.cylinder", "Cylinder with flat ends"},
@@ -98,7 +98,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "process", .name = "min_stiffness", .type = number, .default_value = "1e-9", .range = "(0, 1)", .meaning = "Stiffness of what is not built yet, relative to the material's"},
     {.section = "process", .name = "void", .type = choice, .default_value = "\"absent\"", .words = "absent quiet", .option = "-void", .meaning = "Elements outside the part are left out (absent) or carry the least stiffness (quiet)"},
 
-    {.section = "sequence", .name = "type", .type = choice, .required = true, .words = "heat planar file", .later = "direct", .meaning = "Where the pseudo-time of each element comes from"},
+    {.section = "sequence", .name = "type", .type = choice, .required = true, .words = "heat direct planar file", .meaning = "Where the pseudo-time of each element comes from"},
     {.section = "sequence", .variant = "heat", .name = "scale", .type = choice, .default_value = "\"log\"", .words = "log linear", .option = "-scale", .meaning = "Scale on which the optimizer moves the diffusivity"},
     {.section = "sequence", .variant = "heat", .name = "mass", .type = choice, .default_value = "\"auto\"", .words = "auto consistent lumped", .option = "-mass", .meaning = "Mass matrix of the drain; auto: lumped where the consistent one would leave the range of temperatures"},
     {.section = "sequence", .variant = "heat", .name = "initial", .type = number, .default_value = "\"distance\"", .range = "(0, inf)", .words = "distance", .meaning = "Initial diffusivity, uniform or from the distance to the plate inside the part"},
@@ -107,13 +107,15 @@ constexpr ConfigKey keys_table[] = {
     {.section = "sequence", .variant = "heat", .name = "bounds", .type = bounds, .default_value = "[1e-3, 1.0]", .range = "(0, inf)", .meaning = "Least and largest diffusivity in the part"},
     {.section = "sequence", .variant = "heat", .name = "void", .type = number, .default_value = "1e-3", .range = "(0, inf)", .meaning = "Diffusivity outside the part"},
     {.section = "sequence", .variant = "heat", .name = "filter_radius", .type = number, .default_value = "0.0", .range = "[0, inf)", .unit = "length", .option = "-filter_radius", .meaning = "Radius of the averaging filter on the diffusivity; 0: none"},
+    {.section = "sequence", .variant = "direct", .name = "location", .type = choice, .default_value = "\"elements\"", .words = "elements nodes", .meaning = "Where the pseudo-time is a design variable; thickness and uniformity of layers need nodes"},
+    {.section = "sequence", .variant = "direct", .name = "start", .type = shape, .default_value = "\"plate\"", .words = "plate", .meaning = "Where the pseudo-time is 0: elements by their centres or else by their nodes, or nodes; plate: what touches the build plate"},
     {.section = "sequence", .variant = "planar", .name = "direction", .type = vector, .default_value = "\"auto\"", .words = "auto", .meaning = "Build direction, of any length; auto: the plate's normal"},
     {.section = "sequence", .variant = "file", .name = "file", .type = path, .required = true, .meaning = "HDF5 file with the pseudo-time of each element"},
     {.section = "sequence", .variant = "file", .name = "dataset", .type = text, .default_value = "\"time\"", .meaning = "Dataset with axes [z][y][x], values in [0, 1]"},
 
     {.section = "layers", .name = "type", .type = choice, .default_value = "\"curved\"", .words = "curved", .later = "multi_planar", .meaning = "Layers between isosurfaces of the pseudo-time (curved)"},
     {.section = "layers", .name = "count", .type = integer, .required = true, .range = "[1, 10000]", .words = "auto", .option = "-layers", .meaning = "Number of layers; auto: largest distance to the plate inside the part divided by the target thickness, rounded up"},
-    {.section = "layers", .name = "time_points", .type = choice, .default_value = "\"uniform\"", .words = "uniform", .later = "variable", .meaning = "Pseudo-times at which layers end"},
+    {.section = "layers", .name = "time_points", .type = choice, .default_value = "\"uniform\"", .words = "uniform variable", .option = "-time_points", .meaning = "Pseudo-times at which layers end: equal steps, or design variables beside the sequence's"},
 
     {.section = "projection", .name = "beta", .type = number, .default_value = "\"auto\"", .range = "(0, inf)", .words = "auto", .option = "-beta", .meaning = "Sharpness at the start; auto: 4 times the number of layers"},
     {.section = "projection", .name = "factor", .type = number, .default_value = "1.5", .range = "[1, inf)", .option = "-beta_factor", .meaning = "Sharpness is multiplied by this at every step"},
@@ -136,10 +138,12 @@ constexpr ConfigKey keys_table[] = {
     {.section = "objective", .variant = "layer_uniformity", .name = "scaling", .type = choice, .default_value = "\"first\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
     {.section = "objective", .variant = "distortion", .name = "least_squares", .type = flag, .default_value = "false", .later = "true", .meaning = "Hand the term to the optimizer as a sum of squares"},
 
-    {.section = "constraints", .name = "type", .type = choice, .required = true, .words = "layer_thickness deposition_speed", .later = "continuity minimum_layer_volume subpart_volume", .meaning = "What is bounded"},
+    {.section = "constraints", .name = "type", .type = choice, .required = true, .words = "layer_thickness deposition_speed continuity minimum_layer_volume", .later = "subpart_volume", .meaning = "What is bounded"},
     {.section = "constraints", .variant = "layer_thickness", .name = "target", .type = number, .required = true, .range = "(0, inf)", .unit = "length", .option = "-target", .meaning = "Mean thickness of each layer"},
     {.section = "constraints", .variant = "layer_thickness", .name = "tolerance", .type = number, .default_value = "0.1", .range = "(0, 1)", .option = "-thickness_tolerance", .meaning = "Allowed deviation, relative to the target"},
     {.section = "constraints", .variant = "deposition_speed", .name = "slack", .type = number, .default_value = "1e-3", .range = "(0, 1)", .meaning = "By how much the built volume may lag behind, relative to the part's"},
+    {.section = "constraints", .variant = "continuity", .name = "limit", .type = number, .default_value = "1e-3", .range = "(0, inf)", .meaning = "Largest mean square of the difference between the pseudo-time of an element and the mean of its neighbours"},
+    {.section = "constraints", .variant = "minimum_layer_volume", .name = "fraction", .type = number, .default_value = "0.01", .range = "(0, 1)", .meaning = "Least volume of each layer, relative to the part's"},
 
     {.section = "baseline", .name = "layers", .type = integer, .default_value = "\"auto\"", .range = "[1, 10000]", .words = "auto", .option = "-baseline_layers", .meaning = "Number of planar layers; auto: height divided by the target thickness, else layers.count"},
     {.section = "baseline", .name = "direction", .type = vector, .default_value = "\"auto\"", .words = "auto", .meaning = "Build direction, of any length; auto: the plate's normal"},

@@ -47,6 +47,8 @@ class ValueCheck {
         return numbers();
       case KeyType::points:
         return points();
+      case KeyType::shape:
+        refuse_found();  // a word it does not take
       default:
         return value_;  // objects and lists of them are checked key by key
     }

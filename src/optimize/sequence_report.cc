@@ -56,7 +56,7 @@ SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>&
                                {"layers", layer_table(setup, state)},
                                {"displacement", displacement_size(setup.part, state.process.displacement)}});
   report.time = setup.part.expand(state.time.time);
-  report.layer = setup.part.expand(layer_index(state.time.time, state.layers.count()));
+  report.layer = setup.part.expand(layer_index(state.time.time, state.layers.time_points));
   report.temperature = state.time.temperature;
   report.displacement = state.process.displacement;
   return report;

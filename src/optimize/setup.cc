@@ -13,6 +13,29 @@
 
 namespace fabseq {
 
+namespace {
+
+template <int Dim>
+std::optional<StartRegion> start_region(const Part<Dim>& part, const SequenceSettings& settings) {
+  if (settings.type != SequenceType::direct) return std::nullopt;
+  return make_start_region(part, settings);
+}
+
+template <int Dim>
+DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
+                                       const std::optional<StartRegion>& start) {
+  switch (settings.type) {
+    case SequenceType::heat:
+      return {part.grid(), false, part.elements()};
+    case SequenceType::direct:
+      return {part.grid(), settings.location == DesignLocation::nodes, start->free};
+    default:
+      return {part.grid(), false, {}};
+  }
+}
+
+}  // namespace
+
 template <int Dim>
 Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
     : config(config_),
@@ -20,6 +43,8 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       groups(world, group_choice.groups),
       grid(make_balanced_grid(groups.domain(), config_.domain<Dim>(), config_.part)),
       part(grid, config_.part, config_.plate),
+      start(start_region(part, config_.sequence)),
+      design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
       baseline_layers(resolve_baseline_layers()),
       characteristic_length(config_.sequence.characteristic_length.value_or(part.longest_edge())) {
@@ -51,8 +76,11 @@ int Setup<Dim>::resolve_baseline_layers() const {
 
 template <int Dim>
 DesignLayout<Dim> Setup<Dim>::design_layout() const {
-  return {grid, [this](std::span<const double> share) { return design_field(share); },
-          [this](std::span<const double> field) { return groups.share(part.restrict_to_part(field)); }};
+  return {grid, design_support.on_nodes(),
+          [this](std::span<const double> share) { return design_field(share); },
+          [this](std::span<const double> field) {
+            return groups.share(design_support.restrict_to_variables(field));
+          }};
 }
 
 template <int Dim>

@@ -61,7 +61,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const double tolerance = setup.config.solver.tolerance;
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
-  const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
+  const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
@@ -73,16 +73,18 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
-  const std::vector<double> design_field = has_design ? setup.design_field(design) : std::vector<double>();
+  const std::vector<double> design_field =
+      has_design ? setup.design_field(design.field) : std::vector<double>();
   FieldSet<Dim> fields;
   fields.grid = &setup.grid;
   fields.add_elements("density", setup.part.density());
-  if (has_design) fields.add_elements("design", design_field);
+  if (has_design) fields.add(setup.design_support.on_nodes(), "design", design_field);
   report.add_fields(fields, "");
   if (failure.empty()) fields.add_nodes("release_displacement", release, Dim);
   fields.add_elements("residual_stress", stress, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
+  if (!design.time_points.empty()) file.write_array("time_points", design.time_points);
   file.write_array("layer_displacement_norms", norms);
   if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), setup.layer_count);
   file.write_attribute("name", setup.config.name);
@@ -95,6 +97,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
+  if (!design.time_points.empty()) record.set("time_points", design.time_points);
   record.set("layer_displacement_norms", norms);
   record.set("seconds", seconds_record(timer.seconds(), MPI_Wtime() - start));
   record.set("peak_memory_bytes", peak_memory_bytes(setup.world()));

@@ -19,6 +19,21 @@ def plate_2d():
     }
 
 
+def direct_2d(location="nodes"):
+    """The wall of plate_2d with the pseudo-time itself as design, from the lower left corner on, and variable time points."""
+    config = plate_2d()
+    config["name"] = "direct_" + location
+    config["sequence"] = {"type": "direct", "location": location, "start": {"box": {"min": [0, 0], "max": [0, 0]}}}
+    config["layers"]["time_points"] = "variable"
+    config["constraints"] = [{"type": "deposition_speed", "slack": 0.02}, {"type": "continuity"},
+                             {"type": "minimum_layer_volume", "fraction": 0.05}]
+    if location == "nodes":
+        config["constraints"].insert(0, {"type": "layer_thickness", "target": 0.4, "tolerance": 0.3})
+    else:
+        del config["objective"][1]
+    return config
+
+
 def hook_3d():
     """A post with an overhanging arm, 8 x 4 x 8 elements of which a third are empty."""
     return {

@@ -47,6 +47,17 @@ Config gallows_config(const Settings& settings) {
   return configure(gallows_plane, all);
 }
 
+inline Design moved(const Design& design, double step, const Design& direction) {
+  return {moved(design.field, step, direction.field), moved(design.time_points, step, direction.time_points)};
+}
+/// Gradient times direction; the field is distributed, the time points are the same on all ranks. Collective.
+inline double dot(const Design& gradient, const Design& direction) {
+  double product = dot(gradient.field, direction.field);
+  for (std::size_t j = 0; j < direction.time_points.size(); ++j)
+    product += gradient.time_points[j] * direction.time_points[j];
+  return product;
+}
+
 template <int Dim>
 struct PipelineCase {
   explicit PipelineCase(const Settings& settings = {})
@@ -55,14 +66,39 @@ struct PipelineCase {
         pipeline(setup, make_sequence(setup, 1e-13), 1e-13, timer),
         problem(setup) {}
 
-  PipelineState<Dim> run(const std::vector<double>& design) {
+  PipelineState<Dim> run(const Design& design) {
     return pipeline.run(design, setup.layer_count, setup.first_beta(), false);
   }
-  std::vector<double> wavy_design() const { return noise_field(setup.part, 0.05, 0.9); }
+  PipelineState<Dim> run(const std::vector<double>& field) { return run(Design{field, {}}); }
+  std::vector<double> wavy_design() const { return noise_of_variables(0.05, 0.9, 0); }
   /// A direction that keeps a design positive.
   std::vector<double> direction(const std::vector<double>& design) const {
-    auto result = noise_field(setup.part, -1.0, 1.0, 9);
+    auto result = noise_of_variables(-1.0, 1.0, 9);
     for (std::size_t e = 0; e < design.size(); ++e) result[e] *= design[e];
+    return result;
+  }
+  /// The same of all variables; time points near the uniform ones.
+  Design wavy_point() const {
+    Design result{wavy_design(), {}};
+    const std::size_t count = setup.variable_time_points();
+    for (std::size_t j = 1; j <= count; ++j)
+      result.time_points.push_back(
+          (static_cast<double>(j) + 0.4 * (noise(static_cast<std::int64_t>(j), 3) - 0.5)) /
+          static_cast<double>(count + 1));
+    return result;
+  }
+  Design direction_at(const Design& design) const {
+    Design result{direction(design.field), {}};
+    for (std::size_t j = 0; j < design.time_points.size(); ++j)
+      result.time_points.push_back(noise(static_cast<std::int64_t>(j), 8) - 0.5);
+    return result;
+  }
+
+  /// Numbers that depend on the places of the variables only.
+  std::vector<double> noise_of_variables(double low, double high, int salt) const {
+    std::vector<double> result;
+    for (std::size_t i = 0; i < setup.design_support.size(); ++i)
+      result.push_back(low + (high - low) * noise(setup.design_support.number(i), salt));
     return result;
   }
 

@@ -28,6 +28,7 @@ enum class KeyType {
   bounds,          ///< two ascending numbers
   strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D
   points,          ///< list of pairs of numbers
+  shape,           ///< one shape
   shapes,          ///< list of shapes
   section,         ///< object with the keys of the section "SECTION.NAME"
   sections,        ///< list of such objects

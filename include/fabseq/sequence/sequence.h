@@ -29,7 +29,8 @@ struct TimeDerivatives {
   std::vector<double> time, gradient;
 };
 
-/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves.
+/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves. By default
+/// those of a time.
 struct DesignSpace {
   double lower = 0.0, upper = 1.0;
   bool logarithmic = false;
@@ -49,7 +50,7 @@ class Sequence {
 
   /// Whether there is anything to optimize; the same on all ranks.
   virtual bool has_design() const { return false; }
-  /// Number of design variables on this rank (one a part element, or none).
+  /// Number of design variables on this rank (of its DesignSupport, or none).
   virtual std::size_t variables() const { return 0; }
   virtual DesignSpace space() const { return {}; }
   /// The design to start from.
