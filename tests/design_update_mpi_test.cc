@@ -69,9 +69,9 @@ class Minimization {
 
 TEST(DesignUpdate, FindsTheMinimum) {
   Minimization problem(MPI_COMM_WORLD);
-  for (int step = 0; step < 150; ++step) problem.step();
+  for (int step = 0; step < 150; ++step) problem.step(0.05 * std::pow(0.95, step));
   for (std::size_t i = 0; i < problem.design().field.size(); ++i)
-    EXPECT_NEAR(problem.design().field[i], problem.target().field[i], 1e-4);
+    EXPECT_NEAR(problem.design().field[i], problem.target().field[i], 2e-3);
   // All shifted alike, onto the bound.
   for (std::size_t j = 0; j < 3; ++j)
     EXPECT_NEAR(problem.design().time_points[j], problem.target().time_points[j] - 0.04, 1e-3);

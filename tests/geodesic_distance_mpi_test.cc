@@ -132,7 +132,9 @@ TEST(GeodesicDistance, FromAnotherPlace) {
     EXPECT_NEAR(of_elements[e], (4 - element[1]) + (5 - element[0]), 1e-12);
   }
   std::vector<char> top(static_cast<std::size_t>(grid.owned_nodes().count()), 0);
-  grid.owned_nodes().for_each([&](const Index<2>& node, std::int64_t n) { top[n] = node[1] == 5 ? 1 : 0; });
+  grid.owned_nodes().for_each([&](const Index<2>& node, std::int64_t n) {
+    top[n] = node[1] == 5 && part.touched_nodes()[n] != 0 ? 1 : 0;
+  });
   const auto of_nodes = geodesic_distance_of_nodes<2>(part, top);
   grid.owned_nodes().for_each([&](const Index<2>& node, std::int64_t n) {
     if (part.touched_nodes()[n] == 0) {

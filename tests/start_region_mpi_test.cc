@@ -39,11 +39,10 @@ void expect_all_alike(const std::vector<double>& values) {
 template <class T>
 class StartRegionTest : public testing::Test {
  protected:
-  static constexpr int Dim = T::value;
-  const test::PartOnGrid<Dim> on_grid_{test::odd_domain<Dim>(), test::gallows<Dim>()};
-  const Part<Dim>& part_ = on_grid_.part;
-  const IndexBox<Dim>& elements_ = on_grid_.grid.owned_elements();
-  const IndexBox<Dim>& nodes_ = on_grid_.grid.owned_nodes();
+  const test::PartOnGrid<T::value> on_grid_{test::odd_domain<T::value>(), test::gallows<T::value>()};
+  const Part<T::value>& part_ = on_grid_.part;
+  const IndexBox<T::value>& elements_ = on_grid_.grid.owned_elements();
+  const IndexBox<T::value>& nodes_ = on_grid_.grid.owned_nodes();
 };
 TYPED_TEST_SUITE(StartRegionTest, test::Dimensions);
 

@@ -70,7 +70,14 @@ struct PipelineCase {
     return pipeline.run(design, setup.layer_count, setup.first_beta(), false);
   }
   PipelineState<Dim> run(const std::vector<double>& field) { return run(Design{field, {}}); }
-  std::vector<double> wavy_design() const { return noise_of_variables(0.05, 0.9, 0); }
+  std::vector<double> wavy_design() const {
+    std::vector<double> result = noise_of_variables(0.05, 0.9, 0);
+    if (!setup.start) return result;
+    // Times must not be as rough: islands would make the systems hard to solve to all digits.
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] = 0.05 + 0.8 * setup.start->initial_time[i] + 0.1 * result[i];
+    return result;
+  }
   /// A direction that keeps a design positive.
   std::vector<double> direction(const std::vector<double>& design) const {
     auto result = noise_of_variables(-1.0, 1.0, 9);
