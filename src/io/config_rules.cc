@@ -87,15 +87,27 @@ void check_distortion(const Config& config, std::size_t index) {
     refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
            "true only with measure displacement");
   }
+  if (term.after_release && term.measure == "layerwise") {
+    refuse(entry("objective", index, "after_release"), "true with measure layerwise",
+           "true only with measures displacement and flatness");
+  }
 }
 
-/// Thickness needs the gradient of the pseudo-time, which element-wise values from a file do not have.
+/// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values from a file do not have.
 void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
   if (config.sequence.type != SequenceType::file) return;
   refuse(
       pointer,
       shown(type) + " with sequence type \"file\", for which the gradient of the pseudo-time is not defined",
       "this type with sequence type heat or planar");
+}
+
+void check_strain(const Config& config) {
+  if (!config.material.turning_strain || config.sequence.type != SequenceType::file) return;
+  refuse("/material/inherent_strain",
+         given(config, "material", "inherent_strain") +
+             " with sequence type \"file\", for which the gradient of the pseudo-time is not defined",
+         "a list of numbers, or sequence type heat or planar");
 }
 
 void check_terms(const Config& config) {
@@ -141,6 +153,7 @@ void check_rules(const Config& config) {
   check_direction(config, "sequence", config.sequence.direction);
   check_direction(config, "baseline", config.baseline.direction);
   check_initial_diffusivity(config);
+  check_strain(config);
   check_terms(config);
   check_layers(config);
   check_projection(config);

@@ -120,6 +120,8 @@ class Completion {
         return section(value, pointer, subsection(key));
       case KeyType::sections:
         return section_list(key, value, pointer);
+      case KeyType::shape:
+        return shape(value, pointer, "");
       case KeyType::part:
         return shape(value, pointer, "part");
       case KeyType::node_sets:

@@ -54,15 +54,11 @@ class Sweeper {
   explicit Sweeper(const Part<Dim>& part) : part_(part), halo_(part.grid(), ones()) {
     const Grid<Dim>& grid = part.grid();
     const IndexBox<Dim>& owned = grid.owned_elements();
-    const double at_plate = 0.5 * grid.spacing()[part.plate().axis];
     std::vector<double> start(static_cast<std::size_t>(owned.count()), far_away);
     free_.assign(start.size(), 0);
-    for (const int offset : part.elements()) {
-      const bool fixed = part.plate().template touches<Dim>(owned.index(offset), grid.domain().elements);
-      if (fixed)
-        start[offset] = at_plate;
-      else
-        free_[offset] = 1;
+    for (std::size_t e = 0; e < part.elements().size(); ++e) {
+      start[part.elements()[e]] = part.contact_distance()[e];
+      free_[part.elements()[e]] = std::isfinite(part.contact_distance()[e]) ? 0 : 1;
     }
     values_ = halo_.gather(start);
     std::int64_t stride = 1;

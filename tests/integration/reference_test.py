@@ -107,6 +107,12 @@ class ReferenceTest(FabseqTest):
     def test_arch_quiet_3d(self):
         self.check_evaluation("arch_quiet_3d")
 
+    def test_released_bracket_2d(self):
+        self.check_evaluation("released_bracket_2d")
+
+    def test_post_substrate_3d(self):
+        self.check_evaluation("post_substrate_3d")
+
     def test_steps_planar_3d(self):
         for ranks in RANK_COUNTS:
             with self.subTest(ranks=ranks):

@@ -4,6 +4,7 @@
 
 #include "fabseq/grid/node_set.h"
 #include "fabseq/grid/part.h"
+#include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
 #include "fabseq/io/design_layout.h"
 #include "fabseq/optimize/run_cost.h"
@@ -20,7 +21,7 @@ namespace fabseq {
 /// Layer groups, grid, part and node sets of a config, with what "auto" stands for. Collective construction on the
 /// world of the run; every layer group has the same grid, part and node sets on its ranks. Cannot be copied or
 /// moved, since its members refer to each other. Throws InputError for anything wrong with part,
-/// plate or node sets.
+/// plate, substrate, clamps or node sets, and for a release that there cannot be.
 template <int Dim>
 class Setup {
  public:
@@ -33,6 +34,7 @@ class Setup {
   const LayerGroups groups;
   Grid<Dim> grid;
   Part<Dim> part;
+  Supports<Dim> supports;
   std::map<std::string, NodeSet> node_sets;
   int layer_count;               ///< N, "auto" resolved
   int baseline_layers;           ///< of the planar baseline
@@ -47,6 +49,10 @@ class Setup {
   }
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;
+  /// 1 on the owned elements of the substrate, as a field for files.
+  std::vector<double> substrate_field() const {
+    return {part.substrate().elements().begin(), part.substrate().elements().end()};
+  }
   ResponseContext<Dim> context() const { return {part, node_sets, characteristic_length}; }
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
@@ -59,6 +65,7 @@ class Setup {
 
  private:
   void warn_about_method() const;
+  void require_release() const;
   int resolve_baseline_layers() const;
 };
 
