@@ -155,7 +155,7 @@ struct Functionals {
     for (LaneVector& batch : rows[1].increments)
       for (int lane = 0; lane < batch.lanes; ++lane, ++layer)
         for (std::size_t i = 0; i < batch.unknowns(); ++i) batch(i, lane) *= 2.0 * (layer + 1);
-    rows[2] = {rows[0].displacement, rows[1].increments};
+    rows[2] = {rows[0].displacement, rows[1].increments, {}};
     return rows;
   }
 

@@ -161,13 +161,16 @@ TYPED_TEST(ReleaseTest, LanesAgreeWithTheReferencePath) {
 /// What is kept between solves leaves no trace.
 TYPED_TEST(ReleaseTest, RepeatsItselfToTheLastBit) {
   constexpr int Dim = TypeParam::value;
-  test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
-  process.simulation.release_with({test::exact_solver});
-  const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
-  const std::vector<double> first = process.simulation.simulate(layers).release;
-  process.simulation.start_cold();
-  EXPECT_EQ(process.simulation.simulate(layers).release, first);
-  EXPECT_EQ(process.simulation.simulate(layers).release, first);
+  const test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
+  AssembledSolverSettings settings = test::exact_solver;
+  settings.tolerance = 1e-9;
+  Release<Dim> release(process.model, {settings, SolverPath::lanes});
+  const std::vector<double> derivative =
+      test::node_field(process.grid(), Dim, [](std::int64_t i) { return test::noise(i, 3); });
+  const std::vector<double> first = release.adjoint(derivative);
+  EXPECT_EQ(release.adjoint(derivative), first);
+  release.start_cold();
+  EXPECT_EQ(release.adjoint(derivative), first);
 }
 
 TYPED_TEST(ReleaseTest, PiecesThatOnlyThePlateHoldsTogetherAreRefused) {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace fabseq {
 
@@ -52,7 +51,9 @@ LaneFreeBody<Dim>::LaneFreeBody(const Grid<Dim>& grid, const SystemDomain& domai
   multigrid_.finest().coefficients().assign(matrix_.coefficients().begin(), matrix_.coefficients().end());
   positive_ = multigrid_.set_up()[0];
   locate_nodes();
-  factor_motions();
+  weigh_nodes();
+  of_displacements_ = factor_motions([](std::int64_t) { return 1.0; });
+  of_forces_ = factor_motions([this](std::int64_t node) { return stiffness_[node]; });
 }
 
 template <int Dim>
@@ -86,47 +87,77 @@ double LaneFreeBody<Dim>::motion(int number, std::int64_t node, int component) c
   return component == b ? positions_[node * Dim + a] : 0.0;
 }
 
+/// Sum of the stiffness of the elements around each node.
 template <int Dim>
-void LaneFreeBody<Dim>::factor_motions() {
+void LaneFreeBody<Dim>::weigh_nodes() {
+  LaneLevel<Dim>& level = hierarchy_.level(0);
+  stiffness_.assign(static_cast<std::size_t>(level.mesh.nodes()), 0.0);
+  for (const auto& row : level.mesh.rows())
+    for (int e = 0; e < row.length; ++e)
+      for (const std::int64_t node : row.node)
+        for (int side = 0; side < 2; ++side)
+          stiffness_[node + e + side] += matrix_.coefficients()[row.element + e];
+  sum_over_holders(level, stiffness_.data(), 1);
+}
+
+/// Cholesky factor of R^T W R, `weight` being W's entry of a node.
+template <int Dim>
+template <class Weight>
+typename LaneFreeBody<Dim>::Factor LaneFreeBody<Dim>::factor_motions(Weight&& weight) const {
   std::array<double, static_cast<std::size_t>(motions) * motions> normal{};
   for (const auto& range : hierarchy_.level(0).counted)
     for (std::int64_t node = range.begin; node < range.end; ++node)
       for (int k = 0; k < motions; ++k)
         for (int l = 0; l <= k; ++l)
-          for (int a = 0; a < Dim; ++a) normal[k * motions + l] += motion(k, node, a) * motion(l, node, a);
+          for (int a = 0; a < Dim; ++a)
+            normal[k * motions + l] += weight(node) * motion(k, node, a) * motion(l, node, a);
   sum_in_place(hierarchy_.level(0).comm, normal);
+  Factor factor{};
   for (int row = 0; row < motions; ++row)
     for (int column = 0; column <= row; ++column) {
       double value = normal[row * motions + column];
-      for (int k = 0; k < column; ++k) value -= factor_[row][k] * factor_[column][k];
-      factor_[row][column] = row == column ? std::sqrt(value) : value / factor_[column][column];
+      for (int k = 0; k < column; ++k) value -= factor[row][k] * factor[column][k];
+      factor[row][column] = row == column ? std::sqrt(value) : value / factor[column][column];
     }
+  return factor;
 }
 
+/// values -= W R (R^T W R)^-1 R^T values
 template <int Dim>
-template <class Real>
-void LaneFreeBody<Dim>::project(LaneValues<Real>& values) const {
-  Amplitudes amplitudes{};
+template <class Real, class Weight>
+void LaneFreeBody<Dim>::project(LaneValues<Real>& values, const Factor& factor, Weight&& weight) const {
+  std::array<double, motions> amplitudes{};
   for (const auto& range : hierarchy_.level(0).counted)
     for (std::int64_t node = range.begin; node < range.end; ++node)
       for (int k = 0; k < motions; ++k)
         for (int a = 0; a < Dim; ++a) amplitudes[k] += motion(k, node, a) * values[node * Dim + a];
   sum_in_place(hierarchy_.level(0).comm, amplitudes);
   for (int row = 0; row < motions; ++row) {
-    for (int k = 0; k < row; ++k) amplitudes[row] -= factor_[row][k] * amplitudes[k];
-    amplitudes[row] /= factor_[row][row];
+    for (int k = 0; k < row; ++k) amplitudes[row] -= factor[row][k] * amplitudes[k];
+    amplitudes[row] /= factor[row][row];
   }
   for (int row = motions - 1; row >= 0; --row) {
-    for (int k = row + 1; k < motions; ++k) amplitudes[row] -= factor_[k][row] * amplitudes[k];
-    amplitudes[row] /= factor_[row][row];
+    for (int k = row + 1; k < motions; ++k) amplitudes[row] -= factor[k][row] * amplitudes[k];
+    amplitudes[row] /= factor[row][row];
   }
   const std::int64_t nodes = hierarchy_.level(0).mesh.nodes();
   for (std::int64_t node = 0; node < nodes; ++node)
     for (int a = 0; a < Dim; ++a) {
       double value = values[node * Dim + a];  // what the motions take away may be all but a little of it
-      for (int k = 0; k < motions; ++k) value -= amplitudes[k] * motion(k, node, a);
+      for (int k = 0; k < motions; ++k) value -= weight(node) * amplitudes[k] * motion(k, node, a);
       values[node * Dim + a] = static_cast<Real>(value);
     }
+}
+
+template <int Dim>
+void LaneFreeBody<Dim>::remove_motions(LaneValues<float>& displacement) const {
+  project(displacement, of_displacements_, [](std::int64_t) { return 1.0; });
+}
+
+/// What is taken away acts where the body is stiff: forces in the void, be they rounding, would move it far.
+template <int Dim>
+void LaneFreeBody<Dim>::balance(LaneArray& forces) const {
+  project(forces, of_forces_, [this](std::int64_t node) { return stiffness_[node]; });
 }
 
 template <int Dim>
@@ -140,7 +171,7 @@ SolveReport LaneFreeBody<Dim>::solve(std::span<const double> load, std::span<dou
   std::copy(load.begin(), load.end(), owned.values.begin());
   LaneArray rest, solution(matrix_.size(), 0.0);
   layout_.to_mesh(owned, 1, rest);
-  project(rest);
+  balance(rest);
   auto square = matrix_.dot(rest.data(), rest.data());
   sum_in_place(matrix_.level().comm, square);
   // About 1, by a power of two: single precision shall hold the residual down to any tolerance.
@@ -178,7 +209,7 @@ void LaneFreeBody<Dim>::iterate(State& state, LaneArray& rest, LaneArray& soluti
   while (true) {
     multigrid_.be_patient(state.iteration >= cycle_.patience);
     multigrid_.apply(rounded_rest_.data(), preconditioned_.data());
-    project(preconditioned_);
+    remove_motions(preconditioned_);
     // The image is none before the first iteration: what it adds then is not used.
     const auto products =
         matrix_.dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
@@ -199,8 +230,10 @@ void LaneFreeBody<Dim>::iterate(State& state, LaneArray& rest, LaneArray& soluti
     for (std::size_t i = 0; i < rest.size(); ++i) {
       solution[i] += alpha * direction_[i];
       rest[i] -= alpha * image_[i];
-      rounded_rest_[i] = static_cast<float>(rest[i]);
     }
+    balance(
+        rest);  // resultants that rounding leaves would stay, and outweigh what is left of the rest in the end
+    std::copy(rest.begin(), rest.end(), rounded_rest_.begin());
     state.length = matrix_.dot(solution.data(), solution.data())[0];
     ++state.iteration;
   }

@@ -34,7 +34,7 @@ class LaneFreeBody {
  private:
   using Problem = LaneElasticityProblem<Dim>;
   static constexpr int motions = Dim * (Dim + 1) / 2;
-  using Amplitudes = std::array<double, motions>;
+  using Factor = std::array<std::array<double, motions>, motions>;
 
   /// Where the iteration is, apart from the vectors.
   struct State {
@@ -46,11 +46,15 @@ class LaneFreeBody {
     SolveReport report;
   };
   void locate_nodes();
-  void factor_motions();
+  void weigh_nodes();
   double motion(int number, std::int64_t node, int component) const;
-  /// Takes the rigid motions out of a vector.
-  template <class Real>
-  void project(LaneValues<Real>& values) const;
+  template <class Weight>
+  Factor factor_motions(Weight&& weight) const;
+  template <class Real, class Weight>
+  void project(LaneValues<Real>& values, const Factor& factor, Weight&& weight) const;
+  /// Takes the mean rigid motion out of a displacement, and the resultants out of forces.
+  void remove_motions(LaneValues<float>& displacement) const;
+  void balance(LaneArray& forces) const;
   void iterate(State& state, LaneArray& rest, LaneArray& solution, double tolerance, int max_iterations);
   bool judge(State& state, double size, double length, double tolerance) const;
 
@@ -63,8 +67,10 @@ class LaneFreeBody {
   LaneOperator<Problem, 1> matrix_;
   LaneMultigrid<Problem, 1, float> multigrid_;
   bool positive_;
-  std::vector<double> positions_;  ///< [node][axis], from the centre, in units of the extent
-  std::array<std::array<double, motions>, motions> factor_{};  ///< lower Cholesky factor of R^T R
+  std::vector<double> positions_;  ///< [node][axis], from the centre, in units of the grid's extent
+  LaneArray stiffness_;            ///< of the elements around each node
+  Factor of_displacements_{},
+      of_forces_{};  ///< lower Cholesky factors of R^T R and R^T W R, W that stiffness
   LaneArray direction_, image_;
   LaneValues<float> rounded_rest_, preconditioned_;
 };
