@@ -254,7 +254,7 @@ TEST(ConfigTest, EffectiveConfigIsCompleteAndRunsAgainToItself) {
 }
 
 TEST(ConfigTest, ReferenceCases) {
-  for (const std::string name : {"table_2d", "arch_quiet_3d", "steps_planar_3d"}) {
+  for (const std::string name : {"table_2d", "arch_quiet_3d", "steps_planar_3d", "hook_nodes_2d"}) {
     std::ifstream file(std::string(FABSEQ_TEST_DATA) + "/reference/cases/" + name + ".json");
     ASSERT_TRUE(file) << name;
     std::ostringstream text;

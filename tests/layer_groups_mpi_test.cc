@@ -144,7 +144,9 @@ Results evaluate(int groups, const Settings& settings) {
     std::vector<GradientRow> rows;
     for (int r = 0; r < static_cast<int>(results.values.size()); ++r)
       for (int c = 0; c < static_cast<int>(results.values[r].size()); ++c) rows.push_back({{r, c, 1.0}});
-    rows.push_back({{0, 0, 0.3}, {3, 0, -2.0}, {4, 0, 0.7}, {6, 1, 1.1}});  // with and without displacements
+    const int thickness = static_cast<int>(results.values.size()) - 2;
+    rows.push_back(
+        {{0, 0, 0.3}, {3, 0, -2.0}, {4, 0, 0.7}, {thickness, 1, 1.1}});  // with and without displacements
     results.gradients.clear();
     for (const Design& share : pipeline.pipeline.gradients(pipeline.problem.responses(), state, rows))
       results.gradients.push_back(whole_gradient(setup, share));
@@ -180,6 +182,13 @@ TYPED_TEST_SUITE(LayerGroupsPipelineTest, test::Dimensions);
 TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothing) {
   // More layers than are solved side by side; fewer layers than groups.
   for (const char* layers : {"11", "2"}) expect_same<TypeParam::value>({{"layers.count", layers}}, 1e-9);
+}
+
+TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingAfterTheRelease) {
+  using test::operator+;
+  expect_same<TypeParam::value>(test::released_and_turning + test::on_clamped_substrate<TypeParam::value>() +
+                                    Settings{{"layers.count", "9"}, {"solver.reference_method", "direct"}},
+                                1e-8);
 }
 
 TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingOnTheReferencePath) {

@@ -266,6 +266,16 @@ TYPED_TEST(ResponsesTest, GradientsOfTimesOfNodesAgreeWithDifferences) {
        {"sequence", R"({"type": "direct", "location": "nodes"})"}});
 }
 
+/// On a substrate all of its nodes are at the start; strains turn with the gradient of the pseudo-time.
+TYPED_TEST(ResponsesTest, GradientsOfTimesOfNodesOnASubstrateAgreeWithDifferences) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  expect_exact_gradients_of_both<Dim>(test::released_and_turning + test::on_clamped_substrate<Dim>() +
+                                      Settings{{"layers.time_points", "variable"},
+                                               {"constraints", all_constraints},
+                                               {"sequence", R"({"type": "direct", "location": "nodes"})"}});
+}
+
 TYPED_TEST(ResponsesTest, GradientsOfTimesOfElementsAgreeWithDifferences) {
   expect_exact_gradients_of_both<TypeParam::value>({{"layers.time_points", "variable"},
                                                     {"objective", plain_objective},
@@ -295,6 +305,36 @@ TYPED_TEST(ResponsesTest, LeastVolumeIsAShareOfThePart) {
     worst = std::max(worst, 1.0 - volume / (0.15 * part.volume()));
   }
   EXPECT_NEAR(values.worst_constraint, worst, 1e-11);
+}
+
+TYPED_TEST(ResponsesTest, GradientsOfReleasedPartsWithTurningStrainAgreeWithDifferences) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  for (const Settings& settings :
+       {test::released_and_turning, test::released_and_turning + Settings{{"process.void", "quiet"}},
+        test::released_and_turning + test::on_clamped_substrate<Dim>(),
+        test::released_and_turning + test::on_clamped_substrate<Dim>() +
+            Settings{{"process.void", "quiet"},
+                     {"material.strain_scale", Dim == 2 ? "[1.2, 0.7]" : "[1.2, 0.7, 0.9]"}}}) {
+    test::PipelineCase<Dim> pipeline(settings);
+    expect_exact_gradients(pipeline);
+  }
+}
+
+/// Substrate and clamps in the lane engine, and what the reference path makes of them.
+TYPED_TEST(ResponsesTest, PathsAgreeOnReleasedPartsOnSubstrates) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  for (const char* void_model : {"absent", "quiet"}) {
+    const Settings settings = test::released_and_turning + test::on_clamped_substrate<Dim>() +
+                              Settings{{"process.void", void_model}};
+    test::PipelineCase<Dim> lanes(settings), reference(settings + Settings{{"solver.path", "reference"}});
+    const auto values = lanes.pipeline.values(lanes.problem.responses(), lanes.run(lanes.wavy_design()));
+    const auto expected =
+        reference.pipeline.values(reference.problem.responses(), reference.run(reference.wavy_design()));
+    for (std::size_t r = 0; r < values.size(); ++r)
+      EXPECT_LT(test::relative_difference(values[r], expected[r]), 1e-7) << r;
+  }
 }
 
 TYPED_TEST(ResponsesTest, GreyPartsWeighLess) {

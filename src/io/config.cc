@@ -65,8 +65,12 @@ MaterialSettings make_material(const Json& value) {
   MaterialSettings material;
   material.young = value.at("young").number();
   material.poisson = value.at("poisson").number();
-  material.inherent_strain =
-      scaled_strain(value.at("inherent_strain").numbers(), value.at("strain_scale").numbers());
+  material.strain_scale = value.at("strain_scale").numbers();
+  const Json& strain = value.at("inherent_strain");
+  if (strain.is_object())
+    material.turning_strain = TurningStrain{strain.at("tangential").number(), strain.at("normal").number()};
+  else
+    material.inherent_strain = scaled_strain(strain.numbers(), material.strain_scale);
   return material;
 }
 
@@ -139,6 +143,7 @@ ObjectiveTerm make_objective_term(const Json& value) {
   if (const Json* nodes = value.find("nodes")) term.nodes = nodes->string();
   if (const Json* axis = value.find("axis")) term.axis = axis->string()[0] - 'x';
   if (const Json* mean = value.find("mean")) term.mean = mean->boolean();
+  if (const Json* after_release = value.find("after_release")) term.after_release = after_release->boolean();
   if (const Json* form = value.find("form")) term.form = form->string();
   return term;
 }
@@ -209,6 +214,11 @@ std::optional<double> Config::target_thickness() const {
   return std::nullopt;
 }
 
+bool Config::has_release() const {
+  return std::any_of(objective.begin(), objective.end(),
+                     [](const ObjectiveTerm& term) { return term.after_release; });
+}
+
 Config make_config(const Json& document, const std::string& directory) {
   Config config;
   config.effective = complete_config(document, directory);
@@ -216,6 +226,9 @@ Config make_config(const Json& document, const std::string& directory) {
   config.name = all.at("name").string();
   read_domain(config, all.at("domain"));
   config.part = make_part(all.at("part"));
+  if (const Json* substrate = all.find("substrate"))
+    config.part.substrate = make_shape(*substrate, "/substrate");
+  if (const Json* clamps = all.find("clamps")) config.part.clamps = make_shape(*clamps, "/clamps");
   config.plate = make_plate(all.at("build_plate").string());
   config.node_sets = make_node_sets(all.at("node_sets"));
   config.material = make_material(all.at("material"));

@@ -87,16 +87,22 @@ void check_distortion(const Config& config, std::size_t index) {
     refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
            "true only with measure displacement");
   }
+  if (term.after_release && term.measure == "layerwise") {
+    refuse(entry("objective", index, "after_release"), "true with measure layerwise",
+           "true only with measures displacement and flatness");
+  }
 }
 
-/// Thickness needs the gradient of the pseudo-time, which element-wise values do not have.
+/// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.
+std::string without_gradient(const Config& config) {
+  const bool file = config.sequence.type == SequenceType::file;
+  return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
+         ", for which the gradient of the pseudo-time is not defined";
+}
+
 void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
   if (config.has_time_gradient()) return;
-  const std::string sequence =
-      config.sequence.type == SequenceType::file ? "\"file\"" : "\"direct\" and location \"elements\"";
-  refuse(pointer,
-         shown(type) + " with sequence type " + sequence +
-             ", for which the gradient of the pseudo-time is not defined",
+  refuse(pointer, shown(type) + without_gradient(config),
          "this type with sequence type heat, planar, or direct with location nodes");
 }
 
@@ -107,6 +113,12 @@ void check_least_volume(const Config& config, std::size_t index) {
   refuse(entry("constraints", index, "fraction"),
          shown(fraction) + " for each of " + std::to_string(*config.layers.count) + " layers",
          "at most 1 / layers.count");
+}
+
+void check_strain(const Config& config) {
+  if (!config.material.turning_strain || config.has_time_gradient()) return;
+  refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
+         "a list of numbers, or sequence type heat, planar, or direct with location nodes");
 }
 
 void check_terms(const Config& config) {
@@ -153,6 +165,7 @@ void check_rules(const Config& config) {
   check_direction(config, "sequence", config.sequence.direction);
   check_direction(config, "baseline", config.baseline.direction);
   check_initial_diffusivity(config);
+  check_strain(config);
   check_terms(config);
   check_layers(config);
   check_projection(config);

@@ -114,14 +114,15 @@ class Completion {
 
   Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     switch (key.type) {
-      case KeyType::shape:
-        return value.is_string() ? checked_value(key, value, pointer, context_) : shape(value, pointer, "");
       case KeyType::shapes:
         return shape_list(key, value, pointer);
       case KeyType::section:
         return section(value, pointer, subsection(key));
       case KeyType::sections:
         return section_list(key, value, pointer);
+      case KeyType::shape:
+        return value.is_string() && !key.words.empty() ? checked_value(key, value, pointer, context_)
+                                                       : shape(value, pointer, "");
       case KeyType::part:
         return shape(value, pointer, "part");
       case KeyType::node_sets:

@@ -77,6 +77,12 @@ AssembledSolverSettings elasticity_solver_settings(const Config& config, double 
   return {config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "elasticity_"};
 }
 
+ReleaseSolver release_solver(const Config& config, double tolerance) {
+  return {{config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "release_"},
+          config.solver.path,
+          lane_cycle(config.solver)};
+}
+
 AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance) {
   return {config.solver.method, std::max(1e-3 * tolerance, smallest_tolerance), 1000, "heat_"};
 }
@@ -108,8 +114,10 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
     : setup_(setup),
       timer_(timer),
       sequence_(std::move(sequence)),
-      model_(setup.part, setup.config.material, setup.config.process),
+      strain_(setup.config.material, setup.characteristic_length),
+      model_(setup.part, setup.supports, setup.config.material, setup.config.process),
       process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver()) {
+  if (setup.config.has_release()) process_.release_with(release_solver(setup.config, tolerance));
 }
 
 template <int Dim>
@@ -126,7 +134,7 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, int layers, double b
     layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
-  const ProcessResult& result = process_.simulate(densities_);
+  const ProcessResult& result = process_.simulate(densities_, strain_.strains(time_->gradient));
   iterations_.primal = result.iterations;
   iterations_.adjoint.clear();
   iterations_.heat.clear();
@@ -171,7 +179,7 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     const bool shared = std::any_of(terms.begin(), terms.end(), [&](const WeightedComponent& term) {
       return responses[term.response]->uses_displacements();
     });
-    result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count()), {}});
+    result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count()), {}, {}});
   }
   const std::vector<double> work(rows.size(), 1.0);  // a heat adjoint each
   const LayerDeal deal =
@@ -222,11 +230,11 @@ template <int Dim>
 void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> adjoints;
-  std::vector<DensityDerivatives*> derivatives;
+  std::vector<ProcessDerivatives> derivatives;
   for (Row& row : rows) {
     if (!row.shared) continue;
     adjoints.push_back(std::move(row.adjoint.process));
-    derivatives.push_back(&row.adjoint.densities);
+    derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr});
   }
   if (!adjoints.empty()) process_.pull_back(state.layers, adjoints, derivatives);
   iterations_.adjoint = process_.adjoint_iterations();
@@ -245,6 +253,11 @@ std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState
     if (variable_time_points_) row.time_points.assign(state.layers.count() + 1, 0.0);
     layers_->pull_back(state.time.time, row.adjoint.densities, time.time, row.time_points);
     if (row.shared) setup_.groups.sum_at(row.owner, time.time);
+    if (row.shared && strain_.turns()) {
+      if (time.gradient.empty()) time.gradient.assign(state.time.gradient.size(), 0.0);
+      strain_.pull_back(state.time.gradient, row.strains, time.gradient);
+      setup_.groups.sum_at(row.owner, time.gradient);
+    }
     if (is_own(row)) result.push_back(std::move(time));
   }
   return result;

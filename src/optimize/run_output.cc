@@ -162,9 +162,11 @@ Json RunOutput<Dim>::summary(const RunEnd& end) const {
 template <int Dim>
 void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIterate& best) {
   const std::vector<double> design = setup_.design_field(best.design().field);
+  const std::vector<double> substrate = setup_.substrate_field();
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
+  if (setup_.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   fields.add(setup_.design_support.on_nodes(), "design", design);
   reports.optimized.add_fields(fields, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);

@@ -4,6 +4,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/schema.h"
+#include "fabseq/process/release.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/solve/interpolation.h"
@@ -43,6 +44,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       groups(world, group_choice.groups),
       grid(make_balanced_grid(groups.domain(), config_.domain<Dim>(), config_.part)),
       part(grid, config_.part, config_.plate),
+      supports(part, config_.part),
       start(start_region(part, config_.sequence)),
       design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
@@ -53,7 +55,20 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
                      std::min(ProcessSimulation<Dim>::batch_lanes, std::max(layer_count, baseline_layers)));
   for (const auto& [name, description] : config.node_sets)
     node_sets.emplace(name, make_node_set(part, name, description));
+  require_release();
   warn_about_method();
+}
+
+/// Refuses terms after a release that there cannot be.
+template <int Dim>
+void Setup<Dim>::require_release() const {
+  for (std::size_t i = 0; i < config.objective.size(); ++i) {
+    if (!config.objective[i].after_release) continue;
+    const std::string reason = release_obstacle(grid, supports, config.process.void_model);
+    if (!reason.empty())
+      refuse("/objective/" + std::to_string(i) + "/after_release", "true, but " + reason,
+             "false for this part");
+  }
 }
 
 /// The solvers themselves say nothing: there are many of them.

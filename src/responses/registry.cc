@@ -24,11 +24,11 @@ const std::map<std::string, Maker<ObjectiveTerm, Dim>>& objectives() {
   static const std::map<std::string, Maker<Term, Dim>> makers = {
       {"distortion displacement",
        [](const Term& t, const Context& c) {
-         return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean);
+         return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean, t.after_release);
        }},
       {"distortion flatness",
        [](const Term& t, const Context& c) {
-         return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis);
+         return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis, t.after_release);
        }},
       {"distortion layerwise", [](const Term&, const Context&) { return make_layerwise_distortion<Dim>(); }},
       {"layer_uniformity sum_of_squares",

@@ -196,14 +196,7 @@ std::vector<unsigned> edges_of_nodes(const Part<Dim>& part) {
 
 template <int Dim>
 std::vector<double> geodesic_distance(const Part<Dim>& part) {
-  const Grid<Dim>& grid = part.grid();
-  std::vector<double> given;
-  for (const int element : part.elements()) {
-    const bool on_plate =
-        part.plate().template touches<Dim>(grid.owned_elements().index(element), grid.domain().elements);
-    given.push_back(on_plate ? 0.5 * grid.spacing()[part.plate().axis] : far_away);
-  }
-  return distance_of_elements(part, given);
+  return distance_of_elements<Dim>(part, part.contact_distance());
 }
 
 template <int Dim>

@@ -13,7 +13,7 @@ namespace fabseq {
 
 namespace {
 
-/// Owned nodes of the part in or on the shape, or on the plate.
+/// Owned nodes of the part in or on the shape; without a shape, on the plate or the substrate.
 template <int Dim>
 std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
   const Grid<Dim>& grid = part.grid();
@@ -21,7 +21,8 @@ std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Sha
   std::vector<char> result(part.touched_nodes().size(), 0);
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     if (part.touched_nodes()[offset] == 0) return;
-    const bool in = shape ? shape->contains(grid.node_position(node), tolerance) : part.on_plate(node);
+    const bool in = shape ? shape->contains(grid.node_position(node), tolerance)
+                          : part.on_plate(node) || part.substrate().nodes()[offset] != 0;
     result[offset] = in ? 1 : 0;
   });
   return result;
@@ -64,13 +65,16 @@ std::int64_t count(MPI_Comm comm, const std::vector<char>& flags) {
   return sum(comm, static_cast<std::int64_t>(std::count(flags.begin(), flags.end(), 1)));
 }
 
-/// On the plate it is the elements with a face there: an element has a node on it if and only if it has a face on it.
+/// Without a shape it is the elements with a face on the plate or the substrate.
 template <int Dim>
 std::vector<char> elements_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
-  if (shape) {
-    std::vector<char> elements = elements_with_centre_in(part, *shape);
-    if (count(part.grid().comm(), elements) > 0) return elements;
+  std::vector<char> elements;
+  if (!shape) {
+    for (const double distance : part.contact_distance()) elements.push_back(std::isfinite(distance) ? 1 : 0);
+    return elements;
   }
+  elements = elements_with_centre_in(part, *shape);
+  if (count(part.grid().comm(), elements) > 0) return elements;
   return elements_with_corners(part, nodes_in_region(part, shape), 1);
 }
 
@@ -115,10 +119,13 @@ StartRegion region_of_elements(const Part<Dim>& part, const std::optional<Shape>
 template <int Dim>
 StartRegion region_of_nodes(const Part<Dim>& part, const std::optional<Shape>& shape) {
   const MPI_Comm comm = part.grid().comm();
-  const std::vector<char> nodes = nodes_in_region(part, shape);
-  const std::int64_t fixed = count(comm, nodes);
-  if (fixed == 0) refuse_region("no node that touches the part lies in or on the shape, needs at least one");
-  if (fixed == count(comm, part.touched_nodes()))
+  std::vector<char> nodes = nodes_in_region(part, shape);
+  if (count(comm, nodes) == 0)
+    refuse_region("no node that touches the part lies in or on the shape, needs at least one");
+  // The substrate stands before all else.
+  for (std::size_t node = 0; node < nodes.size(); ++node)
+    if (part.touched_nodes()[node] != 0 && part.substrate().nodes()[node] != 0) nodes[node] = 1;
+  if (count(comm, nodes) == count(comm, part.touched_nodes()))
     refuse_region("holds all nodes of the part, needs at least one outside");
   StartRegion region;
   region.elements = elements_with_corners(part, nodes, corner_count<Dim>);

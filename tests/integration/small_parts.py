@@ -52,6 +52,33 @@ def hook_3d():
     }
 
 
+def post_on_substrate(dimension=3):
+    """An overhang on a clamped base plate, of strain that turns with the layers, measured before and after the release."""
+    flat = dimension == 2
+
+    def box(low, high):
+        return {"box": {"min": low[::2] if flat else low, "max": high[::2] if flat else high}}
+
+    return {
+        "name": "post",
+        "domain": {"size": [1.6, 1.2], "elements": [12, 10]} if flat else
+                  {"size": [1.6, 0.8, 1.2], "elements": [8, 4, 7]},
+        "part": {"union": [box([0.4, 0.2, 0.2], [1.0, 0.6, 1.2]), box([0.4, 0.2, 0.8], [1.6, 0.6, 1.2])]},
+        "substrate": box([0, 0, 0], [1.6, 0.8, 0.3]),
+        "clamps": box([0, 0, 0], [0, 0.8, 0.4]),
+        "node_sets": {"arm": box([1.6, 0, 0.8], [1.6, 0.8, 1.2]), "underside": box([0, 0, 0], [1.6, 0.8, 0])},
+        "material": {"inherent_strain": {"tangential": -0.01, "normal": 0.002}},
+        "sequence": {"type": "heat", "characteristic_length": 1.2},
+        "layers": {"count": 4},
+        "objective": [{"type": "distortion", "nodes": "arm", "mean": True, "after_release": True},
+                      {"type": "distortion", "measure": "flatness", "axis": "y" if flat else "z", "nodes": "underside",
+                       "after_release": True},
+                      {"type": "distortion", "nodes": "arm"},
+                      {"type": "layer_uniformity"}],
+        "constraints": [{"type": "layer_thickness", "target": 0.3}],
+    }
+
+
 def write_voxels(path, density, dataset="density"):
     with h5py.File(path, "w") as file:
         file[dataset] = np.asarray(density, dtype=float)

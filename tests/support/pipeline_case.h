@@ -40,6 +40,29 @@ inline const Settings to_solid = {
     {"node_sets.top.box", R"({"min": [0, 0, 2.5], "max": [2, 0.9, 2.5]})"},
     {"material.inherent_strain", "[-0.01, 0.004, 0.003, 0.007, -0.002, 0.005]"}};
 
+/// Distortion after the release, with and without terms before it, and strain that turns with the layers.
+inline const Settings released_and_turning = {
+    {"material.inherent_strain", R"({"tangential": -0.01, "normal": 0.003})"},
+    {"objective", R"([{"type": "distortion", "nodes": "tip", "after_release": true, "mean": true},
+                      {"type": "distortion", "nodes": "top", "measure": "flatness", "axis": "x", "after_release": true},
+                      {"type": "distortion", "nodes": "tip"},
+                      {"type": "distortion", "measure": "layerwise"},
+                      {"type": "layer_uniformity"}])"}};
+/// A substrate under the gallows, clamped at one end.
+template <int Dim>
+Settings on_clamped_substrate() {
+  const std::string high = Dim == 2 ? "[3.5, 0.4]" : "[2, 0.9, 0.8]",
+                    end = Dim == 2 ? "[0, 0.4]" : "[0, 0.9, 0.8]";
+  const std::string low = Dim == 2 ? "[0, 0]" : "[0, 0, 0]";
+  return {{"substrate", "{\"box\": {\"min\": " + low + ", \"max\": " + high + "}}"},
+          {"clamps", "{\"box\": {\"min\": " + low + ", \"max\": " + end + "}}"}};
+}
+
+inline Settings operator+(Settings all, const Settings& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
 template <int Dim>
 Config gallows_config(const Settings& settings) {
   Settings all = Dim == 3 ? to_solid : Settings{};

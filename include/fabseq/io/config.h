@@ -16,11 +16,18 @@ namespace fabseq {
 
 enum class Task { optimize, simulate, evaluate, check_gradients, check };
 
+/// Inherent strain along and across the layers, docs/formulation.md 4.2.
+struct TurningStrain {
+  double tangential = 0.0, normal = 0.0;
+};
+
 struct MaterialSettings {
   double young = 1.0;  ///< stress unit
   double poisson = 0.3;
-  std::vector<double>
-      inherent_strain;  ///< Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied
+  /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it turns
+  std::vector<double> inherent_strain;
+  std::optional<TurningStrain> turning_strain = std::nullopt;
+  std::vector<double> strain_scale = {};  ///< a factor an axis, for strains that turn
 };
 
 enum class VoidModel { absent, quiet };
@@ -81,11 +88,12 @@ struct ObjectiveTerm {
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
-  std::string measure;  ///< distortion: displacement, flatness, layerwise
-  std::string nodes;    ///< distortion: name of a node set
-  int axis = -1;        ///< flatness
-  bool mean = false;    ///< displacement: divide by the number of nodes
-  std::string form;     ///< layer_uniformity: sum_of_squares, variance
+  std::string measure;         ///< distortion: displacement, flatness, layerwise
+  std::string nodes;           ///< distortion: name of a node set
+  int axis = -1;               ///< flatness
+  bool after_release = false;  ///< displacement, flatness: of the part cut from the plate
+  bool mean = false;           ///< displacement: divide by the number of nodes
+  std::string form;            ///< layer_uniformity: sum_of_squares, variance
 };
 
 struct ConstraintTerm {
@@ -162,6 +170,8 @@ struct Config {
   }
   /// Target thickness of the first layer_thickness constraint, if there is one.
   std::optional<double> target_thickness() const;
+  /// Whether a term measures after the release.
+  bool has_release() const;
   template <int Dim>
   Domain<Dim> domain() const {
     Domain<Dim> result;

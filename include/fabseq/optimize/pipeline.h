@@ -6,6 +6,7 @@
 #include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"
+#include "fabseq/process/inherent_strain.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/sequence.h"
@@ -75,8 +76,8 @@ class Pipeline {
     int owner = 0;        ///< group whose row it is
     bool shared = false;  ///< uses displacements: other groups have parts of it
     PipelineAdjoint<Dim> adjoint;
-    std::vector<double>
-        time_points;  ///< derivative by T_0 ... T_N, what this rank contributes; empty: no variables
+    std::vector<double> time_points;  ///< dJ/dT_0 ... dJ/dT_N where these vary, this rank's part
+    std::vector<double> strains;      ///< dJ/d(inherent strain) where that turns, this group's part
   };
   std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
@@ -92,6 +93,7 @@ class Pipeline {
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
+  InherentStrain<Dim> strain_;
   ElasticModel<Dim> model_;
   ProcessSimulation<Dim> process_;
   std::optional<CurvedLayers> layers_;
@@ -112,6 +114,9 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);
 /// enters all others).
 AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance);
 AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance);
+
+/// The release's solver, to `tolerance`.
+ReleaseSolver release_solver(const Config& config, double tolerance);
 
 extern template class Pipeline<2>;
 extern template class Pipeline<3>;

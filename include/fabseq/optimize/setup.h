@@ -4,6 +4,7 @@
 
 #include "fabseq/grid/node_set.h"
 #include "fabseq/grid/part.h"
+#include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
 #include "fabseq/io/design_layout.h"
 #include "fabseq/optimize/run_cost.h"
@@ -23,7 +24,7 @@ namespace fabseq {
 /// Layer groups, grid, part, places of the design variables and node sets of a config, with what "auto" stands
 /// for. Collective construction on the world of the run; every layer group has the same grid, part and node sets
 /// on its ranks. Cannot be copied or moved, since its members refer to each other. Throws InputError for anything
-/// wrong with part, plate, start region or node sets.
+/// wrong with part, plate, substrate, clamps, start region or node sets, and for a release that there cannot be.
 template <int Dim>
 class Setup {
  public:
@@ -36,6 +37,7 @@ class Setup {
   const LayerGroups groups;
   Grid<Dim> grid;
   Part<Dim> part;
+  Supports<Dim> supports;
   std::optional<StartRegion> start;   ///< of a direct sequence
   DesignSupport<Dim> design_support;  ///< where the sequence has variables
   std::map<std::string, NodeSet> node_sets;
@@ -52,6 +54,10 @@ class Setup {
   }
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;
+  /// 1 on the owned elements of the substrate, as a field for files.
+  std::vector<double> substrate_field() const {
+    return {part.substrate().elements().begin(), part.substrate().elements().end()};
+  }
   ResponseContext<Dim> context() const {
     return {part, node_sets, characteristic_length,
             start ? std::span<const char>(start->elements) : std::span<const char>{}};
@@ -71,6 +77,7 @@ class Setup {
 
  private:
   void warn_about_method() const;
+  void require_release() const;
   int resolve_baseline_layers() const;
 };
 

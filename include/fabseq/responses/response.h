@@ -38,7 +38,7 @@ template <int Dim>
 struct PipelineAdjoint {
   explicit PipelineAdjoint(int layers) : densities(layers) {}
 
-  ProcessAdjoint process;        ///< dJ/du and dJ/d(increments), empty while zero
+  ProcessAdjoint process;        ///< dJ/du, dJ/dv and dJ/d(increments), empty while zero
   DensityDerivatives densities;  ///< explicit dependence on stage and layer densities and on time points
   TimeDerivatives time;          ///< explicit dependence on t and grad t, empty while zero
 };

@@ -1,5 +1,5 @@
 /// \file
-/// Distance from the build plate, or from where else a sequence starts, inside the part: for the start of the
+/// Distance from the build plate or the substrate, or from where else a sequence starts, inside the part: for the start of the
 /// optimization and the automatic layer count.
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace fabseq {
 
-/// Geodesic distance (length unit) of each part element's centre from the plate, on paths inside the part (a
-/// part field; the same on any number of ranks). Solves |grad s| = 1 by fast sweeping with first-order upwind
-/// differences over face neighbours, from s = (half the spacing) in elements with a face on the plate: exact
+/// Geodesic distance (length unit) of each part element's centre from the plate or the substrate, on paths inside the
+/// part (a part field; the same on any number of ranks). Solves |grad s| = 1 by fast sweeping with first-order upwind
+/// differences over face neighbours, from s = (half the spacing) in elements with a face there: exact
 /// above a straight column. Collective on the grid's communicator.
 template <int Dim>
 std::vector<double> geodesic_distance(const Part<Dim>& part);

@@ -24,6 +24,11 @@ struct PseudoTime {
   int iterations = 0;  ///< of the forward solve
 };
 
+/// Regularization eps^2 of |grad t| wherever its direction or its root counts: 1e-9 / l_c^2 (docs/formulation.md 4.2, 6).
+inline double gradient_regularization(double characteristic_length) {
+  return 1e-9 / (characteristic_length * characteristic_length);
+}
+
 /// A response's derivative with respect to the pseudo-time and its gradient, shaped like PseudoTime.
 struct TimeDerivatives {
   std::vector<double> time, gradient;

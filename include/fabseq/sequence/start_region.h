@@ -18,8 +18,8 @@ struct StartRegion {
 };
 
 /// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a node in or
-/// on it. With variables on nodes: the nodes in or on it; elements all of whose nodes are. Without a shape: what has a
-/// face, or lies, on the build plate. Collective on the grid's communicator. Throws InputError if the shape meets
+/// on it. With variables on nodes: the nodes in or on it, and those of the substrate; elements all of whose nodes are.
+/// Without a shape: what has a face, or lies, on the build plate or the substrate. Collective on the grid's communicator. Throws InputError if the shape meets
 /// nothing of the part or holds all of it, or if not all of the part can be reached from it.
 template <int Dim>
 StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
