@@ -41,7 +41,7 @@ constexpr ConfigKey keys_table[] = {
     {.name = "part", .type = part, .required = true, .meaning = "What is to be built: a shape, evaluated at element centres, or a voxel file"},
     {.name = "build_plate", .type = face, .default_value = "\"z-\"", .default_2d = "\"y-\"", .option = "-build_plate", .meaning = "Face of the box that is the build plate"},
     {.name = "substrate", .type = shape, .meaning = "What stands from the start, such as a base plate: elements whose centre is in the shape; they are no part"},
-    {.name = "clamps", .type = shape, .meaning = "Nodes inside or on the shape are held in place of the plate's; with a substrate and without clamps: its lowest face, seen from the plate"},
+    {.name = "clamps", .type = shape, .meaning = "Nodes inside or on the shape are held in place of the plate's; with a substrate and without clamps: its lowest nodes along the plate's normal"},
     {.name = "node_sets", .type = node_sets, .default_value = "{}", .meaning = "Named sets of nodes for distortion terms: nodes inside or on a shape that touch the part or the substrate"},
     {.name = "material", .type = section, .default_value = "{}", .meaning = "Material"},
     {.name = "process", .type = section, .default_value = "{}", .meaning = "Process simulation"},
