@@ -162,7 +162,8 @@ TEST(ConfigTest, OtherSequences) {
   EXPECT_EQ(on_elements.sequence.type, SequenceType::direct);
   EXPECT_EQ(on_elements.sequence.location, DesignLocation::elements);
   EXPECT_FALSE(on_elements.sequence.start);
-  EXPECT_EQ(on_elements.optimizer.move_limit, 0.2);
+  EXPECT_EQ(on_elements.optimizer.move_limit, 0.02);
+  EXPECT_EQ(on_elements.optimizer.final_move_limit, 0.02);
   EXPECT_FALSE(on_elements.has_time_gradient());
   const Config on_nodes = configure(
       plane,

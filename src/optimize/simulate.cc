@@ -147,6 +147,11 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   print(pipeline.process().solver_description());
   print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +
         report.block.at("displacement").at("rms").dump());
+  if (released)
+    print("after the release: largest displacement " +
+          record.at("released").at("displacement").at("max").dump() + ", largest equivalent stress " +
+          record.at("released").at("residual_stress").at("von_mises").dump() +
+          " (before: " + record.at("residual_stress").at("von_mises").dump() + ")");
   for (const Json& response : report.block.at("responses").items())
     print(response.at("name").string() + " (" + response.at("type").string() +
           "): " + response.at("value").dump());

@@ -18,7 +18,7 @@ SCRIPT = os.path.join(ROOT, "scripts", "calibrate.py")
 class CalibrateTest(FabseqTest):
     def measure(self, config, scale, released=False):
         """Nodes of part and substrate and their displacements for these factors."""
-        config["material"]["strain_scale"] = scale
+        config.setdefault("material", {})["strain_scale"] = scale
         run = self.run_config(1, config, "-task", "simulate", "-tolerance", "1e-10")
         self.assert_done(run)
         data = read_result(run)

@@ -3,6 +3,7 @@
 import os
 import time
 
+import h5py
 import numpy as np
 
 import run_fabseq
