@@ -72,7 +72,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       run.best.offer(iteration, beta, values, run.design());
 
       const ProblemGradients gradients = run.problem.gradients(pipeline, state, values);
-      std::vector<double> next = run.design();
+      Design next = run.design();
       StepReport step;
       {
         const auto scope = timer.enter(Phase::optimizer);

@@ -17,18 +17,18 @@ ProblemValues values(double merit, double worst_constraint) {
 class BestIterateTest : public testing::Test {
  protected:
   void offer(int iteration, double beta, double merit, double worst_constraint) {
-    best_.offer(iteration, beta, values(merit, worst_constraint), {static_cast<double>(iteration)});
+    best_.offer(iteration, beta, values(merit, worst_constraint), {{static_cast<double>(iteration)}, {}});
   }
   void expect(int iteration) {
     EXPECT_EQ(best_.iteration(), iteration);
-    EXPECT_EQ(best_.design(), std::vector<double>{static_cast<double>(iteration)});
+    EXPECT_EQ(best_.design().field, std::vector<double>{static_cast<double>(iteration)});
   }
   BestIterate best_;
 };
 
 TEST_F(BestIterateTest, BeginsWithNone) {
   EXPECT_EQ(best_.iteration(), 0);
-  EXPECT_TRUE(best_.design().empty());
+  EXPECT_TRUE(best_.design().field.empty());
 }
 
 TEST_F(BestIterateTest, KeepsTheFirstWhateverItIs) {

@@ -35,13 +35,14 @@ std::vector<double> design_of(const Part<3>& part, int iteration) {
 
 /// Every rank has the entries of its part elements.
 DesignLayout<3> layout_of(const Part<3>& part) {
-  return {part.grid(), [&part](std::span<const double> entries) { return part.expand(entries); },
+  return {part.grid(), false, [&part](std::span<const double> entries) { return part.expand(entries); },
           [&part](std::span<const double> field) { return part.restrict_to_part(field); }};
 }
 
 /// Ranks with the same part elements share their entries.
 DesignLayout<3> layout_of(const Part<3>& part, const LayerGroups& groups) {
-  return {part.grid(), [&](std::span<const double> share) { return part.expand(groups.gather(share)); },
+  return {part.grid(), false,
+          [&](std::span<const double> share) { return part.expand(groups.gather(share)); },
           [&](std::span<const double> field) { return groups.share(part.restrict_to_part(field)); }};
 }
 

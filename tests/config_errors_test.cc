@@ -40,7 +40,7 @@ TEST(ConfigErrorsTest, OverridesThatLeadNowhere) {
 TEST(ConfigErrorsTest, UnknownKeys) {
   EXPECT_EQ(solid_error("projektion", "{}"),
             "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
-            "build_plate, node_sets, "
+            "build_plate, substrate, clamps, node_sets, "
             "material, process, sequence, layers, projection, objective, constraints, baseline, optimizer, "
             "solver, output");
   EXPECT_EQ(solid_error("output.qqqq", "1"),
@@ -62,7 +62,7 @@ TEST(ConfigErrorsTest, MissingKeys) {
     EXPECT_EQ(error_without(key), "/" + key + ": missing; allowed: an object");
   }
   EXPECT_EQ(error_without("objective"), "/objective: missing; allowed: a list of objects");
-  EXPECT_EQ(solid_error("sequence", "{}"), "/sequence/type: missing; allowed: heat, planar, file");
+  EXPECT_EQ(solid_error("sequence", "{}"), "/sequence/type: missing; allowed: heat, direct, planar, file");
   EXPECT_EQ(solid_error("layers", "{}"),
             "/layers/count: missing; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("objective.0", "{}"),
@@ -156,7 +156,8 @@ TEST(ConfigErrorsTest, LengthsOfVectors) {
   EXPECT_EQ(plane_error("part.box.min", "[0, 0, 0]"),
             "/part/box/min: found [0,0,0]; allowed: a list of 2 numbers (as many as domain.elements)");
   EXPECT_EQ(plane_error("material.inherent_strain", "[1, 2, 3, 4, 5, 6]"),
-            "/material/inherent_strain: found [1,2,3,4,5,6]; allowed: a list of 3 numbers (xx, yy, xy)");
+            "/material/inherent_strain: found [1,2,3,4,5,6]; allowed: a list of 3 numbers (xx, yy, xy) "
+            "or {\"tangential\": number, \"normal\": number}");
   EXPECT_EQ(
       solid_error("material.strain_scale", "[1, 1]"),
       "/material/strain_scale: found [1,1]; allowed: a list of 3 numbers >= 0 (as many as domain.elements)");
@@ -254,47 +255,102 @@ TEST(ConfigErrorsTest, KeysThatNeedEachOther) {
   const std::string reason =
       " with sequence type \"file\", for which the gradient of the pseudo-time is not defined; allowed: this "
       "type with "
-      "sequence type heat or planar";
+      "sequence type heat, planar, or direct with location nodes";
   EXPECT_EQ(error_of(solid, {{"sequence", file}}), "/objective/1/type: found \"layer_uniformity\"" + reason);
   EXPECT_EQ(error_of(solid, {{"sequence", file}, {"objective", "[]"}}),
             "/constraints/0/type: found \"layer_thickness\"" + reason);
+  const std::string of_elements =
+      " with sequence type \"direct\" and location \"elements\"" + reason.substr(reason.find(", for which"));
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}}),
+            "/objective/1/type: found \"layer_uniformity\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}, {"objective", "[]"}}),
+            "/constraints/0/type: found \"layer_thickness\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct", "location": "nodes"})"}}), "no error");
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "direction": [0, 0, 0]})"}}),
             "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
   EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),
             "/baseline/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
 }
 
+TEST(ConfigErrorsTest, DirectSequences) {
+  const auto error = [](const std::string& keys) {
+    return error_of(plane, {{"sequence", R"({"type": "direct", )" + keys + "}"}});
+  };
+  EXPECT_EQ(error(R"("location": "node")"), "/sequence/location: found \"node\"; allowed: elements, nodes");
+  EXPECT_EQ(error(R"("start": "plte")"),
+            "/sequence/start: found \"plte\"; allowed: \"plate\" or an object with one shape");
+  EXPECT_EQ(error(R"("start": 3)").rfind("/sequence/start: found 3; allowed: ", 0), 0U);
+  EXPECT_EQ(error(R"("start": {"box": {"min": [1, 0], "max": [0, 0]}})"),
+            "/sequence/start/box/max/0: found 0; allowed: a number >= 1 (that entry of min)");
+  EXPECT_EQ(error(R"("start": {"box": {"min": [0, 0], "max": [0, 0]}})"), "no error");
+  EXPECT_EQ(error(R"("bounds": [0, 1])").rfind("/sequence/bounds: unknown key for type \"direct\"", 0), 0U);
+}
+
+TEST(ConfigErrorsTest, LeastVolumesOfAllLayersMustFit) {
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.3})"),
+            "/constraints/0/fraction: found 0.3 for each of 4 layers; allowed: at most 1 / layers.count");
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.25})"),
+            "no error");
+}
+
+TEST(ConfigErrorsTest, StrainsThatTurn) {
+  const std::string allowed =
+      "; allowed: a list of 6 numbers (xx, yy, zz, xy, yz, zx) or {\"tangential\": number, \"normal\": "
+      "number}";
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"), "no error");
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01})"),
+            "/material/inherent_strain: found {\"tangential\":-0.01}" + allowed);
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normals": 0})"),
+            "/material/inherent_strain: found {\"tangential\":-0.01,\"normals\":0}" + allowed);
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": "all", "normal": 0})"),
+            "/material/inherent_strain/tangential: found \"all\"; allowed: a number");
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "file", "file": "a.h5"})"},
+                             {"objective", "[]"},
+                             {"constraints", "[]"},
+                             {"material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"}}),
+            "/material/inherent_strain: found {\"tangential\":-0.01,\"normal\":0} with sequence type "
+            "\"file\", for which "
+            "the gradient of the pseudo-time is not defined; allowed: a list of numbers, or sequence type "
+            "heat, planar, or direct with location nodes");
+  const Settings turning = {{"material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"},
+                            {"sequence", R"({"type": "direct"})"}};
+  EXPECT_NE(error_of(plane, turning).find("/material/inherent_strain: "), std::string::npos);
+  EXPECT_NE(error_of(plane, turning).find("\"direct\" and location \"elements\""), std::string::npos);
+}
+
+TEST(ConfigErrorsTest, SubstrateClampsAndRelease) {
+  EXPECT_EQ(solid_error("substrate", R"({"box": {"min": [0, 0, 0], "max": [2, 1, 0.5]}})"), "no error");
+  for (const std::string key : {"substrate", "clamps"}) {
+    EXPECT_EQ(solid_error(key, R"({"box": {"min": [0, 0, 0]}})"),
+              "/" + key + "/box/max: missing; allowed: a list of 3 numbers");
+    EXPECT_EQ(solid_error(key, "{}").rfind("/" + key + ": found no shape; allowed: exactly one of box, ", 0),
+              0U);
+    EXPECT_EQ(solid_error(key, R"({"box": {"min": [1, 0, 0], "max": [0, 1, 1]}})"),
+              "/" + key + "/box/max/0: found 0; allowed: a number >= 1 (that entry of min)");
+    EXPECT_EQ(
+        solid_error(key, R"({"voxels": {"file": "a.h5"}})").rfind("/" + key + "/voxels: unknown key", 0), 0U);
+  }
+  EXPECT_EQ(solid_error("objective.0.after_release", "true"), "no error");
+  EXPECT_EQ(
+      solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise", "after_release": true})"),
+      "/objective/0/after_release: found true with measure layerwise; allowed: true only with measures "
+      "displacement "
+      "and flatness");
+}
+
 TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   const std::string later = " is not available in this version; allowed: ";
-  EXPECT_EQ(solid_error("sequence", R"({"type": "direct", "location": "nodes"})"),
-            "/sequence/type: \"direct\"" + later + "heat, planar, file");
   EXPECT_EQ(solid_error("layers.type", "multi_planar"), "/layers/type: \"multi_planar\"" + later + "curved");
-  EXPECT_EQ(solid_error("layers.time_points", "variable"),
-            "/layers/time_points: \"variable\"" + later + "uniform");
   EXPECT_EQ(solid_error("objective.0.least_squares", "true"),
             "/objective/0/least_squares: true" + later + "false");
-  EXPECT_EQ(solid_error("objective.0.after_release", "true"),
-            "/objective/0/after_release: true" + later + "false");
   EXPECT_EQ(solid_error("objective.0.least_squares", "false"), "no error");
-  EXPECT_EQ(solid_error("objective.0.after_release", "false"), "no error");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "5"), "/optimizer/coarse_iterations: 5" + later + "0");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "0"), "no error");
-  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"),
-            "/material/inherent_strain: {\"tangential\":-0.01,\"normal\":0}" + later +
-                "a list of 6 numbers (xx, yy, zz, xy, yz, zx)");
-  for (const std::string type : {"continuity", "minimum_layer_volume", "subpart_volume"}) {
-    EXPECT_EQ(solid_error("constraints.0", R"({"type": ")" + type + "\"}"),
-              "/constraints/0/type: \"" + type + "\"" + later + "layer_thickness, deposition_speed");
-  }
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),
+            "/constraints/0/type: \"subpart_volume\"" + later +
+                "layer_thickness, deposition_speed, continuity, minimum_layer_volume");
   EXPECT_EQ(solid_error("objective.0", R"({"type": "segmentation_alignment", "band": 0.1})"),
             "/objective/0/type: \"segmentation_alignment\"" + later + "distortion, layer_uniformity");
-  for (const std::string key : {"substrate", "clamps"}) {
-    const std::string message = solid_error(key, R"({"box": {}})");
-    EXPECT_EQ(
-        message.rfind("/" + key + ": not available in this version; allowed here: name, domain, part, ", 0),
-        0U)
-        << message;
-  }
   EXPECT_EQ(solid_error("part", R"({"stl": {"file": "a.stl"}})")
                 .rfind("/part/stl: not available in this version; allowed here: box, ", 0),
             0U);

@@ -158,6 +158,22 @@ TEST(ConfigTest, OtherSequences) {
   EXPECT_EQ(file.sequence.type, SequenceType::file);
   EXPECT_EQ(file.sequence.file, "/base/t.h5");
   EXPECT_EQ(file.sequence.dataset, "time");
+  const Config on_elements = configure(plane, {{"sequence", R"({"type": "direct"})"}});
+  EXPECT_EQ(on_elements.sequence.type, SequenceType::direct);
+  EXPECT_EQ(on_elements.sequence.location, DesignLocation::elements);
+  EXPECT_FALSE(on_elements.sequence.start);
+  EXPECT_EQ(on_elements.optimizer.move_limit, 0.02);
+  EXPECT_EQ(on_elements.optimizer.final_move_limit, 0.02);
+  EXPECT_FALSE(on_elements.has_time_gradient());
+  const Config on_nodes = configure(
+      plane,
+      {{"sequence",
+        R"({"type": "direct", "location": "nodes", "start": {"sphere": {"center": [0, 0], "radius": 0.1}}})"},
+       {"layers.time_points", "variable"}});
+  EXPECT_EQ(on_nodes.sequence.location, DesignLocation::nodes);
+  EXPECT_EQ(on_nodes.sequence.start->kind, Shape::Kind::sphere);
+  EXPECT_TRUE(on_nodes.layers.variable_time_points);
+  EXPECT_TRUE(on_nodes.has_time_gradient());
   EXPECT_TRUE(file.objective.empty());
 }
 
@@ -213,6 +229,10 @@ TEST(ConfigTest, EffectiveConfigIsCompleteAndRunsAgainToItself) {
       {},
       {{"part", R"({"voxels": {"file": "p.h5"}})"}, {"name", "v"}, {"layers.count", "auto"}},
       {{"sequence", R"({"type": "planar"})"}},
+      {{"sequence", R"({"type": "direct", "location": "nodes"})"}, {"layers.time_points", "variable"}},
+      {{"sequence.type", "direct"},
+       {"sequence.location", "nodes"},
+       {"sequence.start.sphere", R"({"center": [0, 0, 0], "radius": 1})"}},
       {{"objective.0.measure", "flatness"}, {"objective.0.axis", "z"}, {"sequence.initial", "0.1"}},
       {{"run", R"({"command": "fabseq", "ranks": 4})"}}};
   for (const Settings& settings : variants) {
@@ -235,7 +255,7 @@ TEST(ConfigTest, EffectiveConfigIsCompleteAndRunsAgainToItself) {
 }
 
 TEST(ConfigTest, ReferenceCases) {
-  for (const std::string name : {"table_2d", "arch_quiet_3d", "steps_planar_3d"}) {
+  for (const std::string name : {"table_2d", "arch_quiet_3d", "steps_planar_3d", "hook_nodes_2d"}) {
     std::ifstream file(std::string(FABSEQ_TEST_DATA) + "/reference/cases/" + name + ".json");
     ASSERT_TRUE(file) << name;
     std::ostringstream text;

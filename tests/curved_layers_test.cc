@@ -34,7 +34,8 @@ double step_down(double time, double point, double beta) {
 TEST(CurvedLayers, FollowTheFormula) {
   const auto density = grey_density();
   const auto time = even_times();
-  const LayerDensities layers = CurvedLayers(density, count, 23.0, false).densities(time);
+  const LayerDensities layers =
+      CurvedLayers(density, uniform_time_points(count), 23.0, false).densities(time);
   ASSERT_EQ(layers.count(), count);
   ASSERT_EQ(layers.time_points.size(), count + 1u);
   for (int j = 0; j <= count; ++j) EXPECT_NEAR(layers.time_points[j], j / 7.0, 1e-16);
@@ -47,7 +48,8 @@ TEST(CurvedLayers, SumUpToThePart) {
   const auto density = grey_density();
   for (const double beta : {0.5, 10.0, 300.0})
     for (const bool binary : {false, true}) {
-      const LayerDensities layers = CurvedLayers(density, count, beta, binary).densities(even_times());
+      const LayerDensities layers =
+          CurvedLayers(density, uniform_time_points(count), beta, binary).densities(even_times());
       for (int e = 0; e < elements; ++e) {
         double total = 0.0;
         for (int j = 0; j < count; ++j) {
@@ -62,7 +64,8 @@ TEST(CurvedLayers, SumUpToThePart) {
 
 TEST(CurvedLayers, GrowFromStageToStageAndAreOlderNearThePlate) {
   const std::vector<double> density(elements, 1.0);
-  const LayerDensities layers = CurvedLayers(density, count, 40.0, false).densities(even_times());
+  const LayerDensities layers =
+      CurvedLayers(density, uniform_time_points(count), 40.0, false).densities(even_times());
   for (int j = 0; j < count; ++j)
     for (int e = 0; e < elements; ++e) {
       EXPECT_GE(layers.layer[j][e], -1e-15);
@@ -80,26 +83,26 @@ TEST(CurvedLayers, BinaryElementsOnATimePointBelongToTheEarlierLayer) {
   const std::vector<double> time = {0.0, 0.25, 0.25 + 0.9e-12, 0.25 + 1.1e-12, 0.5 - 1e-9, 0.75, 1.0};
   const std::vector<double> expected = {1, 1, 1, 2, 2, 3, 4};
   const std::vector<double> density(time.size(), 0.5);
-  const LayerDensities layers = CurvedLayers(density, 4, 10.0, true).densities(time);
+  const LayerDensities layers = CurvedLayers(density, uniform_time_points(4), 10.0, true).densities(time);
   for (std::size_t e = 0; e < time.size(); ++e)
     for (int j = 0; j < 4; ++j) {
       EXPECT_EQ(layers.layer[j][e], j + 1 == expected[e] ? 0.5 : 0.0) << e << ' ' << j;
       EXPECT_EQ(layers.stage[j][e], j + 1 >= expected[e] ? 0.5 : 0.0) << e << ' ' << j;
     }
-  EXPECT_EQ(layer_index(time, 4), expected);
+  EXPECT_EQ(layer_index(time, uniform_time_points(4)), expected);
 }
 
 TEST(CurvedLayers, LayerIndexStaysInRange) {
   const std::vector<double> time = {-1e-3, 0.0, 1.0, 1.0 + 1e-3};
-  EXPECT_EQ(layer_index(time, 3), (std::vector<double>{1, 1, 3, 3}));
+  EXPECT_EQ(layer_index(time, uniform_time_points(3)), (std::vector<double>{1, 1, 3, 3}));
 }
 
 TEST(CurvedLayers, SmoothLayersBecomeBinaryOnes) {
   const std::vector<double> density(elements, 1.0);
   std::vector<double> time = even_times();
   for (double& t : time) t = 0.99 * t + 0.0031;  // off the time points
-  const LayerDensities smooth = CurvedLayers(density, count, 1e5, false).densities(time);
-  const LayerDensities binary = CurvedLayers(density, count, 1e5, true).densities(time);
+  const LayerDensities smooth = CurvedLayers(density, uniform_time_points(count), 1e5, false).densities(time);
+  const LayerDensities binary = CurvedLayers(density, uniform_time_points(count), 1e5, true).densities(time);
   for (int j = 0; j < count; ++j)
     EXPECT_LT(test::relative_difference(smooth.layer[j], binary.layer[j]), 1e-12);
 }
@@ -133,7 +136,7 @@ TEST(CurvedLayers, DerivativeAgreesWithDifferences) {
   const auto time = even_times();
   const Functional functional;
   for (const double beta : {10.0, 60.0}) {
-    const CurvedLayers layers(density, count, beta, false);
+    const CurvedLayers layers(density, uniform_time_points(count), beta, false);
     std::vector<double> derivative(elements, 3.0);  // added to what is there
     layers.pull_back(time, functional.weights, derivative);
     const std::vector<double> ones(elements, 1.0);
@@ -146,25 +149,59 @@ TEST(CurvedLayers, DerivativeAgreesWithDifferences) {
   }
 }
 
+/// Uneven, and the third and fourth out of order.
+std::vector<double> uneven_time_points() { return {0.0, 0.08, 0.31, 0.52, 0.47, 0.7, 0.93, 1.0}; }
+
+TEST(CurvedLayers, TimePointDerivativeAgreesWithDifferences) {
+  const auto density = grey_density();
+  const auto time = even_times();
+  const Functional functional;
+  for (const double beta : {10.0, 60.0}) {
+    std::vector<double> d_time(elements, 0.0), derivative(count + 1, 3.0);  // added to what is there
+    CurvedLayers(density, uneven_time_points(), beta, false)
+        .pull_back(time, functional.weights, d_time, derivative);
+    EXPECT_EQ(derivative.front(), 3.0);
+    EXPECT_EQ(derivative.back(), 3.0);
+    for (int j = 1; j < count; ++j) {
+      const auto value = [&](double step) {
+        std::vector<double> points = uneven_time_points();
+        points[j] += step;
+        const LayerDensities layers = CurvedLayers(density, points, beta, false).densities(time);
+        double total = 0.0;
+        for (int e = 0; e < elements; ++e) total += functional(layers, e);
+        return total;
+      };
+      EXPECT_NEAR(derivative[j], 3.0 + test::central_difference(value, 1e-3), 1e-6 * beta);
+    }
+  }
+}
+
+TEST(CurvedLayers, LayerIndexFollowsVariableTimePoints) {
+  const std::vector<double> time = {0.0, 0.08, 0.09, 0.4, 0.5, 0.6, 0.71, 1.0};
+  EXPECT_EQ(layer_index(time, uneven_time_points()), (std::vector<double>{1, 1, 2, 3, 3, 5, 6, 7}));
+}
+
 TEST(CurvedLayers, LastStageDoesNotDependOnTime) {
   const auto density = grey_density();
   DensityDerivatives derivatives(count);
   derivatives.stage[count - 1].assign(elements, 1.0);
   std::vector<double> d_time(elements, 0.0);
-  CurvedLayers(density, count, 10.0, false).pull_back(even_times(), derivatives, d_time);
+  CurvedLayers(density, uniform_time_points(count), 10.0, false).pull_back(even_times(), derivatives, d_time);
   EXPECT_EQ(test::largest(d_time), 0.0);
 }
 
 TEST(CurvedLayers, BinaryLayersHaveNoDerivative) {
   const auto density = grey_density();
   std::vector<double> d_time(elements, 0.0);
-  CurvedLayers(density, count, 10.0, true).pull_back(even_times(), Functional().weights, d_time);
+  CurvedLayers(density, uniform_time_points(count), 10.0, true)
+      .pull_back(even_times(), Functional().weights, d_time);
   EXPECT_EQ(test::largest(d_time), 0.0);
 }
 
 TEST(CurvedLayers, OneLayerIsThePart) {
   const auto density = grey_density();
-  const LayerDensities layers = CurvedLayers(density, 1, 10.0, false).densities(even_times());
+  const LayerDensities layers =
+      CurvedLayers(density, uniform_time_points(1), 10.0, false).densities(even_times());
   EXPECT_EQ(layers.stage[0], density);
   EXPECT_EQ(layers.layer[0], density);
 }

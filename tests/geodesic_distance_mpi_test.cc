@@ -116,6 +116,39 @@ TEST(GeodesicDistance, DoesNotDependOnTheRanks) {
                            combine(Shape::Kind::difference, {box({0, 0, 0}, {3, 1, 3}), slot}));
 }
 
+/// Nodes are reached along the edges of the part only, elements across its faces; both from anywhere.
+TEST(GeodesicDistance, FromAnotherPlace) {
+  // An L of one element: 6 to the right, then 4 up.
+  const Domain<2> domain{{6, 5}, {6, 5}, 1.0};
+  const PartDescription description{union_of({box({0, 0}, {6, 1}), box({5, 0}, {6, 5})}), false};
+  const Grid<2> grid = make_balanced_grid<2>(PETSC_COMM_WORLD, domain, description);
+  const Part<2> part(grid, description, {1, false});
+  std::vector<char> start;
+  for (const int element : part.elements())
+    start.push_back(grid.owned_elements().index(element)[1] == 4 ? 1 : 0);
+  const auto of_elements = geodesic_distance_of_elements<2>(part, start);
+  for (std::size_t e = 0; e < of_elements.size(); ++e) {
+    const Index<2> element = grid.owned_elements().index(part.elements()[e]);
+    EXPECT_NEAR(of_elements[e], (4 - element[1]) + (5 - element[0]), 1e-12);
+  }
+  std::vector<char> top(static_cast<std::size_t>(grid.owned_nodes().count()), 0);
+  grid.owned_nodes().for_each([&](const Index<2>& node, std::int64_t n) {
+    top[n] = node[1] == 5 && part.touched_nodes()[n] != 0 ? 1 : 0;
+  });
+  const auto of_nodes = geodesic_distance_of_nodes<2>(part, top);
+  grid.owned_nodes().for_each([&](const Index<2>& node, std::int64_t n) {
+    if (part.touched_nodes()[n] == 0) {
+      EXPECT_TRUE(std::isinf(of_nodes[n]));
+    } else if (node[0] >= 5) {
+      EXPECT_NEAR(of_nodes[n], 5 - node[1], 1e-12);  // straight down
+    } else if (node[1] == 1) {
+      EXPECT_NEAR(of_nodes[n], 4 + 5 - node[0], 1e-12);  // along the inner edge from the inner corner
+    } else {
+      EXPECT_GT(of_nodes[n], 4 + 5 - node[0]);
+    }
+  });
+}
+
 TEST(GeodesicDistance, FollowsAMeander) {
   // Channels of one element that run to and fro through all ranks: the path is a chain, its length the number
   // of steps.

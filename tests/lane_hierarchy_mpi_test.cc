@@ -5,7 +5,9 @@
 
 #include "support/masked_grid.h"
 #include <algorithm>
+#include <set>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -191,7 +193,8 @@ TYPED_TEST(LaneHierarchyTest, PlatesOnAllFacesAreHeldOnAllLevels) {
     }
 }
 
-/// A coarse unknown is held like the fine one at its place; without one, if something next to it is held.
+/// A coarse unknown is held like the fine one at its place; without one, if something next to it is held. What would
+/// be held by none of them holds all it interpolates from.
 TYPED_TEST(LaneHierarchyTest, SupportsFollowThoseOfTheFinerLevel) {
   constexpr int Dim = TypeParam::value;
   for (const auto& size : sizes<Dim>())
@@ -210,6 +213,7 @@ TYPED_TEST(LaneHierarchyTest, SupportsFollowThoseOfTheFinerLevel) {
         const auto factors = hierarchy.level(index).factors;
         const auto coarse = fine.coarsened(factors);
         const auto coarse_held = whole_fixed(hierarchy.level(index + 1), Dim);
+        std::vector<double> expected(coarse_held.size(), 0.0);
         coarse.box.nodes.for_each([&](const Index<Dim>& node, std::int64_t offset) {
           IndexBox<Dim> around;  // fine nodes that this one interpolates to
           Index<Dim> place;
@@ -227,10 +231,30 @@ TYPED_TEST(LaneHierarchyTest, SupportsFollowThoseOfTheFinerLevel) {
             around.for_each([&](const Index<Dim>& at, std::int64_t) {
               nearby = nearby || held[fine.box.nodes.offset(at) * Dim + a] == 1.0;
             });
-            const bool expected = there ? held[fine.box.nodes.offset(place) * Dim + a] == 1.0 : nearby;
-            EXPECT_EQ(coarse_held[offset * Dim + a] == 1.0, coarse.touching[offset] > 0 && expected)
-                << index << " " << to_text<Dim>(node);
+            expected[offset * Dim + a] = there ? held[fine.box.nodes.offset(place) * Dim + a] : nearby;
           }
+        });
+        const std::vector<double> without_lost = expected;
+        fine.box.nodes.for_each([&](const Index<Dim>& node, std::int64_t offset) {
+          IndexBox<Dim> sources;  // coarse nodes that this one interpolates from
+          for (int axis = 0; axis < Dim; ++axis) {
+            sources.start[axis] = node[axis] / factors[axis];
+            sources.size[axis] = node[axis] % factors[axis] == 0 ? 1 : 2;
+          }
+          for (int a = 0; a < Dim; ++a) {
+            bool kept = false;
+            const auto place = [&](const Index<Dim>& at) { return coarse.box.nodes.offset(at) * Dim + a; };
+            sources.for_each(
+                [&](const Index<Dim>& at, std::int64_t) { kept = kept || without_lost[place(at)] == 1.0; });
+            if (held[offset * Dim + a] == 1.0 && !kept)
+              sources.for_each([&](const Index<Dim>& at, std::int64_t) { expected[place(at)] = 1.0; });
+          }
+        });
+        coarse.box.nodes.for_each([&](const Index<Dim>& node, std::int64_t offset) {
+          for (int a = 0; a < Dim; ++a)
+            EXPECT_EQ(coarse_held[offset * Dim + a] == 1.0,
+                      coarse.touching[offset] > 0 && expected[offset * Dim + a] == 1.0)
+                << index << " " << to_text<Dim>(node);
         });
         fine = coarse;
         held = coarse_held;
@@ -250,6 +274,49 @@ TYPED_TEST(LaneHierarchyTest, SupportsBetweenCoarseNodesAreKept) {
   const auto hierarchy = hierarchy_of(masked);
   for (int index = 0; index < hierarchy.count(); ++index)
     EXPECT_GT(test::largest(whole_fixed(hierarchy.level(index), Dim)), 0.0) << index;
+}
+
+/// Nor may one of two be lost, because the other is in line with the coarse nodes.
+TYPED_TEST(LaneHierarchyTest, EverySupportIsKept) {
+  constexpr int Dim = TypeParam::value;
+  Index<Dim> size;
+  size.fill(Dim == 2 ? 40 : 12);
+  const auto planes = [](const Index<Dim>& node, int) { return node[Dim - 1] == 0 || node[Dim - 1] == 7; };
+  const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, size, test::masks<Dim>()[0], Dim, planes);
+  const auto hierarchy = hierarchy_of(masked);
+  ASSERT_GT(hierarchy.count(), 1);
+  Index<Dim> near{}, far{};
+  ASSERT_EQ(hierarchy.level(0).factors[Dim - 1], 2);
+  near[Dim - 1] = 3;
+  far[Dim - 1] = 4;
+  const auto held = whole_fixed(hierarchy.level(1), Dim);
+  Index<Dim> nodes = hierarchy.level(1).elements;
+  for (int& count : nodes) ++count;
+  const IndexBox<Dim> box{{}, nodes};
+  for (const Index<Dim>& node : {Index<Dim>{}, near, far}) EXPECT_EQ(held[box.offset(node) * Dim], 1.0);
+}
+
+/// A strip of two lines of nodes must not become one line, about which a body could turn.
+TYPED_TEST(LaneHierarchyTest, StripsStayStrips) {
+  constexpr int Dim = TypeParam::value;
+  if (Dim == 2) return;
+  Index<Dim> size;
+  size.fill(24);
+  const auto strip = [](const Index<Dim>& node, int) { return node[Dim - 1] <= 1 && node[1] == 1; };
+  const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, size, test::masks<Dim>()[0], Dim, strip);
+  const auto hierarchy = hierarchy_of(masked);
+  ASSERT_GT(hierarchy.count(), 2);
+  for (int index = 0; index < hierarchy.count(); ++index) {
+    const auto held = whole_fixed(hierarchy.level(index), Dim);
+    Index<Dim> nodes = hierarchy.level(index).elements;
+    for (int& count : nodes) ++count;
+    std::set<std::pair<int, int>> lines;
+    const IndexBox<Dim> box{{}, nodes};
+    box.for_each([&](const Index<Dim>& node, std::int64_t offset) {
+      if (held[offset * Dim] == 1.0) lines.emplace(node[1], node[Dim - 1]);
+    });
+    EXPECT_GE(lines.size(), 2u) << index;
+  }
 }
 
 TYPED_TEST(LaneHierarchyTest, AgglomeratedLevelsAreTheSameOnAllRanks) {

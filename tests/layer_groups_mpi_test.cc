@@ -6,7 +6,6 @@
 
 #include "support/pipeline_case.h"
 #include "support/whole_field.h"
-#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -118,13 +117,25 @@ struct Results {
   SolverIterations iterations;
 };
 
+/// Field and time points in one list.
+template <int Dim>
+std::vector<double> whole_gradient(const Setup<Dim>& setup, const Design& share) {
+  const std::vector<double> field = setup.design_field(share.field);
+  std::vector<double> result = setup.design_support.on_nodes()
+                                   ? test::whole_node_field<Dim>(setup.grid, field)
+                                   : test::whole_element_field<Dim>(setup.grid, field);
+  result.insert(result.end(), share.time_points.begin(), share.time_points.end());
+  return result;
+}
+
 template <int Dim>
 Results evaluate(int groups, const Settings& settings) {
   Settings all = settings;
   all.emplace_back("solver.layer_groups", std::to_string(groups));
   test::PipelineCase<Dim> pipeline(all);
   const Setup<Dim>& setup = pipeline.setup;
-  const std::vector<double> design = setup.groups.share(pipeline.wavy_design());
+  Design design = pipeline.wavy_point();
+  design.field = setup.groups.share(design.field);
   Results results;
   for (int times = 0; times < 2; ++times) {  // the second time dealt out by the first one's iterations
     const auto state = pipeline.run(design);
@@ -133,10 +144,12 @@ Results evaluate(int groups, const Settings& settings) {
     std::vector<GradientRow> rows;
     for (int r = 0; r < static_cast<int>(results.values.size()); ++r)
       for (int c = 0; c < static_cast<int>(results.values[r].size()); ++c) rows.push_back({{r, c, 1.0}});
-    rows.push_back({{0, 0, 0.3}, {3, 0, -2.0}, {4, 0, 0.7}, {6, 1, 1.1}});  // with and without displacements
+    const int thickness = static_cast<int>(results.values.size()) - 2;
+    rows.push_back(
+        {{0, 0, 0.3}, {3, 0, -2.0}, {4, 0, 0.7}, {thickness, 1, 1.1}});  // with and without displacements
     results.gradients.clear();
-    for (const auto& share : pipeline.pipeline.gradients(pipeline.problem.responses(), state, rows))
-      results.gradients.push_back(test::whole_element_field<Dim>(setup.grid, setup.design_field(share)));
+    for (const Design& share : pipeline.pipeline.gradients(pipeline.problem.responses(), state, rows))
+      results.gradients.push_back(whole_gradient(setup, share));
     results.iterations = pipeline.pipeline.iterations();
   }
   return results;
@@ -158,7 +171,7 @@ void expect_same(const Settings& settings, double tolerance) {
     EXPECT_EQ(actual.iterations.adjoint.size(), expected.iterations.adjoint.size());
     EXPECT_EQ(actual.iterations.heat.size(), expected.iterations.heat.size());
     for (const auto* list : {&actual.iterations.primal, &actual.iterations.adjoint, &actual.iterations.heat})
-      EXPECT_GT(*std::min_element(list->begin(), list->end()), 0);
+      for (const int iterations : *list) EXPECT_GT(iterations, 0);
   }
 }
 
@@ -171,12 +184,28 @@ TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothing) {
   for (const char* layers : {"11", "2"}) expect_same<TypeParam::value>({{"layers.count", layers}}, 1e-9);
 }
 
+TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingAfterTheRelease) {
+  using test::operator+;
+  expect_same<TypeParam::value>(test::released_and_turning + test::on_clamped_substrate<TypeParam::value>() +
+                                    Settings{{"layers.count", "9"}, {"solver.reference_method", "direct"}},
+                                1e-8);
+}
+
 TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingOnTheReferencePath) {
   expect_same<TypeParam::value>({{"layers.count", "9"}, {"solver.path", "\"reference\""}}, 1e-9);
 }
 
 TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingInAQuietVoid) {
   expect_same<TypeParam::value>({{"process.void", "\"quiet\""}, {"sequence.filter_radius", "0.9"}}, 1e-9);
+}
+
+/// Time points get a part of their derivative from the layers of every group, and from responses.
+TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingWithTimePointsAndTimesOfNodes) {
+  const Settings variable = {{"layers.time_points", "variable"}, {"layers.count", "11"}};
+  expect_same<TypeParam::value>(variable, 1e-9);
+  Settings direct = variable;
+  direct.insert(direct.begin(), {"sequence", R"({"type": "direct", "location": "nodes"})"});
+  expect_same<TypeParam::value>(direct, 1e-9);
 }
 
 /// Increments of all layers can be had everywhere, and sum up to the displacement.

@@ -73,11 +73,11 @@ TYPED_TEST(ProblemTest, GradientsAgreeWithDifferencesOfMeritAndRows) {
         return all;
       },
       2e-3);
-  EXPECT_NEAR(test::dot(gradients.objective, direction), expected[0], 1e-6 * std::abs(expected[0]));
+  EXPECT_NEAR(test::dot(gradients.objective.field, direction), expected[0], 1e-6 * std::abs(expected[0]));
   ASSERT_EQ(gradients.constraints.size(), 2u * (4 + 3));
   ASSERT_EQ(gradients.constraint_values.size(), gradients.constraints.size());
   for (std::size_t row = 0; row < gradients.constraints.size(); ++row)
-    EXPECT_NEAR(test::dot(gradients.constraints[row], direction), expected[row + 1],
+    EXPECT_NEAR(test::dot(gradients.constraints[row].field, direction), expected[row + 1],
                 1e-6 * std::abs(expected[row + 1]))
         << row;
 }

@@ -34,6 +34,27 @@ TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
   }
 }
 
+/// Every element with a strain of its own, and with a substrate on clamps.
+TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
+  constexpr int Dim = TypeParam::value;
+  auto cases = test::void_models<Dim>();
+  for (const auto& settings : test::clamped_cases<Dim>()) cases.push_back(settings);
+  for (const auto& settings : cases) {
+    test::ProcessCase<Dim> process(settings);
+    const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
+    const std::vector<double> strains = test::noisy_strains(process.part());
+    std::vector<double> expected;
+    for (const auto& increment :
+         process.dense_increments(layers, test::whole_strains(process.part(), strains))) {
+      expected.resize(increment.size(), 0.0);
+      for (std::size_t i = 0; i < increment.size(); ++i) expected[i] += increment[i];
+    }
+    const auto actual = process.whole(process.simulation.simulate(layers, strains).displacement);
+    EXPECT_GT(test::largest(actual), 1e-4);
+    EXPECT_LT(test::relative_difference(actual, expected), 1e-7);
+  }
+}
+
 /// A strain along the normal of planar layers fits the plate and all layers without stress: what is below
 /// stays, the layer stretches, and what is above follows as a whole (void absent), overhanging or not.
 TYPED_TEST(ProcessSimulationTest, NormalStrainOfPlanarLayersAddsUpExactly) {
@@ -134,53 +155,30 @@ struct Functionals {
     for (LaneVector& batch : rows[1].increments)
       for (int lane = 0; lane < batch.lanes; ++lane, ++layer)
         for (std::size_t i = 0; i < batch.unknowns(); ++i) batch(i, lane) *= 2.0 * (layer + 1);
-    rows[2] = {rows[0].displacement, rows[1].increments};
+    rows[2] = {rows[0].displacement, rows[1].increments, {}};
     return rows;
   }
 
   std::vector<double> weights;
 };
 
-LayerDensities moved(const LayerDensities& layers, double step, const LayerDensities& direction, bool stage) {
-  LayerDensities result = layers;
-  for (int j = 0; j < layers.count(); ++j) {
-    if (stage)
-      result.stage[j] = test::moved(layers.stage[j], step, direction.stage[j]);
-    else
-      result.layer[j] = test::moved(layers.layer[j], step, direction.layer[j]);
-  }
-  return result;
-}
-
-/// A direction proportional to the densities, so that they stay positive on the way.
-LayerDensities direction_of(const LayerDensities& layers, auto&& noise) {
-  LayerDensities direction = layers;
-  for (int j = 0; j < layers.count(); ++j) {
-    const auto s = noise(2 * j), l = noise(2 * j + 1);
-    for (std::size_t e = 0; e < s.size(); ++e) {
-      direction.stage[j][e] *= s[e];
-      direction.layer[j][e] *= l[e];
-    }
-  }
-  return direction;
-}
-
 template <int Dim>
 void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, int count) {
   test::ProcessCase<Dim> process(settings);
   const LayerDensities layers = process.densities(process.wavy_time(), count, 8.0);
-  const LayerDensities direction =
-      direction_of(layers, [&](int salt) { return test::noise_field(process.part(), -1.0, 1.0, salt); });
+  const LayerDensities direction = test::direction_of(process.part(), layers);
   const Functionals<Dim> functionals(process.grid());
   const auto rows = functionals.derivatives(process.simulation.simulate(layers));
   std::array<DensityDerivatives, 3> derivatives = {DensityDerivatives(count), DensityDerivatives(count),
                                                    DensityDerivatives(count)};
-  const std::array<DensityDerivatives*, 3> pointers = {&derivatives[0], &derivatives[1], &derivatives[2]};
+  const std::array<ProcessDerivatives, 3> pointers = {ProcessDerivatives{&derivatives[0]},
+                                                      ProcessDerivatives{&derivatives[1]},
+                                                      ProcessDerivatives{&derivatives[2]}};
   process.simulation.pull_back(layers, rows, pointers);
   EXPECT_EQ(process.simulation.adjoint_iterations().size(), static_cast<std::size_t>(count));
   for (const bool stage : {true, false}) {
     const auto values = [&](double step) {
-      return functionals.values(process.simulation.simulate(moved(layers, step, direction, stage)));
+      return functionals.values(process.simulation.simulate(test::moved(layers, step, direction, stage)));
     };
     const auto expected = test::central_differences(values, 1e-3);
     for (int row = 0; row < 3; ++row) {

@@ -103,7 +103,8 @@ TEST_F(ReadConfigTest, TasksNeedWhatTheyNeed) {
   EXPECT_EQ(error_of({"objective=[]"}, Task::simulate), "no error");
   EXPECT_EQ(error_of({R"(sequence={"type": "planar"})"}, Task::simulate), "no error");
   EXPECT_EQ(error_of({R"(sequence={"type": "planar"})"}),
-            "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat with -task optimize, "
+            "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat, direct with -task "
+            "optimize, "
             "all with "
             "-task simulate");
   EXPECT_EQ(

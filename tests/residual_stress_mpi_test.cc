@@ -75,7 +75,7 @@ TYPED_TEST(ResidualStressTest, ReactionsBalance) {
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
     (void)process.simulation.simulate(layers);
-    const auto reactions = plate_reactions(process.simulation, layers);
+    const auto reactions = process.simulation.reactions(layers);
     process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
       for (int a = 0; a < Dim; ++a)
         EXPECT_TRUE(process.part().on_plate(node) || reactions[offset * Dim + a] == 0.0);
@@ -97,8 +97,8 @@ TYPED_TEST(ResidualStressTest, NothingIsLeftWithoutConstraint) {
   const LayerDensities layers = process.densities(process.planar_time(), 5, 10.0, true);
   (void)process.simulation.simulate(layers);
   EXPECT_LT(test::largest(residual_stress(process.simulation, layers)), 1e-10);
-  EXPECT_LT(test::largest(plate_reactions(process.simulation, layers)), 1e-10);
-  EXPECT_LT(test::largest(release_displacement(process.simulation, layers, test::exact_solver)), 1e-9);
+  EXPECT_LT(test::largest(process.simulation.reactions(layers)), 1e-10);
+  EXPECT_LT(test::largest(test::release(process, layers)), 1e-9);
 }
 
 /// Mean position of the part's plate nodes.
@@ -130,7 +130,7 @@ TYPED_TEST(ResidualStressTest, ReleaseGivesTheFreeContraction) {
       test::ProcessCase<Dim> process(settings);
       const LayerDensities layers = process.densities(process.planar_time(), 1, 10.0);
       const auto u = process.simulation.simulate(layers).displacement;
-      const auto v = release_displacement(process.simulation, layers, test::exact_solver);
+      const auto v = test::release(process, layers);
       const Point<Dim> center = plate_center(process);
       process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
         const Point<Dim> x = process.grid().node_position(node);
@@ -149,8 +149,8 @@ TYPED_TEST(ResidualStressTest, ReleaseBalancesTheReactions) {
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
     (void)process.simulation.simulate(layers);
-    const auto reactions = process.whole(plate_reactions(process.simulation, layers));
-    auto v = process.whole(release_displacement(process.simulation, layers, test::exact_solver));
+    const auto reactions = process.whole(process.simulation.reactions(layers));
+    auto v = process.whole(test::release(process, layers));
     EXPECT_GT(test::largest(v), 1e-4);
     auto forces = process.dense_system(layers, layers.count() - 1).multiply(v);
     for (double& force : forces) force = -force;

@@ -6,6 +6,7 @@
 
 #include "support/io_support.h"
 #include "support/pipeline_case.h"
+#include <algorithm>
 #include <vector>
 
 namespace fabseq {
@@ -104,7 +105,7 @@ struct Formulas {
       thickness.push_back((time_points[j + 1] - time_points[j]) / mean(j) / 0.5);
       double built = 0.0;
       for (const double s : stages[j]) built += s * grid.element_volume();
-      if (j + 1 < layers()) speed.push_back(built / part_volume() - (j + 1.0) / layers());
+      if (j + 1 < layers()) speed.push_back(built / part_volume() - time_points[j + 1]);
       if ((weight(j) - 1e-9 * static_cast<double>(magnitudes.size())) * grid.element_volume() <=
           1e-6 * part_volume() / layers())
         continue;
@@ -144,10 +145,9 @@ void expect_formulas(test::PipelineCase<Dim>& pipeline, const PipelineState<Dim>
 }
 
 template <int Dim>
-void expect_exact_gradients(test::PipelineCase<Dim>& pipeline) {
+void expect_exact_gradients(test::PipelineCase<Dim>& pipeline, const Design& design,
+                            const Design& direction) {
   const auto& responses = pipeline.problem.responses();
-  const std::vector<double> design = pipeline.wavy_design();
-  const std::vector<double> direction = pipeline.direction(design);
   const auto values = [&](const PipelineState<Dim>& state) {
     return pipeline.pipeline.values(responses, state);
   };
@@ -162,9 +162,37 @@ void expect_exact_gradients(test::PipelineCase<Dim>& pipeline) {
       [&](double step) { return flat(values(pipeline.run(test::moved(design, step, direction)))); }, 2e-3);
   ASSERT_EQ(gradients.size(), expected.size());
   for (std::size_t row = 0; row < rows.size(); ++row)
-    EXPECT_NEAR(test::dot(gradients[row], direction), expected[row], 1e-6 * std::abs(expected[row]))
+    EXPECT_NEAR(test::dot(gradients[row], direction), expected[row], 1e-6 * std::abs(expected[row]) + 1e-12)
         << pipeline.problem.component_name(rows[row][0].response, rows[row][0].component);
 }
+template <int Dim>
+void expect_exact_gradients(test::PipelineCase<Dim>& pipeline) {
+  const Design design = pipeline.wavy_point();
+  expect_exact_gradients(pipeline, design, pipeline.direction_at(design));
+}
+/// Field and time points each by itself.
+template <int Dim>
+void expect_exact_gradients_of_both(const Settings& settings) {
+  test::PipelineCase<Dim> pipeline(settings);
+  const Design design = pipeline.wavy_point(), direction = pipeline.direction_at(design);
+  Design field = direction, time_points = direction;
+  std::fill(field.time_points.begin(), field.time_points.end(), 0.0);
+  std::fill(time_points.field.begin(), time_points.field.end(), 0.0);
+  expect_exact_gradients(pipeline, design, field);
+  ASSERT_EQ(time_points.time_points.size(), 3u);
+  expect_exact_gradients(pipeline, design, time_points);
+}
+
+/// The objective of the config, and every constraint there is.
+const char* const all_constraints = R"([
+  {"type": "layer_thickness", "target": 0.5}, {"type": "deposition_speed"}, {"type": "continuity"},
+  {"type": "minimum_layer_volume", "fraction": 0.1}])";
+/// Terms that do not ask for |grad t|.
+const char* const plain_objective = R"([{"type": "distortion", "nodes": "tip"},
+  {"type": "distortion", "measure": "flatness", "nodes": "top", "axis": "x"},
+  {"type": "distortion", "measure": "layerwise"}])";
+const char* const plain_constraints =
+    R"([{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"}])";
 
 /// A grey part, written by the first rank.
 template <int Dim>
@@ -210,7 +238,7 @@ TYPED_TEST(ResponsesTest, ValuesFollowTheFormulas) {
 /// With far more layers than element heights some stay empty.
 TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasForEmptyLayers) {
   test::PipelineCase<TypeParam::value> pipeline;
-  const auto state = pipeline.pipeline.run(pipeline.wavy_design(), 20, 1.0, true);
+  const auto state = pipeline.pipeline.run({pipeline.wavy_design(), {}}, 20, 1.0, true);
   int empty = 0;
   for (const auto& layer : state.layers.layer)
     empty += max(PETSC_COMM_WORLD, test::largest(layer)) == 0.0 ? 1 : 0;
@@ -224,6 +252,89 @@ TYPED_TEST(ResponsesTest, GradientsAgreeWithDifferences) {
   test::PipelineCase<TypeParam::value> quiet(
       Settings{{"process.void", "quiet"}, {"sequence.mass", "lumped"}});
   expect_exact_gradients(quiet);
+}
+
+TYPED_TEST(ResponsesTest, GradientsWithVariableTimePointsAgreeWithDifferences) {
+  expect_exact_gradients_of_both<TypeParam::value>(
+      {{"layers.time_points", "variable"}, {"constraints", all_constraints}});
+}
+
+TYPED_TEST(ResponsesTest, GradientsOfTimesOfNodesAgreeWithDifferences) {
+  expect_exact_gradients_of_both<TypeParam::value>(
+      {{"layers.time_points", "variable"},
+       {"constraints", all_constraints},
+       {"sequence", R"({"type": "direct", "location": "nodes"})"}});
+}
+
+/// On a substrate all of its nodes are at the start; strains turn with the gradient of the pseudo-time.
+TYPED_TEST(ResponsesTest, GradientsOfTimesOfNodesOnASubstrateAgreeWithDifferences) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  expect_exact_gradients_of_both<Dim>(test::released_and_turning + test::on_clamped_substrate<Dim>() +
+                                      Settings{{"layers.time_points", "variable"},
+                                               {"constraints", all_constraints},
+                                               {"sequence", R"({"type": "direct", "location": "nodes"})"}});
+}
+
+TYPED_TEST(ResponsesTest, GradientsOfTimesOfElementsAgreeWithDifferences) {
+  expect_exact_gradients_of_both<TypeParam::value>({{"layers.time_points", "variable"},
+                                                    {"objective", plain_objective},
+                                                    {"constraints", plain_constraints},
+                                                    {"sequence", R"({"type": "direct"})"}});
+}
+
+TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasAtVariableTimePoints) {
+  test::PipelineCase<TypeParam::value> pipeline(Settings{{"layers.time_points", "variable"}});
+  const auto state = pipeline.run(pipeline.wavy_point());
+  EXPECT_NE(state.layers.time_points[1], 0.25);
+  expect_formulas(pipeline, state);
+}
+
+/// As a sum over the layer, without its floor; the row is relative to the least volume.
+TYPED_TEST(ResponsesTest, LeastVolumeIsAShareOfThePart) {
+  test::PipelineCase<TypeParam::value> pipeline(
+      Settings{{"constraints", R"([{"type": "minimum_layer_volume", "fraction": 0.15}])"}});
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const ProblemValues values = pipeline.problem.evaluate(pipeline.pipeline, state);
+  const Part<TypeParam::value>& part = pipeline.setup.part;
+  double worst = -1.0;
+  for (int j = 0; j < 4; ++j) {
+    const std::vector<double> ones(state.layers.layer[j].size(), 1.0);
+    const double volume = test::dot(state.layers.layer[j], ones) * part.grid().element_volume();
+    EXPECT_NEAR(values.constraints[0][j], 0.15 * part.volume() - volume, 1e-12);
+    worst = std::max(worst, 1.0 - volume / (0.15 * part.volume()));
+  }
+  EXPECT_NEAR(values.worst_constraint, worst, 1e-11);
+}
+
+TYPED_TEST(ResponsesTest, GradientsOfReleasedPartsWithTurningStrainAgreeWithDifferences) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  for (const Settings& settings :
+       {test::released_and_turning, test::released_and_turning + Settings{{"process.void", "quiet"}},
+        test::released_and_turning + test::on_clamped_substrate<Dim>(),
+        test::released_and_turning + test::on_clamped_substrate<Dim>() +
+            Settings{{"process.void", "quiet"},
+                     {"material.strain_scale", Dim == 2 ? "[1.2, 0.7]" : "[1.2, 0.7, 0.9]"}}}) {
+    test::PipelineCase<Dim> pipeline(settings);
+    expect_exact_gradients(pipeline);
+  }
+}
+
+/// Substrate and clamps in the lane engine, and what the reference path makes of them.
+TYPED_TEST(ResponsesTest, PathsAgreeOnReleasedPartsOnSubstrates) {
+  using test::operator+;
+  constexpr int Dim = TypeParam::value;
+  for (const char* void_model : {"absent", "quiet"}) {
+    const Settings settings = test::released_and_turning + test::on_clamped_substrate<Dim>() +
+                              Settings{{"process.void", void_model}};
+    test::PipelineCase<Dim> lanes(settings), reference(settings + Settings{{"solver.path", "reference"}});
+    const auto values = lanes.pipeline.values(lanes.problem.responses(), lanes.run(lanes.wavy_design()));
+    const auto expected =
+        reference.pipeline.values(reference.problem.responses(), reference.run(reference.wavy_design()));
+    for (std::size_t r = 0; r < values.size(); ++r)
+      EXPECT_LT(test::relative_difference(values[r], expected[r]), 1e-7) << r;
+  }
 }
 
 TYPED_TEST(ResponsesTest, GreyPartsWeighLess) {
@@ -247,11 +358,12 @@ TYPED_TEST(ResponsesTest, RowsAreWeightedSums) {
   std::vector<GradientRow> rows = {sum, {}};
   for (const WeightedComponent& term : sum) rows.push_back({{term.response, term.component, 1.0}});
   const auto gradients = pipeline.pipeline.gradients(responses, state, rows);
-  std::vector<double> expected(gradients[0].size(), 0.0);
+  std::vector<double> expected(gradients[0].field.size(), 0.0);
   for (std::size_t i = 0; i < sum.size(); ++i)
-    for (std::size_t e = 0; e < expected.size(); ++e) expected[e] += sum[i].weight * gradients[2 + i][e];
-  EXPECT_LT(test::relative_difference(gradients[0], expected), 1e-9);
-  EXPECT_EQ(test::largest(gradients[1]), 0.0);
+    for (std::size_t e = 0; e < expected.size(); ++e)
+      expected[e] += sum[i].weight * gradients[2 + i].field[e];
+  EXPECT_LT(test::relative_difference(gradients[0].field, expected), 1e-9);
+  EXPECT_EQ(test::largest(gradients[1].field), 0.0);
 }
 
 TYPED_TEST(ResponsesTest, PlanarLayersAreEven) {

@@ -42,5 +42,26 @@ TEST(SmoothStep, AgreesWithTheFormula) {
     }
 }
 
+/// Nothing moves at the ends of the time range, where the step is 1 and 0 whatever the time point.
+TEST(SmoothStep, TimePointDerivativeAgreesWithDifferences) {
+  for (const double beta : {0.3, 10.0, 300.0})
+    for (const double point : {0.04, 0.5, 0.96}) {
+      const SmoothStep step(point, beta);
+      const double h = 1e-4 / std::max(1.0, beta);
+      for (int i = 0; i <= 1000; ++i) {
+        const double time = 1e-3 * i;
+        const auto change = [&](double by) {
+          return (SmoothStep(point + by, beta).value(time) - SmoothStep(point - by, beta).value(time)) /
+                 (2.0 * by);
+        };
+        const double expected = (4.0 * change(0.5 * h) - change(h)) / 3.0;
+        EXPECT_NEAR(step.time_point_derivative(time), expected, 1e-9 * std::max(1.0, beta))
+            << time << ' ' << beta;
+      }
+      EXPECT_NEAR(step.time_point_derivative(0.0), 0.0, 1e-13 * beta);
+      EXPECT_NEAR(step.time_point_derivative(1.0), 0.0, 1e-13 * beta);
+    }
+}
+
 }  // namespace
 }  // namespace fabseq

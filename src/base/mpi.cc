@@ -60,6 +60,10 @@ std::string broadcast(MPI_Comm comm, const std::string& text) {
   return result;
 }
 
+void broadcast(MPI_Comm comm, std::span<double> values) {
+  MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, 0, comm);
+}
+
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value) {
   std::int64_t result = 0;
   MPI_Exscan(&value, &result, 1, MPI_INT64_T, MPI_SUM, comm);

@@ -12,16 +12,14 @@ namespace fabseq {
 
 namespace {
 
-/// docs/users-guide.md, conventions: nodes up to this share of the smallest spacing outside a shape count.
-constexpr double shape_tolerance = 1e-6;
-
 template <int Dim>
 std::vector<int> find_owned_nodes(const Part<Dim>& part, const Shape& shape) {
   const Grid<Dim>& grid = part.grid();
   const double tolerance = shape_tolerance * grid.smallest_spacing();
   std::vector<int> owned;
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    if (part.touched_nodes()[offset] != 0 && shape.contains(grid.node_position(node), tolerance))
+    const bool there = part.touched_nodes()[offset] != 0 || part.substrate().nodes()[offset] != 0;
+    if (there && shape.contains(grid.node_position(node), tolerance))
       owned.push_back(static_cast<int>(offset));
   });
   return owned;
@@ -91,7 +89,8 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   set.owned = find_owned_nodes<Dim>(part, description.shape);
   set.count = sum(comm, static_cast<std::int64_t>(set.owned.size()));
   if (set.count == 0)
-    throw InputError(key + ": no node that touches the part lies in or on the shape, needs at least one");
+    throw InputError(
+        key + ": no node that touches the part or the substrate lies in or on the shape, needs at least one");
   if (description.samples < 0 || description.samples > set.count)
     throw InputError(key + "/samples: " + std::to_string(description.samples) + " of a set of " +
                      std::to_string(set.count) + " nodes, needs 0 (all) to " + std::to_string(set.count));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -43,18 +44,27 @@ void require_plate(const BuildPlate& plate) {
 
 template <int Dim>
 Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate)
-    : grid_(grid), plate_(plate) {
+    : grid_(grid), plate_(plate), substrate_(grid, description.substrate) {
   require_plate<Dim>(plate);
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements());
+  for (std::size_t e = 0; e < density_.size(); ++e)
+    if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
-  PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate);
+  const std::vector<double> distance = substrate_.contact_distance();
+  std::vector<char> on_substrate(distance.size());
+  std::transform(distance.begin(), distance.end(), on_substrate.begin(),
+                 [](double value) { return static_cast<char>(std::isfinite(value)); });
+  PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, on_substrate);
   pieces_ = std::move(map.pieces);
   piece_of_element_ = std::move(map.piece_of_element);
   refuse_no_contact();
   drop_or_refuse_hanging_pieces(description);
-  collect_elements();
+  collect_elements(distance);
   measure_extent();
-  mark_touched_nodes();
+  std::vector<char> in_part(density_.size());
+  std::transform(density_.begin(), density_.end(), in_part.begin(),
+                 [](double value) { return static_cast<char>(value > 0.0); });
+  touched_nodes_ = nodes_of_elements(grid, in_part);
 }
 
 template <int Dim>
@@ -68,6 +78,7 @@ void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
   else
     message += ": no element's centre in the domain " + point_text<Dim>(Point<Dim>{}) + ".." +
                point_text<Dim>(grid_.domain().size) + " lies inside the shape";
+  if (substrate_.count() > 0) message += " and outside the substrate";
   throw InputError(message + "; needs at least one");
 }
 
@@ -82,8 +93,10 @@ void Part<Dim>::refuse_no_contact() const {
     return upper ? a.max[axis] > b.max[axis] : a.min[axis] < b.min[axis];
   };
   const Piece<Dim>& nearest = *std::min_element(pieces_.begin(), pieces_.end(), nearer);
+  const char* or_substrate = substrate_.count() > 0 ? " or on the substrate" : "";
   throw InputError("/build_plate: no element of the part has a face on the build plate " + plate_.name() +
-                   "; nearest: " + piece_text<Dim>(nearest) + ", needs contact with that face of the domain");
+                   or_substrate + "; nearest: " + piece_text<Dim>(nearest) +
+                   ", needs contact with that face of the domain" + or_substrate);
 }
 
 template <int Dim>
@@ -96,9 +109,9 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description
       list += (list.empty() ? "" : ", ") + piece_text<Dim>(piece);
   if (hanging == 0) return;
   if (hanging > listed) list += ", and " + std::to_string(hanging - listed) + " more";
-  const std::string message = "/part: " + std::to_string(hanging) +
-                              (hanging == 1 ? " piece is" : " pieces are") +
-                              " not connected to the build plate: " + list;
+  const std::string message =
+      "/part: " + std::to_string(hanging) + (hanging == 1 ? " piece is" : " pieces are") +
+      " not connected to the build plate" + (substrate_.count() > 0 ? " or the substrate: " : ": ") + list;
   if (!description.keep_connected)
     throw InputError(message + "; set part.keep to \"connected\" to drop " + (hanging == 1 ? "it" : "them"));
   if (description.announce) warn(message + "; dropped");
@@ -107,7 +120,7 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description
 }
 
 template <int Dim>
-void Part<Dim>::collect_elements() {
+void Part<Dim>::collect_elements(const std::vector<double>& distance_to_substrate) {
   const IndexBox<Dim>& box = grid_.owned_elements();
   double volume = 0.0;
   std::int64_t contact = 0;
@@ -118,7 +131,11 @@ void Part<Dim>::collect_elements() {
     part_density_.push_back(density);
     first_corners_.push_back(grid_.first_corner(element));
     volume += density;
-    if (plate_.touches<Dim>(element, grid_.domain().elements)) ++contact;
+    double distance = distance_to_substrate[offset];
+    if (plate_.touches<Dim>(element, grid_.domain().elements))
+      distance = std::min(distance, 0.5 * grid_.spacing()[plate_.axis]);
+    contact_distance_.push_back(distance);
+    if (std::isfinite(distance)) ++contact;
   });
   count_ = sum(grid_.comm(), static_cast<std::int64_t>(elements_.size()));
   plate_contact_ = sum(grid_.comm(), contact);
@@ -137,18 +154,6 @@ void Part<Dim>::measure_extent() {
       upper_[axis] = std::max(upper_[axis], piece.max[axis]);
     }
   }
-}
-
-template <int Dim>
-void Part<Dim>::mark_touched_nodes() {
-  std::vector<double> ghosted(static_cast<std::size_t>(grid_.ghosted_nodes().count()), 0.0);
-  for (const int first : first_corners_)
-    for (const int corner : grid_.corner_offsets()) ghosted[first + corner] = 1.0;
-  std::vector<double> owned(static_cast<std::size_t>(grid_.owned_nodes().count()));
-  grid_.exchange(1).add_to_owned(ghosted, owned);
-  touched_nodes_.resize(owned.size());
-  std::transform(owned.begin(), owned.end(), touched_nodes_.begin(),
-                 [](double value) { return value > 0.0 ? 1 : 0; });
 }
 
 template <int Dim>

@@ -157,7 +157,8 @@ struct PieceMeasures {
 }  // namespace
 
 template <int Dim>
-PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate) {
+PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
+                          const std::vector<char>& on_substrate) {
   const LocalComponents<Dim> components = flood_fill<Dim>(grid, density);
   const std::vector<std::int64_t> labels = join_components<Dim>(grid, components);
   const std::vector<std::int64_t> all_labels = gather_labels(grid.comm(), components.first, labels);
@@ -170,7 +171,9 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
     const std::int64_t label = labels[components.of_element[offset]];
     const auto piece = std::lower_bound(all_labels.begin(), all_labels.end(), label) - all_labels.begin();
     map.piece_of_element[offset] = static_cast<int>(piece);
-    measures.add(static_cast<int>(piece), element, plate.touches<Dim>(element, grid.domain().elements));
+    const bool stands = plate.touches<Dim>(element, grid.domain().elements) ||
+                        (!on_substrate.empty() && on_substrate[offset] != 0);
+    measures.add(static_cast<int>(piece), element, stands);
   });
   measures.reduce(grid.comm());
 
@@ -188,7 +191,9 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
   return map;
 }
 
-template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&);
-template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&);
+template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&,
+                                    const std::vector<char>&);
+template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&,
+                                    const std::vector<char>&);
 
 }  // namespace fabseq

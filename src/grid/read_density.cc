@@ -13,10 +13,7 @@ namespace fabseq {
 
 namespace {
 
-/// docs/users-guide.md, conventions: primitives contain points up to this share of the smallest spacing
-/// outside.
-constexpr double shape_tolerance = 1e-6;
-/// Work of an element outside the part relative to one inside.
+/// Work of an element outside part and substrate relative to one inside.
 constexpr double void_weight = 0.1;
 
 template <int Dim>
@@ -89,6 +86,10 @@ template <int Dim>
 Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description) {
   return Grid<Dim>(comm, domain, [&](const IndexBox<Dim>& box) {
     std::vector<double> weights = read_density<Dim>(comm, domain, description, box);
+    if (description.substrate) {
+      const std::vector<double> substrate = evaluate_shape<Dim>(domain, *description.substrate, box);
+      for (std::size_t e = 0; e < weights.size(); ++e) weights[e] = std::max(weights[e], substrate[e]);
+    }
     for (double& value : weights) value = value > 0.0 ? 1.0 : void_weight;
     return weights;
   });

@@ -126,8 +126,8 @@ CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>
   const Json description = broadcast_description(layout.grid.comm(), path);
   CheckpointState state = without_fields(description);
   for (const Json& name : description.at("fields").items())
-    state.set_field(name.string(), layout.from_elements(read_element_field(layout.grid, path, name.string(),
-                                                                           "-restart", "-restart")));
+    state.set_field(name.string(), layout.from_grid(read_field(layout.grid, layout.on_nodes, path,
+                                                               name.string(), "-restart", "-restart")));
   return state;
 }
 

@@ -65,8 +65,12 @@ MaterialSettings make_material(const Json& value) {
   MaterialSettings material;
   material.young = value.at("young").number();
   material.poisson = value.at("poisson").number();
-  material.inherent_strain =
-      scaled_strain(value.at("inherent_strain").numbers(), value.at("strain_scale").numbers());
+  material.strain_scale = value.at("strain_scale").numbers();
+  const Json& strain = value.at("inherent_strain");
+  if (strain.is_object())
+    material.turning_strain = TurningStrain{strain.at("tangential").number(), strain.at("normal").number()};
+  else
+    material.inherent_strain = scaled_strain(strain.numbers(), material.strain_scale);
   return material;
 }
 
@@ -93,11 +97,20 @@ void read_heat(SequenceSettings& sequence, const Json& value) {
   sequence.filter_radius = value.at("filter_radius").number();
 }
 
+void read_direct(SequenceSettings& sequence, const Json& value) {
+  sequence.scale = VariableScale::linear;
+  sequence.location = is(value, "location", "nodes") ? DesignLocation::nodes : DesignLocation::elements;
+  if (value.at("start").is_object()) sequence.start = make_shape(value.at("start"), "/sequence/start");
+}
+
 SequenceSettings make_sequence(const Json& value) {
   SequenceSettings sequence;
   if (is(value, "type", "heat")) {
     sequence.type = SequenceType::heat;
     read_heat(sequence, value);
+  } else if (is(value, "type", "direct")) {
+    sequence.type = SequenceType::direct;
+    read_direct(sequence, value);
   } else if (is(value, "type", "planar")) {
     sequence.type = SequenceType::planar;
     sequence.direction = optional_vector(value.at("direction"));
@@ -130,6 +143,7 @@ ObjectiveTerm make_objective_term(const Json& value) {
   if (const Json* nodes = value.find("nodes")) term.nodes = nodes->string();
   if (const Json* axis = value.find("axis")) term.axis = axis->string()[0] - 'x';
   if (const Json* mean = value.find("mean")) term.mean = mean->boolean();
+  if (const Json* after_release = value.find("after_release")) term.after_release = after_release->boolean();
   if (const Json* form = value.find("form")) term.form = form->string();
   return term;
 }
@@ -140,16 +154,24 @@ ConstraintTerm make_constraint(const Json& value) {
   if (const Json* target = value.find("target")) term.target = target->number();
   if (const Json* tolerance = value.find("tolerance")) term.tolerance = tolerance->number();
   if (const Json* slack = value.find("slack")) term.slack = slack->number();
+  if (const Json* limit = value.find("limit")) term.limit = limit->number();
+  if (const Json* fraction = value.find("fraction")) term.fraction = fraction->number();
   return term;
 }
 
-OptimizerSettings make_optimizer(const Json& value, VariableScale scale) {
+/// Largest step where the config leaves it to us, docs/formulation.md 9: measured for diffusivities on the log scale and for
+/// times, published for diffusivities themselves.
+double automatic_move_limit(const SequenceSettings& sequence) {
+  if (sequence.type == SequenceType::direct) return 0.02;
+  return sequence.scale == VariableScale::log ? 0.05 : 0.2;
+}
+
+OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequence) {
   OptimizerSettings optimizer;
   optimizer.max_iterations = integer(value, "max_iterations");
   optimizer.change_tolerance = value.at("change_tolerance").number();
-  // Measured defaults, docs/formulation.md 9.
-  const bool log_scale = scale == VariableScale::log;
-  optimizer.move_limit = optional_number(value.at("move_limit")).value_or(log_scale ? 0.05 : 0.2);
+  const bool log_scale = sequence.scale == VariableScale::log;
+  optimizer.move_limit = optional_number(value.at("move_limit")).value_or(automatic_move_limit(sequence));
   const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;
   optimizer.final_move_limit = optional_number(value.at("final_move_limit")).value_or(final_limit);
   const Json& asymptotes = value.at("asymptotes");
@@ -199,6 +221,11 @@ std::optional<double> Config::target_thickness() const {
   return std::nullopt;
 }
 
+bool Config::has_release() const {
+  return std::any_of(objective.begin(), objective.end(),
+                     [](const ObjectiveTerm& term) { return term.after_release; });
+}
+
 Config make_config(const Json& document, const std::string& directory) {
   Config config;
   config.effective = complete_config(document, directory);
@@ -206,18 +233,22 @@ Config make_config(const Json& document, const std::string& directory) {
   config.name = all.at("name").string();
   read_domain(config, all.at("domain"));
   config.part = make_part(all.at("part"));
+  if (const Json* substrate = all.find("substrate"))
+    config.part.substrate = make_shape(*substrate, "/substrate");
+  if (const Json* clamps = all.find("clamps")) config.part.clamps = make_shape(*clamps, "/clamps");
   config.plate = make_plate(all.at("build_plate").string());
   config.node_sets = make_node_sets(all.at("node_sets"));
   config.material = make_material(all.at("material"));
   config.process = make_process(all.at("process"));
   config.sequence = make_sequence(all.at("sequence"));
   config.layers.count = optional_integer(all.at("layers").at("count"));
+  config.layers.variable_time_points = is(all.at("layers"), "time_points", "variable");
   config.projection = make_projection(all.at("projection"));
   for (const Json& term : all.at("objective").items()) config.objective.push_back(make_objective_term(term));
   for (const Json& term : all.at("constraints").items()) config.constraints.push_back(make_constraint(term));
   config.baseline.layers = optional_integer(all.at("baseline").at("layers"));
   config.baseline.direction = optional_vector(all.at("baseline").at("direction"));
-  config.optimizer = make_optimizer(all.at("optimizer"), config.sequence.scale);
+  config.optimizer = make_optimizer(all.at("optimizer"), config.sequence);
   config.solver = make_solver(all.at("solver"));
   config.output = make_output(all.at("output"));
   check_rules(config);

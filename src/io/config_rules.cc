@@ -87,15 +87,38 @@ void check_distortion(const Config& config, std::size_t index) {
     refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
            "true only with measure displacement");
   }
+  if (term.after_release && term.measure == "layerwise") {
+    refuse(entry("objective", index, "after_release"), "true with measure layerwise",
+           "true only with measures displacement and flatness");
+  }
 }
 
-/// Thickness needs the gradient of the pseudo-time, which element-wise values from a file do not have.
+/// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.
+std::string without_gradient(const Config& config) {
+  const bool file = config.sequence.type == SequenceType::file;
+  return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
+         ", for which the gradient of the pseudo-time is not defined";
+}
+
 void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
-  if (config.sequence.type != SequenceType::file) return;
-  refuse(
-      pointer,
-      shown(type) + " with sequence type \"file\", for which the gradient of the pseudo-time is not defined",
-      "this type with sequence type heat or planar");
+  if (config.has_time_gradient()) return;
+  refuse(pointer, shown(type) + without_gradient(config),
+         "this type with sequence type heat, planar, or direct with location nodes");
+}
+
+/// Layers share the whole: they cannot all have more than an equal part.
+void check_least_volume(const Config& config, std::size_t index) {
+  const double fraction = config.constraints[index].fraction;
+  if (!config.layers.count || fraction * *config.layers.count <= 1.0) return;
+  refuse(entry("constraints", index, "fraction"),
+         shown(fraction) + " for each of " + std::to_string(*config.layers.count) + " layers",
+         "at most 1 / layers.count");
+}
+
+void check_strain(const Config& config) {
+  if (!config.material.turning_strain || config.has_time_gradient()) return;
+  refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
+         "a list of numbers, or sequence type heat, planar, or direct with location nodes");
 }
 
 void check_terms(const Config& config) {
@@ -107,6 +130,7 @@ void check_terms(const Config& config) {
   for (std::size_t i = 0; i < config.constraints.size(); ++i) {
     const std::string& type = config.constraints[i].type;
     if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
+    if (type == "minimum_layer_volume") check_least_volume(config, i);
   }
 }
 
@@ -141,6 +165,7 @@ void check_rules(const Config& config) {
   check_direction(config, "sequence", config.sequence.direction);
   check_direction(config, "baseline", config.baseline.direction);
   check_initial_diffusivity(config);
+  check_strain(config);
   check_terms(config);
   check_layers(config);
   check_projection(config);
@@ -151,9 +176,9 @@ void check_task(const Config& config, Task task) {
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");
-  if (config.sequence.type != SequenceType::heat) {
+  if (config.sequence.type != SequenceType::heat && config.sequence.type != SequenceType::direct) {
     refuse("/sequence/type", given(config, "sequence", "type") + ", which has nothing to vary",
-           "heat " + with_task + ", all with -task simulate");
+           "heat, direct " + with_task + ", all with -task simulate");
   }
   if (config.projection.binary)
     refuse("/projection/binary", "true", "false " + with_task + ", which needs derivatives");

@@ -53,15 +53,18 @@ std::string plain_values(const ConfigKey& key, int dimension) {
     case KeyType::bounds:
       return "a list of two ascending numbers" + range;
     case KeyType::strain:
-      if (dimension == 0) return "a list of 3 (xx, yy, xy) or 6 numbers (xx, yy, zz, xy, yz, zx)";
-      return dimension == 2 ? "a list of 3 numbers (xx, yy, xy)"
-                            : "a list of 6 numbers (xx, yy, zz, xy, yz, zx)";
+      return std::string(dimension == 0   ? "a list of 3 (xx, yy, xy) or 6 numbers (xx, yy, zz, xy, yz, zx)"
+                         : dimension == 2 ? "a list of 3 numbers (xx, yy, xy)"
+                                          : "a list of 6 numbers (xx, yy, zz, xy, yz, zx)") +
+             " or {\"tangential\": number, \"normal\": number}";
     case KeyType::points:
       return "a list of three or more pairs of numbers";
     case KeyType::shapes:
       return "a list of one or more shapes";
     case KeyType::sections:
       return "a list of objects";
+    case KeyType::shape:
+      return "an object with one shape";
     case KeyType::section:
     case KeyType::part:
     case KeyType::node_sets:

@@ -120,6 +120,9 @@ class Completion {
         return section(value, pointer, subsection(key));
       case KeyType::sections:
         return section_list(key, value, pointer);
+      case KeyType::shape:
+        return value.is_string() && !key.words.empty() ? checked_value(key, value, pointer, context_)
+                                                       : shape(value, pointer, "");
       case KeyType::part:
         return shape(value, pointer, "part");
       case KeyType::node_sets:

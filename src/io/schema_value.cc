@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 
 namespace fabseq {
@@ -43,10 +44,13 @@ class ValueCheck {
       case KeyType::vector:
       case KeyType::integer_vector:
       case KeyType::bounds:
-      case KeyType::strain:
         return numbers();
+      case KeyType::strain:
+        return value_.is_object() ? turning_strain() : numbers();
       case KeyType::points:
         return points();
+      case KeyType::shape:
+        refuse_found();  // a word it does not take
       default:
         return value_;  // objects and lists of them are checked key by key
     }
@@ -112,11 +116,6 @@ class ValueCheck {
   }
 
   Json numbers() const {
-    if (key_.type == KeyType::strain && value_.is_object()) {
-      for (const std::string& word : split(key_.later, ' ')) {
-        if (value_.find(word) != nullptr) refuse_later();
-      }
-    }
     if (!value_.is_array() || value_.items().size() != entries()) refuse_found();
     Json result = Json::array();
     for (std::size_t i = 0; i < value_.items().size(); ++i) {
@@ -130,6 +129,19 @@ class ValueCheck {
         key_.type != KeyType::bounds || value_.items()[0].number() < value_.items()[1].number();
     if (!ascending) refuse_found();
     return result;
+  }
+
+  /// A strain along and across the layers.
+  Json turning_strain() const {
+    const char* const names[] = {"tangential", "normal"};
+    if (value_.members().size() != std::size(names)) refuse_found();
+    for (const char* name : names) {
+      const Json* member = value_.find(name);
+      if (member == nullptr) refuse_found();
+      if (!is_number_in_range(*member))
+        refuse(pointer_to(pointer_, std::string(name)), shown(*member), "a number");
+    }
+    return value_;
   }
 
   Json points() const {

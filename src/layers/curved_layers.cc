@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fabseq {
 
@@ -14,10 +15,15 @@ constexpr double time_tolerance = 1e-12;
 
 }  // namespace
 
-CurvedLayers::CurvedLayers(std::span<const double> density, int count, double beta, bool binary)
-    : density_(density), beta_(beta), binary_(binary) {
-  for (int j = 0; j <= count; ++j) time_points_.push_back(static_cast<double>(j) / count);
+std::vector<double> uniform_time_points(int count) {
+  std::vector<double> result;
+  for (int j = 0; j <= count; ++j) result.push_back(static_cast<double>(j) / count);
+  return result;
 }
+
+CurvedLayers::CurvedLayers(std::span<const double> density, std::vector<double> time_points, double beta,
+                           bool binary)
+    : density_(density), time_points_(std::move(time_points)), beta_(beta), binary_(binary) {}
 
 LayerDensities CurvedLayers::densities(std::span<const double> time) const {
   LayerDensities result;
@@ -51,7 +57,7 @@ void CurvedLayers::apply_step(std::span<const double> time, double time_point,
 }
 
 void CurvedLayers::pull_back(std::span<const double> time, const DensityDerivatives& derivatives,
-                             std::span<double> d_time) const {
+                             std::span<double> d_time, std::span<double> d_time_points) const {
   if (binary_) return;
   std::vector<double> weight(density_.size());
   const auto add = [&weight](const std::vector<double>& derivative, double sign) {
@@ -70,14 +76,22 @@ void CurvedLayers::pull_back(std::span<const double> time, const DensityDerivati
     const SmoothStep step(time_points_[j + 1], beta_);
     for (std::size_t e = 0; e < weight.size(); ++e)
       d_time[e] += weight[e] * density_[e] * step.derivative(time[e]);
+    if (d_time_points.empty()) continue;
+    double sum = 0.0;
+    for (std::size_t e = 0; e < weight.size(); ++e)
+      sum += weight[e] * density_[e] * step.time_point_derivative(time[e]);
+    d_time_points[j + 1] += sum;
   }
 }
 
-std::vector<double> layer_index(std::span<const double> time, int count) {
-  std::vector<double> result(time.size());
-  for (std::size_t e = 0; e < time.size(); ++e) {
-    const double layer = std::ceil((time[e] - time_tolerance) * count);
-    result[e] = std::clamp(layer, 1.0, static_cast<double>(count));
+std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points) {
+  // Variable time points may be out of order: what counts is the latest so far.
+  std::vector<double> latest(time_points.begin() + 1, time_points.end());
+  for (std::size_t j = 1; j < latest.size(); ++j) latest[j] = std::max(latest[j], latest[j - 1]);
+  std::vector<double> result;
+  for (const double t : time) {
+    const auto layer = std::lower_bound(latest.begin(), latest.end(), t - time_tolerance) - latest.begin();
+    result.push_back(std::min(static_cast<double>(layer) + 1.0, static_cast<double>(latest.size())));
   }
   return result;
 }

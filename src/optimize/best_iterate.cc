@@ -2,8 +2,7 @@
 
 namespace fabseq {
 
-void BestIterate::offer(int iteration, double beta, const ProblemValues& values,
-                        const std::vector<double>& design) {
+void BestIterate::offer(int iteration, double beta, const ProblemValues& values, const Design& design) {
   const bool now_feasible = values.worst_constraint <= 0.0;
   const bool better = iteration_ == 0 || beta != beta_ ||
                       (now_feasible && (!feasible() || values.merit < merit_)) ||
@@ -22,7 +21,8 @@ void BestIterate::save(CheckpointState& state) const {
   state.set_scalar("best/beta", beta_);
   state.set_scalar("best/worst_constraint", worst_constraint_);
   state.set_scalar("best/merit", merit_);
-  state.set_field("best/design", design_);
+  state.set_field("best/design", design_.field);
+  if (!design_.time_points.empty()) state.set_array("best/time_points", design_.time_points);
 }
 
 void BestIterate::restore(const CheckpointState& state) {
@@ -31,7 +31,8 @@ void BestIterate::restore(const CheckpointState& state) {
   beta_ = state.number("best/beta");
   worst_constraint_ = state.number("best/worst_constraint");
   merit_ = state.number("best/merit");
-  design_ = state.field("best/design");
+  design_.field = state.field("best/design");
+  if (state.has_array("best/time_points")) design_.time_points = state.array("best/time_points");
 }
 
 }  // namespace fabseq

@@ -59,10 +59,21 @@ void run_check(const Setup<Dim>& setup) {
     print("  " + std::to_string(piece.elements) + " elements in " + place<Dim>(piece.min) + " to " +
           place<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
   }
-  print_line("plate contact: %lld elements", static_cast<long long>(part.plate_contact()));
+  const bool on_substrate = part.substrate().count() > 0;
+  const std::string place_of_contact = on_substrate ? "contact with plate or substrate: " : "plate contact: ";
+  if (on_substrate) print("substrate: " + std::to_string(part.substrate().count()) + " elements");
+  print(place_of_contact + std::to_string(part.plate_contact()) + " elements");
+  if (on_substrate || setup.config.part.clamps) {
+    const auto clamped = sum(setup.grid.comm(), static_cast<std::int64_t>(setup.supports.holding.size()));
+    print("clamped: " + std::to_string(clamped) + " nodes");
+  }
   print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
              geodesic_height(part, distance));
   print_line("layers: %d curved, %d planar in the baseline", setup.layer_count, setup.baseline_layers);
+  const std::int64_t variables =
+      sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
+  print_line("design variables: %lld on %s, %zu time points", static_cast<long long>(variables),
+             setup.design_support.on_nodes() ? "nodes" : "elements", setup.variable_time_points());
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_cost(setup);

@@ -14,7 +14,7 @@ namespace fabseq {
 
 namespace {
 
-/// A number in [-1, 1] that depends on the element's global position only.
+/// A number in [-1, 1] that depends on the variable's global position only.
 double pseudo_random(std::int64_t number) {
   auto bits = static_cast<std::uint64_t>(number) + 0x9e3779b97f4a7c15ULL;
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -23,22 +23,57 @@ double pseudo_random(std::int64_t number) {
   return 2.0 * static_cast<double>(bits >> 11) / 9007199254740992.0 - 1.0;
 }
 
+/// A direction in the space of one kind of variables; on the optimizer's scale for the field.
+struct Direction {
+  std::string variables;
+  Design along;  ///< zero for all other kinds
+};
+
 template <int Dim>
-std::vector<double> direction(const Part<Dim>& part) {
-  const Grid<Dim>& grid = part.grid();
-  std::vector<double> result;
-  for (const int element : part.elements())
-    result.push_back(pseudo_random(grid.all_elements().offset(grid.owned_elements().index(element))));
+std::vector<Direction> directions(const Setup<Dim>& setup, const Design& design) {
+  std::vector<Direction> result;
+  const Design zero{std::vector<double>(design.field.size(), 0.0),
+                    std::vector<double>(design.time_points.size(), 0.0)};
+  if (any(setup.world(), !design.field.empty())) {
+    std::vector<double> field;
+    for (std::size_t i = 0; i < setup.design_support.size(); ++i)
+      field.push_back(pseudo_random(setup.design_support.number(i)));
+    result.push_back({"design", zero});
+    result.back().along.field = setup.groups.share(field);
+  }
+  if (!design.time_points.empty()) {
+    result.push_back({"time_points", zero});
+    for (std::size_t j = 0; j < design.time_points.size(); ++j)
+      result.back().along.time_points[j] = pseudo_random(static_cast<std::int64_t>(j));
+  }
   return result;
 }
 
-/// The design moved by `step` along the direction, on the optimizer's scale, away from the bounds.
-std::vector<double> moved(const std::vector<double>& design, const std::vector<double>& along, double step,
-                          const DesignSpace& space) {
-  std::vector<double> result(design.size());
-  for (std::size_t i = 0; i < design.size(); ++i)
-    result[i] = space.from_unit(space.to_unit(design[i]) + step * along[i]);
+/// The design moved by `step` along the direction, away from the bounds.
+Design moved(const Design& design, const Design& along, double step, const DesignSpace& space) {
+  Design result = design;
+  for (std::size_t i = 0; i < design.field.size(); ++i)
+    if (along.field[i] != 0.0)
+      result.field[i] = space.from_unit(space.to_unit(design.field[i]) + step * along.field[i]);
+  for (std::size_t j = 0; j < design.time_points.size(); ++j)
+    result.time_points[j] = std::clamp(design.time_points[j] + step * along.time_points[j], 0.0, 1.0);
   return result;
+}
+
+/// Derivative along a direction; the same on all ranks.
+double slope_along(MPI_Comm comm, const Design& gradient, const Design& design, const Design& along,
+                   const DesignSpace& space) {
+  double product = 0.0;
+  for (std::size_t i = 0; i < design.field.size(); ++i)
+    product += gradient.field[i] * space.slope(design.field[i]) * along.field[i];
+  product = sum(comm, product);
+  for (std::size_t j = 0; j < design.time_points.size(); ++j)
+    product += gradient.time_points[j] * along.time_points[j];
+  return product;
+}
+
+double relative_error(double difference, double adjoint) {
+  return difference == adjoint ? 0.0 : std::abs(difference - adjoint) / std::abs(adjoint);
 }
 
 }  // namespace
@@ -54,11 +89,12 @@ double GradientCheck::worst() const {
 std::string GradientCheck::csv() const {
   std::ostringstream text;
   text.precision(10);
-  text << "name,type,value,adjoint,step,difference,relative_error\n";
+  text << "name,type,variables,value,adjoint,step,difference,relative_error\n";
   for (const GradientError& error : errors)
     for (std::size_t s = 0; s < steps.size(); ++s)
-      text << error.name << ',' << error.type << ',' << error.value << ',' << error.adjoint << ',' << steps[s]
-           << ',' << error.differences[s] << ',' << error.relative[s] << '\n';
+      text << error.name << ',' << error.type << ',' << error.variables << ',' << error.value << ','
+           << error.adjoint << ',' << steps[s] << ',' << error.differences[s] << ',' << error.relative[s]
+           << '\n';
   return text.str();
 }
 
@@ -67,6 +103,7 @@ Json GradientCheck::json() const {
   for (const GradientError& error : errors)
     list.append(Json::object({{"name", error.name},
                               {"type", error.type},
+                              {"variables", error.variables},
                               {"value", error.value},
                               {"adjoint", error.adjoint},
                               {"differences", error.differences},
@@ -77,43 +114,51 @@ Json GradientCheck::json() const {
 
 template <int Dim>
 GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                              const std::vector<double>& design) {
+                              const Design& design) {
   const DesignSpace space = pipeline.sequence().space();
-  const std::vector<double> along = setup.groups.share(direction(setup.part));
-  const auto run = [&](const std::vector<double>& x) {
+  const auto run = [&](const Design& x) {
     return pipeline.run(x, setup.layer_count, setup.first_beta(), false);
   };
   const auto state = run(design);
   const auto values = pipeline.values(problem.responses(), state);
   std::vector<GradientRow> rows;
-  GradientCheck check;
   for (std::size_t r = 0; r < values.size(); ++r)
-    for (std::size_t c = 0; c < values[r].size(); ++c) {
+    for (std::size_t c = 0; c < values[r].size(); ++c)
       rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
-      GradientError& error = check.errors.emplace_back();
-      error.name = problem.component_name(r, c);
-      error.type = problem.responses()[r]->type();
-      error.value = values[r][c];
-    }
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    double product = 0.0;
-    for (std::size_t i = 0; i < design.size(); ++i)
-      product += gradients[row][i] * space.slope(design[i]) * along[i];
-    check.errors[row].adjoint = sum(setup.world(), product);
-  }
-  for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) {
-    check.steps.push_back(step);
-    const auto ahead = pipeline.values(problem.responses(), run(moved(design, along, step, space)));
-    const auto behind = pipeline.values(problem.responses(), run(moved(design, along, -step, space)));
+  GradientCheck check;
+  for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) check.steps.push_back(step);
+  for (const auto& [variables, along] : directions(setup, design)) {
+    const std::size_t first = check.errors.size();
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const auto [response, component, weight] = rows[row][0];
-      GradientError& error = check.errors[row];
-      error.differences.push_back((ahead[response][component] - behind[response][component]) / (2.0 * step));
-      error.relative.push_back(std::abs(error.differences.back() - error.adjoint) / std::abs(error.adjoint));
+      GradientError& error = check.errors.emplace_back();
+      error.name = problem.component_name(response, component);
+      error.type = problem.responses()[response]->type();
+      error.variables = variables;
+      error.value = values[response][component];
+      error.adjoint = slope_along(setup.world(), gradients[row], design, along, space);
+    }
+    for (const double step : check.steps) {
+      const auto ahead = pipeline.values(problem.responses(), run(moved(design, along, step, space)));
+      const auto behind = pipeline.values(problem.responses(), run(moved(design, along, -step, space)));
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        const auto [response, component, weight] = rows[row][0];
+        GradientError& error = check.errors[first + row];
+        error.differences.push_back((ahead[response][component] - behind[response][component]) /
+                                    (2.0 * step));
+        error.relative.push_back(relative_error(error.differences.back(), error.adjoint));
+      }
     }
   }
   return check;
+}
+
+/// Steps must not end on a bound: the field keeps a tenth of the range from both, time points, which are closer to each
+/// other, a thousandth.
+void keep_off_the_bounds(Design& design, const DesignSpace& space) {
+  for (double& value : design.field) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
+  for (double& time : design.time_points) time = std::clamp(time, 1e-3, 1.0 - 1e-3);
 }
 
 template <int Dim>
@@ -125,20 +170,18 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
     print("this sequence has no design variables: there are no gradients to check");
     return;
   }
-  std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
-  // Steps must not end on a bound: the design keeps a tenth of the range from both.
-  const DesignSpace space = pipeline.sequence().space();
-  for (double& value : design) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
+  Design design = starting_design(setup, pipeline.sequence(), command_line);
+  keep_off_the_bounds(design, pipeline.sequence().space());
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
-  print("component             type                     adjoint   best relative error");
+  print("component             type                  variables           adjoint   best relative error");
   for (const GradientError& error : check.errors) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-18s %14.6e   %.1e", error.name.c_str(), error.type.c_str(),
-                  error.adjoint, error.best());
+    std::snprintf(line, sizeof line, "%-20s  %-20s  %-12s %14.6e   %.1e", error.name.c_str(),
+                  error.type.c_str(), error.variables.c_str(), error.adjoint, error.best());
     print(line);
   }
   char line[80];
@@ -146,10 +189,8 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print(line + directory.path());
 }
 
-template GradientCheck check_gradients<2>(const Setup<2>&, Problem<2>&, Pipeline<2>&,
-                                          const std::vector<double>&);
-template GradientCheck check_gradients<3>(const Setup<3>&, Problem<3>&, Pipeline<3>&,
-                                          const std::vector<double>&);
+template GradientCheck check_gradients<2>(const Setup<2>&, Problem<2>&, Pipeline<2>&, const Design&);
+template GradientCheck check_gradients<3>(const Setup<3>&, Problem<3>&, Pipeline<3>&, const Design&);
 template void run_check_gradients<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
 template void run_check_gradients<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
 

@@ -65,7 +65,8 @@ std::string GradientCheck::svg(const std::string& title) const {
     const double y = frame.top + 12.0 + 18.0 * static_cast<double>(i);
     text << "'/>\n<line x1='580' x2='604' y1='" << y - 4 << "' y2='" << y - 4 << "' stroke='" << color
          << "' stroke-dasharray='" << dashes << "' stroke-width='2'/>\n<text x='610' y='" << y << "'>"
-         << errors[i].name << " " << errors[i].type << "</text>\n";
+         << errors[i].name << " " << errors[i].type
+         << (errors[i].variables == "design" ? "" : ", " + errors[i].variables) << "</text>\n";
   }
   text << "</svg>\n";
   return text.str();

@@ -1,5 +1,6 @@
 #include "fabseq/optimize/pipeline.h"
 
+#include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/solve/lane_elasticity.h"
@@ -51,10 +52,36 @@ std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Setup<Dim>& setup, const
   return std::make_unique<ReferenceHeat<Dim>>(setup.grid, model.domain, model.lumped, settings);
 }
 
+template <int Dim>
+std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Setup<Dim>& setup, double tolerance) {
+  const SequenceSettings& settings = setup.config.sequence;
+  const auto target = setup.config.target_thickness();
+  const double gradient = target ? 1.0 / (setup.layer_count * *target) : 0.0;
+  auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
+  auto solver = make_heat_solver(setup, *model, tolerance);
+  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
+                                             std::move(solver), setup.groups.across(), setup.lanes);
+}
+
+/// T_0 ... T_N of a design.
+std::vector<double> time_points_of(const Design& design, int layers) {
+  if (design.time_points.empty()) return uniform_time_points(layers);
+  std::vector<double> result = {0.0};
+  result.insert(result.end(), design.time_points.begin(), design.time_points.end());
+  result.push_back(1.0);
+  return result;
+}
+
 }  // namespace
 
 AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance) {
   return {config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "elasticity_"};
+}
+
+ReleaseSolver release_solver(const Config& config, double tolerance) {
+  return {{config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "release_"},
+          config.solver.path,
+          lane_cycle(config.solver)};
 }
 
 AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance) {
@@ -70,15 +97,11 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
     case SequenceType::file:
       return std::make_unique<GivenSequence<Dim>>(
           time_from_file(setup.part, settings.file, settings.dataset));
+    case SequenceType::direct:
+      return make_direct_sequence(setup.part, setup.design_support, *setup.start);
     default:
-      break;
+      return make_heat_sequence(setup, tolerance);
   }
-  const auto target = setup.config.target_thickness();
-  const double gradient = target ? 1.0 / (setup.layer_count * *target) : 0.0;
-  auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
-  auto solver = make_heat_solver(setup, *model, tolerance);
-  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
-                                             std::move(solver), setup.groups.across(), setup.lanes);
 }
 
 template <int Dim>
@@ -92,27 +115,32 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
     : setup_(setup),
       timer_(timer),
       sequence_(std::move(sequence)),
-      model_(setup.part, setup.config.material, setup.config.process),
+      strain_(setup.config.material, setup.characteristic_length),
+      model_(setup.part, setup.supports, setup.config.material, setup.config.process),
       process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver(),
-               setup.lanes) {}
+               setup.lanes) {
+  if (setup.config.has_release()) process_.release_with(release_solver(setup.config, tolerance));
+}
 
 template <int Dim>
-PipelineState<Dim> Pipeline<Dim>::run(std::span<const double> design, int layers, double beta, bool binary) {
+PipelineState<Dim> Pipeline<Dim>::run(const Design& design, int layers, double beta, bool binary) {
   time_ = nullptr;
+  variable_time_points_ = !design.time_points.empty();
   {
     const auto scope = timer_.enter(Phase::heat);
-    time_ = &sequence_->update(setup_.groups.gather(design));
+    time_ = &sequence_->update(setup_.groups.gather(design.field));
   }
   {
     const auto scope = timer_.enter(Phase::layers);
-    layers_.emplace(setup_.part.part_density(), layers, beta, binary);
+    layers_.emplace(setup_.part.part_density(), time_points_of(design, layers), beta, binary);
     layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
-  const ProcessResult& result = process_.simulate(densities_);
+  const ProcessResult& result = process_.simulate(densities_, strain_.strains(time_->gradient));
   iterations_.primal = result.iterations;
   iterations_.adjoint.clear();
-  iterations_.heat = {time_->iterations};
+  iterations_.heat.clear();
+  if (!time_->temperature.empty()) iterations_.heat.push_back(time_->iterations);
   return {*time_, densities_, result};
 }
 
@@ -130,13 +158,18 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(
 }
 
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::gradients(
-    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
-    const std::vector<GradientRow>& rows) {
+std::vector<Design> Pipeline<Dim>::gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                             const PipelineState<Dim>& state,
+                                             const std::vector<GradientRow>& rows) {
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
   add_explicit_derivatives(responses, state, dealt);
   pull_back_process(state, dealt);
-  return pull_back_sequence(pull_back_layers(state, dealt), dealt);
+  auto fields = pull_back_sequence(pull_back_layers(state, dealt), dealt);
+  auto time_points = sum_up_time_points(dealt);
+  std::vector<Design> result;
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    result.push_back({std::move(fields[row]), std::move(time_points[row])});
+  return result;
 }
 
 template <int Dim>
@@ -148,7 +181,7 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     const bool shared = std::any_of(terms.begin(), terms.end(), [&](const WeightedComponent& term) {
       return responses[term.response]->uses_displacements();
     });
-    result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count())});
+    result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count()), {}, {}});
   }
   const std::vector<double> work(rows.size(), 1.0);  // a heat adjoint each
   const LayerDeal deal =
@@ -199,11 +232,11 @@ template <int Dim>
 void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> adjoints;
-  std::vector<DensityDerivatives*> derivatives;
+  std::vector<ProcessDerivatives> derivatives;
   for (Row& row : rows) {
     if (!row.shared) continue;
     adjoints.push_back(std::move(row.adjoint.process));
-    derivatives.push_back(&row.adjoint.densities);
+    derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr});
   }
   if (!adjoints.empty()) process_.pull_back(state.layers, adjoints, derivatives);
   iterations_.adjoint = process_.adjoint_iterations();
@@ -219,8 +252,14 @@ std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState
     if (!is_own(row) && !row.shared) continue;
     TimeDerivatives time = std::move(row.adjoint.time);
     if (time.time.empty()) time.time.assign(state.time.time.size(), 0.0);
-    layers_->pull_back(state.time.time, row.adjoint.densities, time.time);
+    if (variable_time_points_) row.time_points.assign(state.layers.count() + 1, 0.0);
+    layers_->pull_back(state.time.time, row.adjoint.densities, time.time, row.time_points);
     if (row.shared) setup_.groups.sum_at(row.owner, time.time);
+    if (row.shared && strain_.turns()) {
+      if (time.gradient.empty()) time.gradient.assign(state.time.gradient.size(), 0.0);
+      strain_.pull_back(state.time.gradient, row.strains, time.gradient);
+      setup_.groups.sum_at(row.owner, time.gradient);
+    }
     if (is_own(row)) result.push_back(std::move(time));
   }
   return result;
@@ -241,11 +280,35 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<con
     owners.push_back(rows[row].owner);
     if (is_own(rows[row]) && next < solves.size()) iterations[row] = solves[next++];
   }
-  if (sequence_->has_design()) {
+  if (!time_->temperature.empty()) {
     setup_.groups.sum(iterations);
     iterations_.heat.insert(iterations_.heat.end(), iterations.begin(), iterations.end());
   }
   return setup_.groups.share_out(gradients, owners, sequence_->variables());
+}
+
+/// Derivatives by T_1 ... T_{N-1} of every row, from what the layers of all ranks contribute and from what is explicit,
+/// which one rank adds.
+template <int Dim>
+std::vector<std::vector<double>> Pipeline<Dim>::sum_up_time_points(const std::vector<Row>& rows) const {
+  std::vector<std::vector<double>> result(rows.size());
+  if (!variable_time_points_) return result;
+  const int layers = layers_->count();
+  std::vector<double> sums(rows.size() * (layers + 1), 0.0);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    double* sum = &sums[row * (layers + 1)];
+    const std::vector<double>& from_layers = rows[row].time_points;
+    for (std::size_t j = 0; j < from_layers.size(); ++j) sum[j] += from_layers[j];
+    if (!is_own(rows[row]) || rank_of(setup_.groups.domain()) != 0) continue;
+    const std::vector<double>& from_responses = rows[row].adjoint.densities.time_points;
+    for (std::size_t j = 0; j < from_responses.size(); ++j) sum[j] += from_responses[j];
+  }
+  sum_in_place(setup_.world(), sums);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const auto first = sums.begin() + static_cast<std::ptrdiff_t>(row * (layers + 1));
+    result[row].assign(first + 1, first + layers);
+  }
+  return result;
 }
 
 template class Pipeline<2>;

@@ -60,8 +60,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {
     const auto& values = result.constraints[i];
     for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(values.size()), 1.0))
-      result.worst_constraint =
-          std::max(result.worst_constraint, row.sign * (values[row.component] - row.bound));
+      result.worst_constraint = std::max(result.worst_constraint, row.violation(values[row.component]));
   }
   return result;
 }
@@ -89,9 +88,10 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
     const auto& components = values.constraints[i];
     for (const ConstraintRow& row :
          responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
-      result.constraint_values.push_back(row.sign * (components[row.component] - row.bound));
-      auto& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
-      for (double& entry : gradient) entry *= row.sign;
+      result.constraint_values.push_back(row.violation(components[row.component]));
+      Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
+      for (auto* entries : {&gradient.field, &gradient.time_points})
+        for (double& entry : *entries) entry *= row.sign / row.scale;
     }
   }
   return result;

@@ -148,7 +148,8 @@ GroupChoice choose_automatically(const Config& config, const RunSize& size, doub
 template <int Dim>
 RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ranks) {
   std::int64_t nodes = 0;
-  for (const char touched : part.touched_nodes()) nodes += touched;
+  for (std::size_t node = 0; node < part.touched_nodes().size(); ++node)
+    nodes += part.touched_nodes()[node] != 0 || part.substrate().nodes()[node] != 0 ? 1 : 0;
   nodes = sum(part.grid().comm(), nodes);
   if (config.process.void_model == VoidModel::quiet) nodes = part.grid().all_nodes().count();
   RunSize size;

@@ -86,11 +86,11 @@ void RunOutput<Dim>::dump_failure(const Pipeline<Dim>& pipeline) {
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
-  fields.add_elements("design", design);
+  fields.add(setup_.design_support.on_nodes(), "design", design);
   std::vector<double> time, layer;
   if (const PseudoTime<Dim>* last = pipeline.last_time(); last != nullptr) {
     time = setup_.part.expand(last->time);
-    layer = setup_.part.expand(layer_index(last->time, setup_.layer_count));
+    layer = setup_.part.expand(layer_index(last->time, pipeline.last_time_points()));
     fields.add_elements("time", time);
     fields.add_elements("layer", layer);
     if (!last->temperature.empty()) fields.add_nodes("temperature", last->temperature);

@@ -52,7 +52,7 @@ void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& sol
 template <int Dim>
 void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& values,
                                const StepReport& step, Pipeline<Dim>& pipeline,
-                               const PipelineState<Dim>& state, const std::vector<double>& design) {
+                               const PipelineState<Dim>& state, const Design& design) {
   {
     const auto scope = timer_.enter(Phase::output);
     const int every = setup_.config.output.every;
@@ -62,7 +62,7 @@ void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& 
   const double now = MPI_Wtime();
   const double total = now - iteration_start_;
   iteration_start_ = now;
-  write_history(iteration, beta, values, step, pipeline, state, total);
+  write_history(iteration, beta, values, step, pipeline, state, design, total);
   for (int phase = 0; phase < phase_count; ++phase) phase_seconds_[phase] += timer_.seconds()[phase];
   timer_.reset();
 
@@ -80,11 +80,11 @@ void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& 
 template <int Dim>
 void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValues& values,
                                    const StepReport& step, const Pipeline<Dim>& pipeline,
-                                   const PipelineState<Dim>& state, double total) {
+                                   const PipelineState<Dim>& state, const Design& design, double total) {
   const SolverIterations& solves = pipeline.iterations();
   Json objective = Json::array();
   for (const auto& value : values.objective) objective.append(value[0]);
-  history_.append(Json::object(
+  Json line = Json::object(
       {{"iteration", iteration},
        {"objective", objective},
        {"objective_scaled", values.scaled},
@@ -94,29 +94,32 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
        {"change", step.change},
        {"merit", values.merit},
        {"interior_minima", count_interior_minima<Dim>(setup_.part, state.time.time)},
-       {"temperature_range",
-        std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature}},
        {"optimizer", Json::object({{"newton_steps", step.mma.newton_steps},
                                    {"residual", step.mma.kkt_residual},
                                    {"relaxation", step.mma.largest_violation}})},
        {"solver_iterations",
         Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}})},
        {"seconds", seconds_record(timer_.seconds(), total)},
-       {"peak_memory_bytes", peak_memory_bytes(setup_.world())}}));
+       {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
+  if (!state.time.temperature.empty())
+    line.set("temperature_range",
+             std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
+  if (!design.time_points.empty()) line.set("time_points", design.time_points);
+  history_.append(line);
 }
 
 template <int Dim>
-void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state,
-                                 const std::vector<double>& design) {
+void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state, const Design& design) {
   const std::vector<double> time = setup_.part.expand(state.time.time);
-  const std::vector<double> layer = setup_.part.expand(layer_index(state.time.time, state.layers.count()));
-  const std::vector<double> design_field = setup_.design_field(design);
+  const std::vector<double> layer =
+      setup_.part.expand(layer_index(state.time.time, state.layers.time_points));
+  const std::vector<double> design_field = setup_.design_field(design.field);
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
   fields.add_elements("time", time);
   fields.add_elements("layer", layer);
-  fields.add_elements("design", design_field);
+  fields.add(setup_.design_support.on_nodes(), "design", design_field);
   if (!state.time.temperature.empty()) fields.add_nodes("temperature", state.time.temperature);
   fields.add_nodes("displacement", state.process.displacement, Dim);
   directory_.make_folder("fields");
@@ -138,6 +141,7 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   record.set("binary", reports.binary.block);
   record.set("baseline", baseline_.block);
   record.set("interior_minima", reports.interior_minima);
+  if (!best.design().time_points.empty()) record.set("time_points", best.design().time_points);
   directory_.write("summary.json", record.dump(2) + "\n");
   print_table(reports, record);
 }
@@ -157,16 +161,19 @@ Json RunOutput<Dim>::summary(const RunEnd& end) const {
 
 template <int Dim>
 void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIterate& best) {
-  const std::vector<double> design = setup_.design_field(best.design());
+  const std::vector<double> design = setup_.design_field(best.design().field);
+  const std::vector<double> substrate = setup_.substrate_field();
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
   fields.add_elements("density", setup_.part.density());
-  fields.add_elements("design", design);
+  if (setup_.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
+  fields.add(setup_.design_support.on_nodes(), "design", design);
   reports.optimized.add_fields(fields, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   baseline_.add_fields(fields, "planar/");
   Hdf5Writer file(setup_.world(), directory_.file("result.h5"));
   file.template write_fields<Dim>(fields);
+  if (!best.design().time_points.empty()) file.write_array("time_points", best.design().time_points);
   file.write_attribute("name", setup_.config.name);
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());

@@ -5,15 +5,15 @@
 namespace fabseq {
 
 template <int Dim>
-RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, std::vector<double> design)
+RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, Design design)
     : problem(setup),
       continuation(setup.config.projection, setup.first_beta(), setup.last_beta(), setup.config.optimizer),
-      optimizer(setup.world(), sequence.space(), design.size(), setup.config.optimizer),
+      optimizer(setup.world(), sequence.space(), design, setup.config.optimizer),
       settings_(setup.config.optimizer),
       design_(std::move(design)) {}
 
 template <int Dim>
-void RunState<Dim>::complete(std::vector<double> next, double change) {
+void RunState<Dim>::complete(Design next, double change) {
   design_ = std::move(next);
   change_ = change;
   ++completed_;
@@ -36,7 +36,8 @@ CheckpointState RunState<Dim>::save() const {
   state.set_scalar("iteration", completed_);
   state.set_scalar("beta", continuation.beta(completed_ + 1));
   state.set_scalar("change", change_);
-  state.set_field("design", design_);
+  state.set_field("design", design_.field);
+  if (!design_.time_points.empty()) state.set_array("time_points", design_.time_points);
   problem.save(state);
   continuation.save(state);
   optimizer.save(state);
@@ -48,7 +49,8 @@ template <int Dim>
 void RunState<Dim>::restore(const CheckpointState& state) {
   completed_ = state.integer("iteration");
   change_ = state.number("change");
-  design_ = state.field("design");
+  design_.field = state.field("design");
+  if (!design_.time_points.empty()) design_.time_points = state.array("time_points");
   problem.restore(state);
   continuation.restore(state);
   optimizer.restore(state);

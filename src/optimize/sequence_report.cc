@@ -21,7 +21,8 @@ Json layer_table(const Setup<Dim>& setup, const PipelineState<Dim>& state) {
   return table;
 }
 
-/// Largest and rms displacement of the part's nodes.
+}  // namespace
+
 template <int Dim>
 Json displacement_size(const Part<Dim>& part, const std::vector<double>& displacement) {
   double largest = 0.0, total = 0.0, count = 0.0;
@@ -36,8 +37,6 @@ Json displacement_size(const Part<Dim>& part, const std::vector<double>& displac
   const MPI_Comm comm = part.grid().comm();
   return Json::object({{"max", max(comm, largest)}, {"rms", std::sqrt(sum(comm, total) / sum(comm, count))}});
 }
-
-}  // namespace
 
 template <int Dim>
 void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& prefix) const {
@@ -56,7 +55,7 @@ SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>&
                                {"layers", layer_table(setup, state)},
                                {"displacement", displacement_size(setup.part, state.process.displacement)}});
   report.time = setup.part.expand(state.time.time);
-  report.layer = setup.part.expand(layer_index(state.time.time, state.layers.count()));
+  report.layer = setup.part.expand(layer_index(state.time.time, state.layers.time_points));
   report.temperature = state.time.temperature;
   report.displacement = state.process.displacement;
   return report;
@@ -71,6 +70,8 @@ int used_layers(const Json& block) {
   }));
 }
 
+template Json displacement_size<2>(const Part<2>&, const std::vector<double>&);
+template Json displacement_size<3>(const Part<3>&, const std::vector<double>&);
 template struct SequenceReport<2>;
 template struct SequenceReport<3>;
 template SequenceReport<2> report_sequence<2>(const Setup<2>&, const Problem<2>&, Pipeline<2>&,

@@ -5,6 +5,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/schema.h"
+#include "fabseq/process/release.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/solve/interpolation.h"
@@ -14,6 +15,29 @@
 
 namespace fabseq {
 
+namespace {
+
+template <int Dim>
+std::optional<StartRegion> start_region(const Part<Dim>& part, const SequenceSettings& settings) {
+  if (settings.type != SequenceType::direct) return std::nullopt;
+  return make_start_region(part, settings);
+}
+
+template <int Dim>
+DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
+                                       const std::optional<StartRegion>& start) {
+  switch (settings.type) {
+    case SequenceType::heat:
+      return {part.grid(), false, part.elements()};
+    case SequenceType::direct:
+      return {part.grid(), settings.location == DesignLocation::nodes, start->free};
+    default:
+      return {part.grid(), false, {}};
+  }
+}
+
+}  // namespace
+
 template <int Dim>
 Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
     : config(config_),
@@ -21,6 +45,9 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       groups(world, group_choice.groups),
       grid(make_balanced_grid(groups.domain(), config_.domain<Dim>(), config_.part)),
       part(grid, config_.part, config_.plate),
+      supports(part, config_.part),
+      start(start_region(part, config_.sequence)),
+      design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
       baseline_layers(resolve_baseline_layers()),
       lanes(resolved_lanes(world, config_, run_size(config_, part, layer_count, size_of(world)),
@@ -30,7 +57,20 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
   (void)grid.node_dm(Dim * std::min(lanes, std::max(layer_count, baseline_layers)));
   for (const auto& [name, description] : config.node_sets)
     node_sets.emplace(name, make_node_set(part, name, description));
+  require_release();
   warn_about_method();
+}
+
+/// Refuses terms after a release that there cannot be.
+template <int Dim>
+void Setup<Dim>::require_release() const {
+  for (std::size_t i = 0; i < config.objective.size(); ++i) {
+    if (!config.objective[i].after_release) continue;
+    const std::string reason = release_obstacle(grid, supports, config.process.void_model);
+    if (!reason.empty())
+      refuse("/objective/" + std::to_string(i) + "/after_release", "true, but " + reason,
+             "false for this part");
+  }
 }
 
 /// The solvers themselves say nothing: there are many of them.
@@ -53,8 +93,11 @@ int Setup<Dim>::resolve_baseline_layers() const {
 
 template <int Dim>
 DesignLayout<Dim> Setup<Dim>::design_layout() const {
-  return {grid, [this](std::span<const double> share) { return design_field(share); },
-          [this](std::span<const double> field) { return groups.share(part.restrict_to_part(field)); }};
+  return {grid, design_support.on_nodes(),
+          [this](std::span<const double> share) { return design_field(share); },
+          [this](std::span<const double> field) {
+            return groups.share(design_support.restrict_to_variables(field));
+          }};
 }
 
 template <int Dim>

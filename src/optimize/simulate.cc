@@ -8,6 +8,8 @@
 #include "fabseq/process/residual_stress.h"
 
 #include <cmath>
+#include <optional>
+#include <span>
 
 namespace fabseq {
 
@@ -37,21 +39,51 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
   }
 }
 
-/// Release from the plate; empty, and `failure` the reason, where its solve fails: the simulation is done by
-/// then and shall not be lost.
+/// Release from plate or clamps. Empty if the part falls apart then, which is warned about, or, with `failure` the
+/// reason, if the solve fails: the simulation is done by then and shall not be lost.
 template <int Dim>
-std::vector<double> try_release(const ProcessSimulation<Dim>& process, const LayerDensities& layers,
-                                AssembledSolverSettings solver, std::string& failure) {
-  solver.options_prefix = "release_";
+std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation<Dim>& process,
+                                const PipelineState<Dim>& state, std::string& failure) {
+  if (!state.process.release.empty()) return state.process.release;  // a term asked for it
+  const std::string obstacle = release_obstacle(setup.grid, setup.supports, setup.config.process.void_model);
+  if (!obstacle.empty()) {
+    warn("no release_displacement: " + obstacle);
+    return {};
+  }
+  const std::vector<double> reactions = process.reactions(state.layers);
+  std::vector<double> release;
   try {
-    std::vector<double> release;
-    process.groups().run([&] { release = release_displacement(process, layers, solver); });
-    return release;
+    process.groups().run([&] {
+      Release<Dim> solver(process.model(), release_solver(setup.config, setup.config.solver.tolerance));
+      release = solver.displacement(reactions);
+    });
   } catch (const NumericalError& error) {
     failure = error.what();
     return {};
   }
+  return release;
 }
+
+template <int Dim>
+Json stress_record(const Part<Dim>& part, std::span<const double> stress) {
+  const StressExtremes<Dim> extremes = stress_extremes(part, stress);
+  return Json::object({{"von_mises", extremes.von_mises},
+                       {"lowest", std::vector<double>(extremes.lowest.begin(), extremes.lowest.end())},
+                       {"highest", std::vector<double>(extremes.highest.begin(), extremes.highest.end())}});
+}
+
+/// Displacement and stress once the part is released.
+template <int Dim>
+struct Released {
+  std::vector<double> displacement, stress;
+
+  Released(const ElasticModel<Dim>& model, std::span<const double> before,
+           std::span<const double> stress_before, std::span<const double> release)
+      : displacement(before.begin(), before.end()), stress(finished_stress(model, release)) {
+    for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += release[i];
+    for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += stress_before[i];
+  }
+};
 
 }  // namespace
 
@@ -61,28 +93,35 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const double tolerance = setup.config.solver.tolerance;
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
   const Problem<Dim> problem(setup);
-  const std::vector<double> design = starting_design(setup, pipeline.sequence(), command_line);
+  const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
   std::string failure;
-  const std::vector<double> release = try_release(
-      pipeline.process(), state.layers, elasticity_solver_settings(setup.config, tolerance), failure);
+  const std::vector<double> release = try_release(setup, pipeline.process(), state, failure);
+  std::optional<Released<Dim>> released;
+  if (!release.empty())
+    released.emplace(pipeline.process().model(), state.process.displacement, stress, release);
   const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
-  const std::vector<double> design_field = has_design ? setup.design_field(design) : std::vector<double>();
+  const std::vector<double> design_field =
+      has_design ? setup.design_field(design.field) : std::vector<double>();
+  const std::vector<double> substrate = setup.substrate_field();
   FieldSet<Dim> fields;
   fields.grid = &setup.grid;
   fields.add_elements("density", setup.part.density());
-  if (has_design) fields.add_elements("design", design_field);
+  if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
+  if (has_design) fields.add(setup.design_support.on_nodes(), "design", design_field);
   report.add_fields(fields, "");
-  if (failure.empty()) fields.add_nodes("release_displacement", release, Dim);
+  if (released) fields.add_nodes("release_displacement", release, Dim);
   fields.add_elements("residual_stress", stress, voigt_size<Dim>);
+  if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
+  if (!design.time_points.empty()) file.write_array("time_points", design.time_points);
   file.write_array("layer_displacement_norms", norms);
   if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), setup.layer_count);
   file.write_attribute("name", setup.config.name);
@@ -95,13 +134,24 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
+  if (!design.time_points.empty()) record.set("time_points", design.time_points);
   record.set("layer_displacement_norms", norms);
+  record.set("residual_stress", stress_record(setup.part, stress));
+  if (released)
+    record.set("released",
+               Json::object({{"displacement", displacement_size(setup.part, released->displacement)},
+                             {"residual_stress", stress_record(setup.part, released->stress)}}));
   record.set("seconds", seconds_record(timer.seconds(), MPI_Wtime() - start));
   record.set("peak_memory_bytes", peak_memory_bytes(setup.world()));
   directory.write("summary.json", record.dump(2) + "\n");
   print(pipeline.process().solver_description());
   print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +
         report.block.at("displacement").at("rms").dump());
+  if (released)
+    print("after the release: largest displacement " +
+          record.at("released").at("displacement").at("max").dump() + ", largest equivalent stress " +
+          record.at("released").at("residual_stress").at("von_mises").dump() +
+          " (before: " + record.at("residual_stress").at("von_mises").dump() + ")");
   for (const Json& response : report.block.at("responses").items())
     print(response.at("name").string() + " (" + response.at("type").string() +
           "): " + response.at("value").dump());

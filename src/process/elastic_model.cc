@@ -1,34 +1,56 @@
 #include "fabseq/process/elastic_model.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace fabseq {
 
 template <int Dim>
-ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const MaterialSettings& material_,
-                                const ProcessSettings& settings_)
+ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& supports_,
+                                const MaterialSettings& material_, const ProcessSettings& settings_)
     : part(part_),
+      supports(supports_),
       material(material_),
       settings(settings_),
-      element(part.grid().spacing(), part.grid().domain().thickness, material.poisson),
-      strain_load(element.strain_load(material.inherent_strain)) {
+      element(part.grid().spacing(), part.grid().domain().thickness, material.poisson) {
+  for (int c = 0; c < voigt_size<Dim>; ++c) {
+    std::array<double, voigt_size<Dim>> strain{};
+    strain[c] = 1.0;
+    unit_loads[c] = element.strain_load(strain);
+  }
+  if (!material.turning_strain) strain_load = element.strain_load(material.inherent_strain);
+
   const Grid<Dim>& grid = part.grid();
   domain.components = Dim;
-  if (settings.void_model == VoidModel::quiet) {
-    grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
-      domain.first_corners.push_back(grid.first_corner(index));
-    });
-    part_position = part.elements();
-  } else {
-    domain.first_corners = part.first_corners();
-    part_position.resize(part.elements().size());
-    std::iota(part_position.begin(), part_position.end(), 0);
-  }
-  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim);
-  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    std::fill_n(domain.fixed.begin() + offset * Dim, Dim, part.on_plate(node) ? 1 : 0);
+  part_position.resize(part.elements().size());
+  std::size_t next = 0;
+  grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t offset) {
+    const bool in_part = next < part.elements().size() && part.elements()[next] == offset;
+    const bool stands = part.substrate().elements()[offset] != 0;
+    if (!in_part && !stands && settings.void_model == VoidModel::absent) return;
+    if (in_part) part_position[next] = static_cast<int>(elements.size());
+    part_element.push_back(in_part ? static_cast<int>(next++) : stands ? in_substrate : in_void);
+    elements.push_back(static_cast<int>(offset));
+    domain.first_corners.push_back(grid.first_corner(index));
   });
+  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim);
+  for (std::size_t node = 0; node < supports.held.size(); ++node)
+    std::fill_n(domain.fixed.begin() + static_cast<std::ptrdiff_t>(node * Dim), Dim, supports.held[node]);
+}
+
+template <int Dim>
+std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
+  std::vector<double> result(elements.size());
+  for (std::size_t e = 0; e < result.size(); ++e)
+    result[e] = stiffness(stage_density(part.part_density(), e));
+  return result;
+}
+
+template <int Dim>
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain) const {
+  ElementLoad result{};
+  for (int c = 0; c < voigt_size<Dim>; ++c)
+    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += strain[c] * unit_loads[c][i];
+  return result;
 }
 
 template struct ElasticModel<2>;

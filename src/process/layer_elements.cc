@@ -27,8 +27,12 @@ void LayerElements<Dim>::for_blocks(int first, int lanes, Use&& use) const {
 template <int Dim>
 std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densities, int first,
                                                   int lanes) const {
-  // Elements outside the part, where the model has any, carry the least stiffness.
-  std::vector<double> result(model_.domain.first_corners.size() * lanes, model_.settings.min_stiffness);
+  // Elements outside the part, where the model has any, keep theirs.
+  static const std::vector<double> none;
+  std::vector<double> result(model_.elements.size() * lanes);
+  for (std::size_t e = 0; e < model_.elements.size(); ++e)
+    if (model_.part_element[e] < 0)
+      std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
   for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
     for (int i = 0; i < Width; ++i) {
       const auto& stage = densities.stage[block.first_layer + i];
@@ -67,15 +71,18 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& 
   }
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
+  typename ElasticModel<Dim>::ElementLoad own_load{};
   for (std::size_t e = block.begin; e < block.end; ++e) {
     const double* of_element = &factors[(e - block.begin) * Width];
     // An element belongs to few layers.
     if (std::all_of(of_element, of_element + Width, [](double factor) { return factor == 0.0; })) continue;
     const auto factor = Lanes<Width>::load(of_element);
+    if (!strains_.empty()) own_load = model_.load_of(&strains_[e * voigt_size<Dim>]);
+    const auto& element_load = strains_.empty() ? model_.strain_load : own_load;
     for (int corner = 0; corner < corner_count<Dim>; ++corner)
       for (int a = 0; a < Dim; ++a) {
         double* place = load + (static_cast<std::size_t>(corners[e] + offsets[corner]) * Dim + a) * lanes;
-        (Lanes<Width>::load(place) + factor * model_.strain_load[corner * Dim + a]).store(place);
+        (Lanes<Width>::load(place) + factor * element_load[corner * Dim + a]).store(place);
       }
   }
 }
@@ -83,7 +90,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& 
 template <int Dim>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int first,
                                          const LaneVector& increments, const LaneVector& adjoints,
-                                         DensityDerivatives& derivatives) const {
+                                         DensityDerivatives& derivatives, std::span<double> d_strains) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
   const int lanes = increments.lanes;
@@ -95,15 +102,15 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int fi
   const double* u = ghosted(increments, u_room);
   const double* lambda = ghosted(adjoints, lambda_room);
   for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
-    add_derivatives<Width>(densities, block, u + lane, lambda + lane, lanes, derivatives);
+    add_derivatives<Width>(densities, block, u + lane, lambda + lane, lanes, derivatives, d_strains);
   });
 }
 
 template <int Dim>
 template <int Width>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
-                                         const double* lambda, int lanes,
-                                         DensityDerivatives& derivatives) const {
+                                         const double* lambda, int lanes, DensityDerivatives& derivatives,
+                                         std::span<double> d_strains) const {
   std::array<double, block_size * Width> mutual, work;
   const ElementEnergy<Dim, Width> energies(stiffness_, model_.strain_load);
   energies.for_each(std::span(model_.part.first_corners()).subspan(block.begin, block.end - block.begin),
@@ -112,6 +119,7 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
                       energy.mutual.store(&mutual[e * Width]);
                       energy.work.store(&work[e * Width]);
                     });
+  if (!strains_.empty()) add_strain_derivatives<Width>(densities, block, lambda, lanes, work, d_strains);
   for (int i = 0; i < Width; ++i) {
     const int layer = block.first_layer + i;
     const double* stage_density = densities.stage[layer].data();
@@ -123,6 +131,46 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
       d_stage[e] += model_.stiffness_derivative(stage_density[e]) * mutual[at];
       d_layer[e] -= model_.load_derivative(layer_density[e]) * work[at];
     }
+  }
+}
+
+/// With strain eps_c f_c for the unit loads f_c: lambda^T f_0 = sum_c eps_c lambda^T f_c, and
+/// dJ/d(eps_c) = -sum_j drho_j^q lambda_j^T f_c.
+template <int Dim>
+template <int Width>
+void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Block& block,
+                                                const double* lambda, int lanes, std::span<double> work,
+                                                std::span<double> d_strains) const {
+  constexpr int components = voigt_size<Dim>;
+  const auto& corners = model_.part.first_corners();
+  const auto& offsets = model_.part.grid().corner_offsets();
+  for (std::size_t e = block.begin; e < block.end; ++e) {
+    std::array<double, Width> factors{};
+    bool counts = false;
+    for (int i = 0; i < Width; ++i) {
+      const double density = densities.layer[block.first_layer + i][e];
+      factors[i] = model_.load(density);
+      counts = counts || factors[i] != 0.0 || model_.load_derivative(density) != 0.0;
+    }
+    double* of_element = &work[(e - block.begin) * Width];
+    std::fill_n(of_element, Width, 0.0);
+    if (!counts) continue;  // an element belongs to few layers
+    std::array<Lanes<Width>, components> duals;
+    duals.fill(Lanes<Width>::zero());
+    for (int i = 0; i < element_unknowns<Dim>; ++i) {
+      const std::size_t unknown = static_cast<std::size_t>(corners[e] + offsets[i / Dim]) * Dim + i % Dim;
+      const auto value = Lanes<Width>::load(lambda + unknown * lanes);
+      for (int c = 0; c < components; ++c) duals[c] += value * model_.unit_loads[c][i];
+    }
+    auto sum = Lanes<Width>::zero();
+    for (int c = 0; c < components; ++c) {
+      sum += duals[c] * strains_[e * components + c];
+      std::array<double, Width> dual{};
+      duals[c].store(dual.data());
+      for (int i = 0; i < Width && !d_strains.empty(); ++i)
+        d_strains[e * components + c] -= factors[i] * dual[i];
+    }
+    sum.store(of_element);
   }
 }
 

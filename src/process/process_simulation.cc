@@ -49,8 +49,20 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       block_solver_(blocks),
       lanes_(lanes),
       elements_(model),
+      supports_(model),
       solver_(std::move(solver)) {
   result_.all_layers = groups.world();
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::release_with(const ReleaseSolver& solver) {
+  release_ = std::make_unique<Release<Dim>>(model_, solver);
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::start_cold() {
+  solver_->start_cold();
+  if (release_) release_->start_cold();
 }
 
 template <int Dim>
@@ -68,7 +80,9 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, cons
 }
 
 template <int Dim>
-const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities) {
+const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities,
+                                                      std::vector<double> strains) {
+  elements_.set_strains(std::move(strains));
   const std::int64_t nodes = model_.part.grid().owned_nodes().count();
   deal_out(densities.count());
   result_.displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
@@ -85,7 +99,36 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   // A layer takes some time whatever its iterations.
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer];
+  if (!release_) return result_;
+  // A single right-hand side cannot be shared out.
+  const std::vector<double> forces = reactions(densities);
+  result_.release.assign(forces.size(), 0.0);
+  groups_.run([&] {
+    if (groups_.index() == 0) result_.release = release_->displacement(forces);
+  });
+  groups_.broadcast(0, result_.release);
   return result_;
+}
+
+template <int Dim>
+std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& densities) const {
+  std::vector<double> result(model_.domain.fixed.size(), 0.0);
+  for (std::size_t number = 0; number < result_.blocks.size(); ++number)
+    supports_.add_reactions(densities, elements_.strains(), result_.blocks[number].first,
+                            result_.increments[number], result);
+  groups_.sum(result);
+  return result;
+}
+
+/// How the supports move in the adjoints of a functional of the release.
+template <int Dim>
+std::vector<double> ProcessSimulation<Dim>::release_motion(std::span<const double> derivative) {
+  std::vector<double> motion(derivative.size());
+  groups_.run([&] {
+    if (groups_.index() == 0) motion = release_->adjoint(derivative);
+  });
+  groups_.broadcast(0, motion);
+  return motion;
 }
 
 template <int Dim>
@@ -123,12 +166,17 @@ std::vector<double> ProcessSimulation<Dim>::increment(int layer) const {
 
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
-                                       std::span<DensityDerivatives* const> derivatives) {
+                                       std::span<const ProcessDerivatives> derivatives) {
   adjoint_iterations_.assign(densities.count(), 0);
+  std::vector<std::vector<double>> motions;
+  for (const ProcessAdjoint& row : rows)
+    motions.push_back(row.release.empty() ? std::vector<double>() : release_motion(row.release));
+  for (const ProcessDerivatives& row : derivatives)
+    if (row.strains != nullptr) row.strains->resize(elements_.strains().size(), 0.0);
   groups_.run([&] {
     std::vector<LaneVector> loads(rows.size()), adjoints(rows.size());
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-      pull_back_block(densities, number, rows, derivatives, loads, adjoints);
+      pull_back_block(densities, number, rows, derivatives, motions, loads, adjoints);
   });
   solver_->rest();
   groups_.sum(adjoint_iterations_);
@@ -139,7 +187,8 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
                                              std::span<const ProcessAdjoint> rows,
-                                             std::span<DensityDerivatives* const> derivatives,
+                                             std::span<const ProcessDerivatives> derivatives,
+                                             std::span<const std::vector<double>> motions,
                                              std::span<LaneVector> loads, std::span<LaneVector> adjoints) {
   const LayerBlock& block = result_.blocks[number];
   const LaneVector& increments = result_.increments[number];
@@ -147,6 +196,7 @@ void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, st
     resize(loads[row], increments.nodes, Dim, block.lanes);
     resize(adjoints[row], increments.nodes, Dim, block.lanes);
     set_adjoint_load(rows[row], number, loads[row]);
+    if (!motions[row].empty()) supports_.subtract_motion(densities, block.first, motions[row], loads[row]);
   }
   set_operators(densities, block, false);
   const auto reports = solver_->solve(loads, adjoints);
@@ -156,7 +206,12 @@ void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, st
       int& iterations = adjoint_iterations_[block.first + lane];
       iterations = std::max(iterations, reports[row][lane].iterations);
     }
-    elements_.add_derivatives(densities, block.first, increments, adjoints[row], *derivatives[row]);
+    if (!motions[row].empty()) supports_.add_motion(motions[row], adjoints[row]);
+    const std::span<double> d_strains = derivatives[row].strains != nullptr
+                                            ? std::span<double>(*derivatives[row].strains)
+                                            : std::span<double>();
+    elements_.add_derivatives(densities, block.first, increments, adjoints[row], *derivatives[row].densities,
+                              d_strains);
   }
 }
 

@@ -1,36 +1,26 @@
+#include "fabseq/process/release.h"
+
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/process/residual_stress.h"
+#include "fabseq/base/session.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <sstream>
-
-extern "C" void dposv_(const char* uplo, const int* n, const int* nrhs, double* a, const int* lda, double* b,
-                       const int* ldb, int* info);
 
 namespace fabseq {
 
 namespace {
 
-/// Owned nodes of the model's elements, the plate's too.
-template <int Dim>
-std::vector<int> model_nodes(const ElasticModel<Dim>& model) {
-  SystemDomain free = model.domain;
-  std::fill(free.fixed.begin(), free.fixed.end(), 0);
-  const UnknownNumbering<Dim> numbering(model.part.grid(), free);
-  return numbering.owned_nodes();
-}
+/// What needs more is solved again by the reference path.
+constexpr int lane_iterations = 300;
 
-/// Owned plate nodes of the part. Where the void is quiet, its plate nodes hold nothing: they are as soft as the void.
+/// Owned nodes of the model's elements, held ones too.
 template <int Dim>
-std::vector<int> plate_nodes(const ElasticModel<Dim>& model) {
-  std::vector<int> result;
-  const auto& touched = model.part.touched_nodes();
-  for (std::size_t node = 0; node < touched.size(); ++node)
-    if (touched[node] != 0 && model.domain.fixed[node * Dim] != 0) result.push_back(static_cast<int>(node));
-  return result;
+std::vector<char> nodes_of_model(const ElasticModel<Dim>& model) {
+  std::vector<char> elements(static_cast<std::size_t>(model.part.grid().owned_elements().count()), 0);
+  for (const int element : model.elements) elements[element] = 1;
+  return nodes_of_elements(model.part.grid(), elements);
 }
 
 /// The node of all ranks with the largest measure, the lowest lexicographic number among equals.
@@ -63,20 +53,6 @@ double length(const std::array<double, Size>& v) {
   return std::sqrt(square);
 }
 
-/// Rotation of position x by a unit rotation number k about the origin: 2D one, 3D about each axis.
-template <int Dim>
-Point<Dim> rotated(const Point<Dim>& x, int k) {
-  Point<Dim> result{};
-  const int a = Dim == 2 ? 0 : (k + 1) % 3;
-  const int b = Dim == 2 ? 1 : (k + 2) % 3;
-  result[a] = -x[b];
-  result[b] = x[a];
-  return result;
-}
-
-template <int Dim>
-constexpr int rotation_count = Dim == 2 ? 1 : 3;
-
 /// Supports that hold every rigid motion and nothing else: three nodes in 3D, two in 2D.
 template <int Dim>
 std::vector<char> statically_determinate_supports(const Grid<Dim>& grid, const std::vector<int>& nodes) {
@@ -98,7 +74,6 @@ std::vector<char> statically_determinate_supports(const Grid<Dim>& grid, const s
   for (int axis = 0; axis < Dim; ++axis) fix(a, axis);
   for (int axis = 0; axis < Dim; ++axis)
     if (axis != largest_component(edge)) fix(b, axis);
-  bool held = length(edge) > 0.0;
   if constexpr (Dim == 3) {
     const auto cross = [&](const Point<3>& x) {
       const Point<3> e = difference(x, origin);
@@ -106,99 +81,105 @@ std::vector<char> statically_determinate_supports(const Grid<Dim>& grid, const s
                       edge[0] * e[1] - edge[1] * e[0]};
     };
     const Index<3> c = farthest_node(grid, nodes, [&](const Point<3>& x) { return length(cross(x)); });
-    const Point<3> moment = cross(grid.node_position(c));
-    held = held && length(moment) > 1e-9 * length(edge) * length(edge);
-    fix(c, largest_component(moment));
+    fix(c, largest_component(cross(grid.node_position(c))));
   }
-  if (!held)
-    throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
   return fixed;
-}
-
-/// Takes the least-squares rigid motion of the plate's nodes out of `displacement`.
-template <int Dim>
-void remove_rigid_motion(const Grid<Dim>& grid, const std::vector<int>& nodes,
-                         std::vector<double>& displacement) {
-  constexpr int modes = Dim + rotation_count<Dim>;
-  std::vector<double> center(Dim + 1, 0.0);
-  for (const int node : nodes) {
-    const Point<Dim> x = grid.node_position(grid.owned_nodes().index(node));
-    for (int axis = 0; axis < Dim; ++axis) center[axis] += x[axis];
-    center[Dim] += 1.0;
-  }
-  sum_in_place(grid.comm(), center);
-  const auto mode = [&](const Index<Dim>& node, int k) {
-    Point<Dim> x = grid.node_position(node);
-    for (int axis = 0; axis < Dim; ++axis) x[axis] -= center[axis] / center[Dim];
-    Point<Dim> translation{};
-    if (k < Dim) translation[k] = 1.0;
-    return k < Dim ? translation : rotated<Dim>(x, k - Dim);
-  };
-  std::vector<double> normal(modes * modes + modes, 0.0);  // R^T R, then R^T v
-  for (const int node : nodes) {
-    const Index<Dim> index = grid.owned_nodes().index(node);
-    for (int k = 0; k < modes; ++k) {
-      const Point<Dim> r = mode(index, k);
-      for (int axis = 0; axis < Dim; ++axis) {
-        normal[modes * modes + k] += r[axis] * displacement[static_cast<std::size_t>(node) * Dim + axis];
-        for (int l = 0; l < modes; ++l) normal[k * modes + l] += r[axis] * mode(index, l)[axis];
-      }
-    }
-  }
-  sum_in_place(grid.comm(), normal);
-  const int one = 1, size = modes;
-  int info = 0;
-  dposv_("L", &size, &one, normal.data(), &size, normal.data() + modes * modes, &size, &info);
-  if (info != 0)
-    throw InputError("/build_plate: the plate's nodes leave a rigid motion of the released part free");
-  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    for (int k = 0; k < modes; ++k)
-      for (int axis = 0; axis < Dim; ++axis)
-        displacement[offset * Dim + axis] -= normal[modes * modes + k] * mode(node, k)[axis];
-  });
 }
 
 }  // namespace
 
 template <int Dim>
-std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulation,
-                                         const LayerDensities& densities,
-                                         const AssembledSolverSettings& solver) {
-  const ElasticModel<Dim>& model = simulation.model();
-  const Grid<Dim>& grid = model.part.grid();
-  const std::vector<int> nodes = plate_nodes(model);
-  SystemDomain domain = model.domain;
-  domain.fixed = statically_determinate_supports(grid, nodes);
-  const auto numbering = std::make_shared<UnknownNumbering<Dim>>(grid, domain);
-  AssembledSystem<Dim> system(domain, numbering, solver);
-  std::vector<double> stiffness(domain.first_corners.size(), model.settings.min_stiffness);
-  const auto& finished = densities.stage.back();
-  for (std::size_t e = 0; e < finished.size(); ++e)
-    stiffness[model.part_position[e]] = model.stiffness(finished[e]);
-  system.assemble({{model.element.stiffness(), stiffness}});
+std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& supports, VoidModel void_model) {
+  if (supports.pieces > 1 && void_model == VoidModel::absent)
+    return "the part falls into " + std::to_string(supports.pieces) +
+           " pieces that only their supports hold together";
+  if (!RigidMotions<Dim>(grid, supports.holding).determined())
+    return "the supports leave a rigid motion of the part free";
+  return "";
+}
 
-  std::vector<double> load = plate_reactions(simulation, densities);
-  for (double& force : load) force = -force;
-  std::vector<double> displacement(load.size());
-  const SolveReport report = system.solve(load, displacement);
+template <int Dim>
+Release<Dim>::Release(const ElasticModel<Dim>& model, const ReleaseSolver& solver)
+    : model_(model),
+      settings_(solver),
+      rigid_motions_(model.part.grid(), model.supports.holding),
+      domain_(model.domain),
+      in_model_(nodes_of_model(model)) {
+  const std::string reason = release_obstacle(model.part.grid(), model.supports, model.settings.void_model);
+  if (!reason.empty()) throw InputError("release: " + reason);
+  domain_.fixed = statically_determinate_supports(model.part.grid(), model.supports.holding);
+  numbering_ = std::make_shared<UnknownNumbering<Dim>>(model.part.grid(), domain_);
+}
+
+template <int Dim>
+void Release<Dim>::start_cold() {
+  lanes_.reset();
+  system_.reset();
+}
+
+template <int Dim>
+SolveReport Release<Dim>::solve_by_lanes(const std::vector<double>& load, std::vector<double>& solution) {
+  const Grid<Dim>& grid = model_.part.grid();
+  if (!lanes_)
+    lanes_ = std::make_unique<LaneFreeBody<Dim>>(grid, model_.domain, model_.material.poisson,
+                                                 settings_.cycle, model_.finished_stiffness());
+  const SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance, lane_iterations);
+  if (report.converged) return report;
+  std::ostringstream text;
+  text << "release: " << report.iterations
+       << " iterations of the lane engine left a relative preconditioned residual of " << report.residual
+       << "; solving it again by the reference path";
+  warn(grid.comm(), text.str());
+  return solve_by_reference(load, solution);
+}
+
+template <int Dim>
+SolveReport Release<Dim>::solve_by_reference(const std::vector<double>& load, std::vector<double>& solution) {
+  if (!system_) {
+    const std::vector<double> stiffness = model_.finished_stiffness();
+    system_ = std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_.reference);
+    system_->assemble({{model_.element.stiffness(), stiffness}});
+  }
+  return system_->solve(load, solution);
+}
+
+template <int Dim>
+std::vector<double> Release<Dim>::solve(const std::vector<double>& load, const char* what) {
+  std::vector<double> solution(load.size());
+  const SolveReport report = settings_.path == SolverPath::lanes ? solve_by_lanes(load, solution)
+                                                                 : solve_by_reference(load, solution);
   if (!report.converged) {
     std::ostringstream text;
-    text << "the release solve did not converge: " << report.iterations << " iterations, residual "
+    text << "the " << what << " did not converge: " << report.iterations << " iterations, residual "
          << report.residual << " (" << report.reason << ')';
     throw NumericalError(text.str());
   }
-  remove_rigid_motion(grid, nodes, displacement);
-  // Nodes outside the model moved with the rigid motion only: they are not there.
-  std::vector<char> in_model(static_cast<std::size_t>(grid.owned_nodes().count()), 0);
-  for (const int node : model_nodes(model)) in_model[node] = 1;
-  for (std::size_t i = 0; i < displacement.size(); ++i)
-    if (in_model[i / Dim] == 0) displacement[i] = 0.0;
-  return displacement;
+  rigid_motions_.remove_fit(solution);
+  return solution;
 }
 
-template std::vector<double> release_displacement<2>(const ProcessSimulation<2>&, const LayerDensities&,
-                                                     const AssembledSolverSettings&);
-template std::vector<double> release_displacement<3>(const ProcessSimulation<3>&, const LayerDensities&,
-                                                     const AssembledSolverSettings&);
+template <int Dim>
+std::vector<double> Release<Dim>::displacement(std::span<const double> reactions) {
+  std::vector<double> load(reactions.size());
+  std::transform(reactions.begin(), reactions.end(), load.begin(), [](double force) { return -force; });
+  std::vector<double> result = solve(load, "release solve");
+  // Nodes outside the model moved with the rigid motion only: they are not there.
+  for (std::size_t i = 0; i < result.size(); ++i)
+    if (in_model_[i / Dim] == 0) result[i] = 0.0;
+  return result;
+}
+
+template <int Dim>
+std::vector<double> Release<Dim>::adjoint(std::span<const double> derivative) {
+  std::vector<double> load(derivative.size());
+  std::transform(derivative.begin(), derivative.end(), load.begin(), [](double value) { return -value; });
+  rigid_motions_.balance(load);
+  return solve(load, "adjoint of the release");
+}
+
+template std::string release_obstacle<2>(const Grid<2>&, const Supports<2>&, VoidModel);
+template std::string release_obstacle<3>(const Grid<3>&, const Supports<3>&, VoidModel);
+template class Release<2>;
+template class Release<3>;
 
 }  // namespace fabseq

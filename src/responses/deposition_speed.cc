@@ -27,6 +27,7 @@ class DepositionSpeed : public Response<Dim> {
     auto& d_stage =
         DensityDerivatives::touch(adjoint.densities.stage[component], state.layers.stage[component].size());
     for (double& derivative : d_stage) derivative += weight * volume_fraction();
+    adjoint.densities.touch_time_points()[component + 1] -= weight;
   }
 
   std::vector<ConstraintRow> rows(int components, double margin) const override {

@@ -6,55 +6,79 @@ namespace fabseq {
 
 namespace {
 
+/// Displacements of a set of nodes on the plate or, where that is asked for, after the release.
 template <int Dim>
-std::vector<double>& touch_displacement(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) {
-  if (adjoint.process.displacement.empty())
-    adjoint.process.displacement.assign(state.process.displacement.size(), 0.0);
-  return adjoint.process.displacement;
-}
+class SetDisplacement {
+ public:
+  SetDisplacement(const Part<Dim>& part, const NodeSet& nodes, bool after_release)
+      : comm_(part.grid().comm()), nodes_(nodes), after_release_(after_release) {}
+
+  MPI_Comm comm() const { return comm_; }
+  const NodeSet& nodes() const { return nodes_; }
+  double at(const PipelineState<Dim>& state, int node, int axis) const {
+    const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
+    return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
+  }
+  /// Adds a derivative of at(): what is released moves with both.
+  void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const {
+    const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
+    touch(adjoint.process.displacement, state)[i] += value;
+    if (after_release_) touch(adjoint.process.release, state)[i] += value;
+  }
+  /// Makes room for derivatives: on all ranks, those without a node of the set, too.
+  void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {
+    touch(adjoint.process.displacement, state);
+    if (after_release_) touch(adjoint.process.release, state);
+  }
+
+ private:
+  static std::vector<double>& touch(std::vector<double>& derivative, const PipelineState<Dim>& state) {
+    if (derivative.empty()) derivative.assign(state.process.displacement.size(), 0.0);
+    return derivative;
+  }
+
+  MPI_Comm comm_;
+  const NodeSet& nodes_;
+  bool after_release_;
+};
 
 template <int Dim>
 class Displacement : public Response<Dim> {
  public:
-  Displacement(const Part<Dim>& part, const NodeSet& nodes, bool mean)
-      : comm_(part.grid().comm()),
-        nodes_(nodes),
-        factor_(mean ? 1.0 / static_cast<double>(nodes.count) : 1.0) {}
+  Displacement(const SetDisplacement<Dim>& set, bool mean)
+      : set_(set), factor_(mean ? 1.0 / static_cast<double>(set.nodes().count) : 1.0) {}
 
   std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double square = 0.0;
-    for (const int node : nodes_.owned)
+    for (const int node : set_.nodes().owned)
       for (int axis = 0; axis < Dim; ++axis) {
-        const double u = state.process.displacement[static_cast<std::size_t>(node) * Dim + axis];
+        const double u = set_.at(state, node, axis);
         square += u * u;
       }
-    return {factor_ * sum(comm_, square)};
+    return {factor_ * sum(set_.comm(), square)};
   }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    auto& derivative = touch_displacement(state, adjoint);
-    for (const int node : nodes_.owned)
-      for (int axis = 0; axis < Dim; ++axis) {
-        const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
-        derivative[i] += 2.0 * weight * factor_ * state.process.displacement[i];
-      }
+    set_.prepare(state, adjoint);
+    for (const int node : set_.nodes().owned)
+      for (int axis = 0; axis < Dim; ++axis)
+        set_.add_derivative(node, axis, 2.0 * weight * factor_ * set_.at(state, node, axis), state, adjoint);
   }
 
  private:
-  MPI_Comm comm_;
-  const NodeSet& nodes_;
+  SetDisplacement<Dim> set_;
   double factor_;
 };
 
 template <int Dim>
 class Flatness : public Response<Dim> {
  public:
-  Flatness(const Part<Dim>& part, const NodeSet& nodes, int axis)
-      : comm_(part.grid().comm()), nodes_(nodes), axis_(axis) {}
+  Flatness(const SetDisplacement<Dim>& set, int axis) : set_(set), axis_(axis) {}
 
   std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
@@ -62,35 +86,33 @@ class Flatness : public Response<Dim> {
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const double average = mean(state);
     double square = 0.0;
-    for (const int node : nodes_.owned) {
-      const double deviation = component(state, node) - average;
+    for (const int node : set_.nodes().owned) {
+      const double deviation = set_.at(state, node, axis_) - average;
       square += deviation * deviation;
     }
-    return {sum(comm_, square) / static_cast<double>(nodes_.count)};
+    return {sum(set_.comm(), square) / static_cast<double>(set_.nodes().count)};
   }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     // The mean's own derivative drops out: deviations sum to zero.
     const double average = mean(state);
-    auto& derivative = touch_displacement(state, adjoint);
-    for (const int node : nodes_.owned)
-      derivative[static_cast<std::size_t>(node) * Dim + axis_] +=
-          2.0 * weight / static_cast<double>(nodes_.count) * (component(state, node) - average);
+    set_.prepare(state, adjoint);
+    for (const int node : set_.nodes().owned) {
+      const double deviation = set_.at(state, node, axis_) - average;
+      set_.add_derivative(node, axis_, 2.0 * weight / static_cast<double>(set_.nodes().count) * deviation,
+                          state, adjoint);
+    }
   }
 
  private:
-  double component(const PipelineState<Dim>& state, int node) const {
-    return state.process.displacement[static_cast<std::size_t>(node) * Dim + axis_];
-  }
   double mean(const PipelineState<Dim>& state) const {
     double total = 0.0;
-    for (const int node : nodes_.owned) total += component(state, node);
-    return sum(comm_, total) / static_cast<double>(nodes_.count);
+    for (const int node : set_.nodes().owned) total += set_.at(state, node, axis_);
+    return sum(set_.comm(), total) / static_cast<double>(set_.nodes().count);
   }
 
-  MPI_Comm comm_;
-  const NodeSet& nodes_;
+  SetDisplacement<Dim> set_;
   int axis_;
 };
 
@@ -124,14 +146,14 @@ class Layerwise : public Response<Dim> {
 
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes,
-                                                            bool mean) {
-  return std::make_unique<Displacement<Dim>>(part, nodes, mean);
+                                                            bool mean, bool after_release) {
+  return std::make_unique<Displacement<Dim>>(SetDisplacement<Dim>(part, nodes, after_release), mean);
 }
 
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes,
-                                                        int axis) {
-  return std::make_unique<Flatness<Dim>>(part, nodes, axis);
+std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes, int axis,
+                                                        bool after_release) {
+  return std::make_unique<Flatness<Dim>>(SetDisplacement<Dim>(part, nodes, after_release), axis);
 }
 
 template <int Dim>
@@ -141,9 +163,9 @@ std::unique_ptr<Response<Dim>> make_layerwise_distortion() {
 
 #define FABSEQ_INSTANTIATE(Dim)                                                                           \
   template std::unique_ptr<Response<Dim>> make_displacement_distortion<Dim>(const Part<Dim>&,             \
-                                                                            const NodeSet&, bool);        \
+                                                                            const NodeSet&, bool, bool);  \
   template std::unique_ptr<Response<Dim>> make_flatness_distortion<Dim>(const Part<Dim>&, const NodeSet&, \
-                                                                        int);                             \
+                                                                        int, bool);                       \
   template std::unique_ptr<Response<Dim>> make_layerwise_distortion<Dim>();
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

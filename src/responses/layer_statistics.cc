@@ -42,10 +42,6 @@ double LayerStatistics::coefficient_of_variation(int layer) const {
   return std::sqrt(std::max(deviation[layer], 0.0) / weight[layer]) / mean[layer];
 }
 
-double gradient_regularization(double characteristic_length) {
-  return 1e-9 / (characteristic_length * characteristic_length);
-}
-
 template <int Dim>
 std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double characteristic_length) {
   std::vector<double> result(time.gradient.size() / Dim);

@@ -35,6 +35,9 @@ class LayerThickness : public Response<Dim> {
       d_magnitude[e] = factor * (density[e] + layer_density_floor);
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
+    std::vector<double>& d_time_points = adjoint.densities.touch_time_points();
+    d_time_points[component] -= weight / (target_ * mean);
+    d_time_points[component + 1] += weight / (target_ * mean);
   }
 
   std::vector<ConstraintRow> rows(int components, double margin) const override {

@@ -1,8 +1,10 @@
 #include "fabseq/base/error.h"
+#include "fabseq/responses/continuity.h"
 #include "fabseq/responses/deposition_speed.h"
 #include "fabseq/responses/distortion.h"
 #include "fabseq/responses/layer_thickness.h"
 #include "fabseq/responses/layer_uniformity.h"
+#include "fabseq/responses/minimum_layer_volume.h"
 #include "fabseq/responses/response.h"
 
 #include <functional>
@@ -22,11 +24,11 @@ const std::map<std::string, Maker<ObjectiveTerm, Dim>>& objectives() {
   static const std::map<std::string, Maker<Term, Dim>> makers = {
       {"distortion displacement",
        [](const Term& t, const Context& c) {
-         return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean);
+         return make_displacement_distortion(c.part, c.node_sets.at(t.nodes), t.mean, t.after_release);
        }},
       {"distortion flatness",
        [](const Term& t, const Context& c) {
-         return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis);
+         return make_flatness_distortion(c.part, c.node_sets.at(t.nodes), t.axis, t.after_release);
        }},
       {"distortion layerwise", [](const Term&, const Context&) { return make_layerwise_distortion<Dim>(); }},
       {"layer_uniformity sum_of_squares",
@@ -45,6 +47,9 @@ const std::map<std::string, Maker<ConstraintTerm, Dim>>& constraints() {
       {"layer_thickness",
        [](const Term& t, const Context& c) { return make_layer_thickness(c, t.target, t.tolerance); }},
       {"deposition_speed", [](const Term& t, const Context& c) { return make_deposition_speed(c, t.slack); }},
+      {"continuity", [](const Term& t, const Context& c) { return make_continuity(c, t.limit); }},
+      {"minimum_layer_volume",
+       [](const Term& t, const Context& c) { return make_minimum_layer_volume(c, t.fraction); }},
   };
   return makers;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -17,7 +18,7 @@ constexpr double far_away = std::numeric_limits<double>::infinity();
 /// Sweeping ends when no value changes by more than this share of itself.
 constexpr double settled = 1e-13;
 
-/// What an element's distance follows from along one axis: the smaller value of its two neighbours, and how
+/// What a distance follows from along one axis: the smaller value of its two neighbours, and how
 /// far they are.
 struct Upwind {
   double value;
@@ -47,32 +48,36 @@ double solve_upwind(std::array<Upwind, Dim> neighbors) {
   return base + r;
 }
 
-/// The distances of this rank's part elements and of the elements around them, and the sweeps over them.
+/// What a front runs through: elements or nodes, in the box of this rank.
+template <int Dim>
+struct Network {
+  Point<Dim> spacing{};
+  IndexBox<Dim> owned, box;  ///< this rank's, and with those around them
+  /// Of the owned: the distance where it is given, far_away elsewhere.
+  std::vector<double> distance;
+  /// Of the owned: bit 2 axis + end says that the front may come from the neighbour below (end 0) or above (end 1)
+  /// along the axis. None where the distance is given or nothing is there.
+  std::vector<unsigned> links;
+  /// Owned values to values on `box`. Collective.
+  std::function<std::vector<double>(const std::vector<double>&)> gather;
+};
+
+constexpr unsigned link(int axis, int end) { return 1U << (2 * axis + end); }
+
+/// The distances in a rank's box, and the sweeps over them.
 template <int Dim>
 class Sweeper {
  public:
-  explicit Sweeper(const Part<Dim>& part) : part_(part), halo_(part.grid(), ones()) {
-    const Grid<Dim>& grid = part.grid();
-    const IndexBox<Dim>& owned = grid.owned_elements();
-    const double at_plate = 0.5 * grid.spacing()[part.plate().axis];
-    std::vector<double> start(static_cast<std::size_t>(owned.count()), far_away);
-    free_.assign(start.size(), 0);
-    for (const int offset : part.elements()) {
-      const bool fixed = part.plate().template touches<Dim>(owned.index(offset), grid.domain().elements);
-      if (fixed)
-        start[offset] = at_plate;
-      else
-        free_[offset] = 1;
-    }
-    values_ = halo_.gather(start);
+  explicit Sweeper(const Network<Dim>& network)
+      : network_(network), values_(network.gather(network.distance)) {
     std::int64_t stride = 1;
     for (int axis = 0; axis < Dim; ++axis) {
       strides_[axis] = stride;
-      stride *= halo_.box().size[axis];
+      stride *= network_.box.size[axis];
     }
   }
 
-  /// Sweeps in all directions over this rank's elements; true if a value changed.
+  /// Sweeps in all directions over what the rank owns; true if a value changed.
   bool sweep() {
     bool changed = false;
     for (int direction = 0; direction < (1 << Dim); ++direction) changed |= sweep(direction);
@@ -80,52 +85,43 @@ class Sweeper {
   }
   /// Takes over what the neighbours have found; true if that was anything new. Collective.
   bool exchange() {
-    std::vector<double> gathered = halo_.gather(owned_values());
+    std::vector<double> gathered = network_.gather(owned_values());
     const bool news = gathered != values_;
     values_ = std::move(gathered);
     return news;
   }
 
   std::vector<double> owned_values() const {
-    const IndexBox<Dim>& owned = part_.grid().owned_elements();
-    std::vector<double> result(static_cast<std::size_t>(owned.count()));
-    owned.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-      result[offset] = values_[halo_.box().offset(element)];
+    std::vector<double> result(static_cast<std::size_t>(network_.owned.count()));
+    network_.owned.for_each([&](const Index<Dim>& index, std::int64_t offset) {
+      result[offset] = values_[network_.box.offset(index)];
     });
     return result;
   }
 
  private:
-  static Index<Dim> ones() {
-    Index<Dim> result;
-    result.fill(1);
-    return result;
-  }
-
   /// Bit a of `direction`: from the upper end of axis a.
   bool sweep(int direction) {
-    const IndexBox<Dim>& owned = part_.grid().owned_elements();
+    const IndexBox<Dim>& owned = network_.owned;
     bool changed = false;
     owned.for_each([&](const Index<Dim>& forward, std::int64_t) {
-      Index<Dim> element = forward;
+      Index<Dim> index = forward;
       for (int axis = 0; axis < Dim; ++axis)
         if ((direction >> axis) & 1)
-          element[axis] = 2 * owned.start[axis] + owned.size[axis] - 1 - forward[axis];
-      if (free_[owned.offset(element)] != 0) changed |= update(element);
+          index[axis] = 2 * owned.start[axis] + owned.size[axis] - 1 - forward[axis];
+      const unsigned links = network_.links[owned.offset(index)];
+      if (links != 0) changed |= update(network_.box.offset(index), links);
     });
     return changed;
   }
 
-  bool update(const Index<Dim>& element) {
-    const IndexBox<Dim>& box = halo_.box();
-    const std::int64_t here = box.offset(element);
+  bool update(std::int64_t here, unsigned links) {
     std::array<Upwind, Dim> neighbors;
     for (int axis = 0; axis < Dim; ++axis) {
-      const bool below = element[axis] > box.start[axis];
-      const bool above = element[axis] + 1 < box.start[axis] + box.size[axis];
+      const bool below = (links & link(axis, 0)) != 0, above = (links & link(axis, 1)) != 0;
       neighbors[axis] = {std::min(below ? values_[here - strides_[axis]] : far_away,
                                   above ? values_[here + strides_[axis]] : far_away),
-                         part_.grid().spacing()[axis]};
+                         network_.spacing[axis]};
     }
     const double value = solve_upwind<Dim>(neighbors);
     if (!(value < values_[here])) return false;
@@ -134,27 +130,97 @@ class Sweeper {
     return changed;
   }
 
-  const Part<Dim>& part_;
-  ElementHalo<Dim> halo_;
-  std::vector<double> values_;  ///< on halo_.box(), far_away outside the part and where nothing is known yet
-  std::vector<char> free_;      ///< owned part elements that are not on the plate
+  const Network<Dim>& network_;
+  std::vector<double> values_;  ///< on the box, far_away where there is nothing or nothing is known yet
   std::array<std::int64_t, Dim> strides_{};
 };
 
-}  // namespace
-
+/// Distances of the owned elements or nodes. Collective on `comm`.
 template <int Dim>
-std::vector<double> geodesic_distance(const Part<Dim>& part) {
-  Sweeper<Dim> sweeper(part);
+std::vector<double> sweep_until_settled(MPI_Comm comm, const Network<Dim>& network) {
+  Sweeper<Dim> sweeper(network);
   // Values only fall, and the scheme has one solution, whatever the order of updates: so ranks may sweep on
   // their own.
   bool unsettled = true;
   while (true) {
     const bool changed = unsettled && sweeper.sweep();
-    if (!any(part.grid().comm(), changed)) break;
+    if (!any(comm, changed)) break;
     unsettled = sweeper.exchange() || changed;
   }
-  return part.restrict_to_part(sweeper.owned_values());
+  return sweeper.owned_values();
+}
+
+/// Part field of distances; `given`: those that are known, far_away for all others.
+template <int Dim>
+std::vector<double> distance_of_elements(const Part<Dim>& part, std::span<const double> given) {
+  const Grid<Dim>& grid = part.grid();
+  Index<Dim> width{};
+  width.fill(1);
+  const ElementHalo<Dim> halo(grid, width);
+  Network<Dim> network{
+      grid.spacing(), grid.owned_elements(), halo.box(), part.expand(given, far_away), {}, {}};
+  network.links.assign(network.distance.size(), 0U);
+  for (std::size_t e = 0; e < given.size(); ++e) {
+    if (given[e] != far_away) continue;
+    const Index<Dim> element = network.owned.index(part.elements()[e]);
+    for (int axis = 0; axis < Dim; ++axis) {
+      unsigned& links = network.links[part.elements()[e]];
+      if (element[axis] > 0) links |= link(axis, 0);
+      if (element[axis] + 1 < grid.domain().elements[axis]) links |= link(axis, 1);
+    }
+  }
+  network.gather = [&halo](const std::vector<double>& owned) { return halo.gather(owned); };
+  return part.restrict_to_part(sweep_until_settled(grid.comm(), network));
+}
+
+/// Of the owned nodes: the edges of part elements, as links.
+template <int Dim>
+std::vector<unsigned> edges_of_nodes(const Part<Dim>& part) {
+  constexpr int directions = 2 * Dim;
+  const Grid<Dim>& grid = part.grid();
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * directions, 0.0);
+  for (const int first : part.first_corners())
+    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+      double* edges = &ghosted[static_cast<std::size_t>(first + grid.corner_offsets()[corner]) * directions];
+      for (int axis = 0; axis < Dim; ++axis) edges[2 * axis + (((corner >> axis) & 1) == 0 ? 1 : 0)] = 1.0;
+    }
+  std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()) * directions);
+  grid.exchange(directions).add_to_owned(ghosted, owned);
+  std::vector<unsigned> links(owned.size() / directions, 0U);
+  for (std::size_t i = 0; i < owned.size(); ++i)
+    if (owned[i] > 0.0) links[i / directions] |= 1U << (i % directions);
+  return links;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<double> geodesic_distance(const Part<Dim>& part) {
+  return distance_of_elements<Dim>(part, part.contact_distance());
+}
+
+template <int Dim>
+std::vector<double> geodesic_distance_of_elements(const Part<Dim>& part, std::span<const char> start) {
+  std::vector<double> given;
+  for (const char starts : start) given.push_back(starts != 0 ? 0.0 : far_away);
+  return distance_of_elements(part, given);
+}
+
+template <int Dim>
+std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<const char> start) {
+  const Grid<Dim>& grid = part.grid();
+  Network<Dim> network{
+      grid.spacing(), grid.owned_nodes(), grid.ghosted_nodes(), {}, edges_of_nodes(part), {}};
+  for (std::size_t node = 0; node < start.size(); ++node) {
+    network.distance.push_back(start[node] != 0 ? 0.0 : far_away);
+    if (start[node] != 0) network.links[node] = 0U;
+  }
+  network.gather = [&grid](const std::vector<double>& owned) {
+    std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+    grid.exchange(1).to_ghosted(owned, ghosted);
+    return ghosted;
+  };
+  return sweep_until_settled(grid.comm(), network);
 }
 
 template <int Dim>
@@ -166,6 +232,10 @@ double geodesic_height(const Part<Dim>& part, const std::vector<double>& distanc
 
 template std::vector<double> geodesic_distance<2>(const Part<2>&);
 template std::vector<double> geodesic_distance<3>(const Part<3>&);
+template std::vector<double> geodesic_distance_of_elements<2>(const Part<2>&, std::span<const char>);
+template std::vector<double> geodesic_distance_of_elements<3>(const Part<3>&, std::span<const char>);
+template std::vector<double> geodesic_distance_of_nodes<2>(const Part<2>&, std::span<const char>);
+template std::vector<double> geodesic_distance_of_nodes<3>(const Part<3>&, std::span<const char>);
 template double geodesic_height<2>(const Part<2>&, const std::vector<double>&);
 template double geodesic_height<3>(const Part<3>&, const std::vector<double>&);
 

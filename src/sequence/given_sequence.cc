@@ -93,11 +93,10 @@ std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double
   const ElementHalo<Dim> halo(grid, width);
   // Larger than any time: the void is no earlier neighbour.
   const std::vector<double> times = halo.gather(part.expand(time, 2.0));
-  const int plate_index = part.plate().upper ? grid.domain().elements[part.plate().axis] - 1 : 0;
   std::int64_t minima = 0;
   for (std::size_t e = 0; e < part.elements().size(); ++e) {
     const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
-    bool minimum = element[part.plate().axis] != plate_index;
+    bool minimum = !std::isfinite(part.contact_distance()[e]);
     for (int face = 0; face < 2 * Dim && minimum; ++face) {
       Index<Dim> neighbour = element;
       neighbour[face / 2] += face % 2 == 0 ? -1 : 1;

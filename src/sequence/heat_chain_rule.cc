@@ -1,5 +1,7 @@
 #include "fabseq/sequence/heat_chain_rule.h"
 
+#include "fabseq/sequence/element_means.h"
+
 namespace fabseq {
 
 template <int Dim>
@@ -21,26 +23,10 @@ void HeatChainRule<Dim>::set_temperature(std::span<const double> temperature) {
     }
 }
 
+/// -dJ/dT: mean and gradient of the temperature enter the time with a minus.
 template <int Dim>
 LaneVector HeatChainRule<Dim>::loads(std::span<const TimeDerivatives> rows) const {
-  const Grid<Dim>& grid = part_.grid();
-  const auto& corners = part_.first_corners();
-  const int lanes = static_cast<int>(rows.size());
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes, 0.0);
-  for (int lane = 0; lane < lanes; ++lane) {
-    const TimeDerivatives& row = rows[lane];
-    for (std::size_t e = 0; e < corners.size(); ++e)
-      for (int corner = 0; corner < corner_count<Dim>; ++corner) {
-        double value = row.time[e] / corner_count<Dim>;
-        for (int axis = 0; !row.gradient.empty() && axis < Dim; ++axis)
-          value += row.gradient[e * Dim + axis] * element_.center_gradient()[corner * Dim + axis];
-        const std::size_t node = corners[e] + grid.corner_offsets()[corner];
-        ghosted[node * lanes + lane] += value;
-      }
-  }
-  LaneVector result(static_cast<int>(grid.owned_nodes().count()), 1, lanes);
-  grid.exchange(lanes).add_to_owned(ghosted, result.values);
-  return result;
+  return pull_back_means(part_, element_, rows);
 }
 
 template <int Dim>

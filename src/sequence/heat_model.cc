@@ -26,7 +26,8 @@ HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& setting
   });
   domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    domain.fixed[offset] = part.on_plate(node) && part.touched_nodes()[offset] != 0 ? 1 : 0;
+    const bool on_plate = part.on_plate(node) && part.touched_nodes()[offset] != 0;
+    domain.fixed[offset] = on_plate || part.substrate().nodes()[offset] != 0 ? 1 : 0;
   });
 }
 

@@ -4,12 +4,14 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/verdict.h"
+#include "fabseq/sequence/element_means.h"
 #include "fabseq/sequence/geodesic_distance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace fabseq {
 
@@ -139,16 +141,11 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
 template <int Dim>
 void HeatSequence<Dim>::derive_time() {
   const Grid<Dim>& grid = part_.grid();
-  const auto& corners = part_.first_corners();
-  time_.time.assign(corners.size(), 1.0);
-  time_.gradient.assign(corners.size() * Dim, 0.0);
-  for (std::size_t e = 0; e < corners.size(); ++e)
-    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
-      const double value = ghosted_temperature_[corners[e] + grid.corner_offsets()[corner]];
-      time_.time[e] -= value / corner_count<Dim>;
-      for (int axis = 0; axis < Dim; ++axis)
-        time_.gradient[e * Dim + axis] -= model_->element.center_gradient()[corner * Dim + axis] * value;
-    }
+  ElementMeans means = element_means<Dim>(part_, model_->element, ghosted_temperature_);
+  time_.time = std::move(means.mean);
+  time_.gradient = std::move(means.gradient);
+  for (double& t : time_.time) t = 1.0 - t;
+  for (double& component : time_.gradient) component = -component;
   double lowest = 1.0, highest = 1.0;
   for (const double value : time_.temperature) {
     lowest = std::min(lowest, value);

@@ -3,6 +3,7 @@
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -156,51 +157,112 @@ void LaneHierarchy<Dim>::make_coarse_mesh(const LaneLevel<Dim>& fine, LaneLevel<
 }
 
 /// A coarse unknown is held where the fine one at its place is; where there is none, because the grid is
-/// padded there, if one that it interpolates to is held.
+/// padded there, if one that it interpolates to is held. What is held between coarse nodes of which none is held
+/// then would be lost: those are held, too. Should that still leave a rigid motion free, as of a strip of nodes that
+/// has become a line, whatever interpolates to something held.
 template <int Dim>
 void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse) {
   constexpr int flags = 3;  // a fine node at the same place, that one held, one held nearby
-  const int block = components_ * flags;
-  std::vector<double> marks(static_cast<std::size_t>(coarse.mesh.nodes()) * block, 0.0);
-  const auto visit = [&](const Index<Dim>& node, std::int64_t number) {
-    Index<Dim> below{}, span{};
-    bool same_place = true;
-    for (int axis = 0; axis < Dim; ++axis) {
-      below[axis] = node[axis] / fine.factors[axis];
-      span[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
-      same_place = same_place && span[axis] == 1;
-    }
-    for (int a = 0; a < components_; ++a) {
-      const bool held = std::binary_search(fine.fixed.begin(), fine.fixed.end(), number * components_ + a);
-      IndexBox<Dim>{below, span}.for_each([&](const Index<Dim>& neighbor, std::int64_t) {
-        double* mark =
-            &marks[static_cast<std::size_t>(coarse.mesh.node_number(neighbor)) * block + a * flags];
+  const std::size_t unknowns = static_cast<std::size_t>(coarse.mesh.nodes()) * components_;
+  const auto sum_marks = [&](std::vector<double>& marks, int entries) {
+    if (coarse.distributed)
+      sum_over_holders(coarse, marks.data(), components_ * entries);
+    else if (fine.distributed)
+      sum_in_place(grid_.comm(), marks);
+  };
+  /// Calls f(coarse nodes that a fine one interpolates from, number of the fine one) for all nodes of this rank.
+  std::vector<std::int64_t> numbers;
+  const auto for_each_node = [&](auto&& f) {
+    fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
+      const std::int64_t number = fine.mesh.node_number(node);
+      if (number < 0) return;
+      IndexBox<Dim> sources;
+      for (int axis = 0; axis < Dim; ++axis) {
+        sources.start[axis] = node[axis] / fine.factors[axis];
+        sources.size[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
+      }
+      numbers.clear();
+      sources.for_each([&](const Index<Dim>& source, std::int64_t) {
+        numbers.push_back(coarse.mesh.node_number(source));
+      });
+      f(numbers, number);
+    });
+  };
+  const auto is_held = [&](std::int64_t node, int a) {
+    return std::binary_search(fine.fixed.begin(), fine.fixed.end(), node * components_ + a);
+  };
+
+  std::vector<double> marks(unknowns * flags, 0.0);
+  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+    for (int a = 0; a < components_; ++a)
+      for (const std::int64_t source : sources) {
+        double* mark = &marks[(source * components_ + a) * flags];
+        const bool same_place = sources.size() == 1, held = is_held(node, a);
         if (same_place) mark[0] = 1.0;
         if (same_place && held) mark[1] = 1.0;
         if (held) mark[2] = 1.0;
-      });
-    }
-  };
-  fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
-    const std::int64_t number = fine.mesh.node_number(node);
-    if (number >= 0) visit(node, number);
+      }
   });
-  if (coarse.distributed) {
-    sum_over_holders(coarse, marks.data(), block);
-  } else if (fine.distributed) {
-    sum_in_place(grid_.comm(), marks);
+  sum_marks(marks, flags);
+  std::vector<double> held(unknowns), lost(unknowns, 0.0);
+  for (std::size_t unknown = 0; unknown < unknowns; ++unknown) {
+    const double* mark = &marks[unknown * flags];
+    held[unknown] = (mark[0] > 0.0 ? mark[1] : mark[2]) > 0.0 ? 1.0 : 0.0;
   }
-  const auto collect = [&](bool only_same_place) {
-    for (std::int64_t unknown = 0; unknown < coarse.mesh.nodes() * components_; ++unknown) {
-      const double* mark = &marks[unknown * flags];
-      const bool by_place = only_same_place && mark[0] > 0.0;
-      if ((by_place ? mark[1] : mark[2]) > 0.0) coarse.fixed.push_back(unknown);
+  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+    for (int a = 0; a < components_; ++a) {
+      const auto place = [&](std::int64_t source) { return source * components_ + a; };
+      const bool is_lost = is_held(node, a) && std::none_of(sources.begin(), sources.end(), [&](auto source) {
+                             return held[place(source)] > 0.0;
+                           });
+      for (std::size_t i = 0; is_lost && i < sources.size(); ++i) lost[place(sources[i])] = 1.0;
     }
-    const auto count = static_cast<std::int64_t>(coarse.fixed.size());
-    return (coarse.distributed ? sum(grid_.comm(), count) : count) > 0;
+  });
+  sum_marks(lost, 1);
+  const auto collect = [&](bool all_nearby) {
+    coarse.fixed.clear();
+    for (std::size_t unknown = 0; unknown < unknowns; ++unknown)
+      if (held[unknown] > 0.0 || lost[unknown] > 0.0 || (all_nearby && marks[unknown * flags + 2] > 0.0))
+        coarse.fixed.push_back(static_cast<std::int64_t>(unknown));
   };
-  // Supports between the coarse nodes must not be lost altogether.
-  if (!collect(true)) collect(false);
+  collect(false);
+  if (!holds_rigid_motions(coarse)) collect(true);
+}
+
+/// Whether what is held of a level, for elasticity, leaves no rigid motion.
+template <int Dim>
+bool LaneHierarchy<Dim>::holds_rigid_motions(const LaneLevel<Dim>& level) const {
+  constexpr int motions = Dim * (Dim + 1) / 2;
+  constexpr double rounding = 1e-9;
+  if (components_ != Dim) return true;
+  std::vector<Point<Dim>> positions(static_cast<std::size_t>(level.mesh.nodes()));
+  for (const auto& run : level.mesh.node_runs())
+    for (int i = 0; i < run.length; ++i)
+      for (int axis = 0; axis < Dim; ++axis)
+        positions[run.node + i][axis] = (run.index[axis] + (axis == 0 ? i : 0)) * level.spacing[axis];
+  const auto motion = [&](int number, const Point<Dim>& x, int component) {
+    if (number < Dim) return number == component ? 1.0 : 0.0;
+    const int a = Dim == 2 ? 0 : (number - Dim + 1) % Dim;
+    const int b = Dim == 2 ? 1 : (number - Dim + 2) % Dim;
+    return component == a ? -x[b] : component == b ? x[a] : 0.0;
+  };
+  std::array<std::array<double, motions>, motions> normal{};
+  for (const std::int64_t unknown : level.fixed) {
+    const Point<Dim>& x = positions[unknown / Dim];
+    const int component = static_cast<int>(unknown % Dim);
+    for (int k = 0; k < motions; ++k)
+      for (int l = 0; l < motions; ++l) normal[k][l] += motion(k, x, component) * motion(l, x, component);
+  }
+  if (level.distributed)  // shared nodes count more than once, which does not matter here
+    for (auto& row : normal) sum_in_place(level.comm, row);
+  for (int k = 0; k < motions; ++k) {  // elimination
+    const double size = normal[k][k];
+    for (int i = 0; i < k; ++i) normal[k][k] -= normal[i][k] * normal[i][k] / normal[i][i];
+    if (!(normal[k][k] > rounding * size)) return false;
+    for (int l = k + 1; l < motions; ++l)
+      for (int i = 0; i < k; ++i) normal[k][l] -= normal[i][k] * normal[i][l] / normal[i][i];
+  }
+  return true;
 }
 
 template void sum_over_holders(LaneLevel<2>&, double*, int);

@@ -3,11 +3,12 @@
 import os
 import time
 
+import h5py
 import numpy as np
 
 import run_fabseq
 from run_fabseq import BAD_INPUT, DONE, FabseqTest, OUTPUT_FAILURE, PROGRAM
-from small_parts import hook_3d, plate_2d, write_voxels
+from small_parts import hook_3d, plate_2d, post_on_substrate, write_voxels
 
 
 class BadInputTest(FabseqTest):
@@ -96,8 +97,8 @@ class ConfigErrorsTest(BadInputTest):
 
     def test_features_of_later_versions_are_not_ignored(self):
         config = plate_2d()
-        config["objective"][0]["after_release"] = True
-        self.assert_refused(config, words=["/objective/0/after_release"])
+        config["objective"][0]["least_squares"] = True
+        self.assert_refused(config, words=["/objective/0/least_squares"])
 
     def test_task_without_anything_to_vary(self):
         planar = ("-set", 'sequence={"type": "planar"}')
@@ -162,6 +163,42 @@ class PartErrorsTest(BadInputTest):
             start = time.monotonic()
             self.assert_refused(config, words=["/domain/elements", f"[{edge},{edge},{edge}]"], timeout=60)
             self.assertLess(time.monotonic() - start, 60)
+
+
+    def test_substrate_and_clamps(self):
+        config = post_on_substrate(2)
+        config["substrate"] = {"box": {"min": [5, 5], "max": [6, 6]}}
+        self.assert_refused(config, words=["/substrate", "no element"])
+        config = post_on_substrate(2)
+        config["clamps"] = {"box": {"min": [0, 0.9], "max": [0.1, 1.2]}}
+        self.assert_refused(config, words=["/clamps", "no node of part or substrate"])
+        for task in ("optimize", "simulate", "check"):
+            config["clamps"] = {"box": {"min": [0, 0], "max": [0, 0]}}
+            self.assert_refused(config, "-task", task, words=["/clamps", "rigid motion"])
+        config = post_on_substrate(2)
+        config["part"] = {"box": {"min": [0.4, 0.6], "max": [1.0, 1.2]}}
+        self.assert_refused(config, words=["/build_plate", "substrate"])
+
+    def test_release_of_pieces_that_only_the_plate_holds(self):
+        config = plate_2d()
+        config["part"] = {"union": [{"box": {"min": [0, 0], "max": [0.5, 1.2]}}, {"box": {"min": [1, 0], "max": [2, 1.2]}}]}
+        config["objective"][0]["after_release"] = True
+        for task in ("optimize", "evaluate", "check"):
+            self.assert_refused(config, "-task", task, words=["/objective/0/after_release", "2 pieces"])
+        config["objective"][0]["after_release"] = False
+        run = self.run_config(2, config, "-task", "simulate")
+        self.assert_done(run)
+        self.assertIn("2 pieces", run.messages()[0])
+        with h5py.File(run.path("result.h5"), "r") as file:
+            self.assertNotIn("release_displacement", file)
+
+    def test_strain_that_turns_with_a_time_from_a_file(self):
+        config = plate_2d()
+        write_voxels(os.path.join(self.directory, "time.h5"), np.full((12, 20), 0.5), dataset="time")
+        config["sequence"] = {"type": "file", "file": "time.h5"}
+        config["objective"], config["constraints"] = config["objective"][:1], []
+        config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0}}
+        self.assert_refused(config, "-task", "simulate", words=["/material/inherent_strain", "file"])
 
 
 class FileErrorsTest(BadInputTest):

@@ -84,8 +84,8 @@ class SolverTest(FailureTest):
         """The simulation is done when the release fails: all its results are there."""
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):
-                run = self.run_config(ranks, hook_3d(), "-task", "simulate", "-reference_method", "gamg",
-                                      "-release_ksp_max_it", 1)
+                run = self.run_config(ranks, hook_3d(), "-task", "simulate", "-solver_path", "reference",
+                                      "-reference_method", "gamg", "-release_ksp_max_it", 1)
                 message = self.assert_fails(run, NUMERICAL_FAILURE, "release", r"\b1 iterations", r"residual \d")
                 summary = run.json("summary.json")
                 self.assertEqual(summary["status"], "failed")

@@ -5,7 +5,7 @@ import os
 
 import run_fabseq
 from run_fabseq import FabseqTest, ROOT, SANITIZED
-from small_parts import hook_3d, plate_2d
+from small_parts import hook_3d, plate_2d, post_on_substrate
 
 LIMIT = 1e-5
 
@@ -55,6 +55,13 @@ class GradientsTest(FabseqTest):
         for void in ("absent", "quiet"):
             with self.subTest(void=void):
                 self.check(hook_3d(), 8, "-void", void)
+
+
+    def test_released_from_clamps(self):
+        for dimension in (2, 3):
+            for void in ("absent", "quiet"):
+                with self.subTest(dimension=dimension, void=void):
+                    self.check(post_on_substrate(dimension), 8, "-void", void)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import os
 import run_fabseq
 from read_outputs import assert_close, read_dump, read_result
 from run_fabseq import BAD_INPUT, NUMERICAL_FAILURE, FabseqTest, SANITIZED, largest_relative_difference
-from small_parts import hook_3d, plate_2d
+from small_parts import hook_3d, plate_2d, post_on_substrate
 
 LIMIT = 1e-6
 COMPARED = ("objective", "objective_scaled", "constraints", "change", "beta", "interior_minima")
@@ -63,6 +63,9 @@ class GroupsTest(FabseqTest):
     @run_fabseq.only_release
     def test_solid_in_a_quiet_void(self):
         self.compare(hook_of_many_layers(), "-void", "quiet", "-filter_radius", 0.45)
+
+    def test_released_from_clamps(self):
+        self.compare(post_on_substrate())
 
     def test_plane(self):
         """Four layers, and a planar baseline of three: fewer than groups."""

@@ -2,7 +2,7 @@
 
 import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED, largest_relative_difference
-from small_parts import hook_3d, plate_2d
+from small_parts import hook_3d, plate_2d, post_on_substrate
 
 LIMIT = 1e-6
 COMPARED = ("objective", "objective_scaled", "constraints", "change", "beta", "interior_minima")
@@ -41,6 +41,10 @@ class RanksTest(FabseqTest):
 
     def test_plane(self):
         self.compare_ranks(plate_2d())
+
+    def test_released_from_clamps(self):
+        self.compare_ranks(post_on_substrate(2))
+        self.compare_ranks(post_on_substrate(3), "-void", "quiet")
 
     def test_more_ranks_than_elements_along_an_axis(self):
         config = plate_2d()

@@ -5,7 +5,7 @@ import numpy as np
 import run_fabseq
 from read_outputs import assert_close, read_result
 from run_fabseq import FabseqTest
-from small_parts import hook_3d, part_density, plate_2d
+from small_parts import hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes
 
 
 class SimulateOutputTest(FabseqTest):
@@ -54,6 +54,50 @@ class SimulateOutputTest(FabseqTest):
         expected, found = read_result(first), read_result(again)
         np.testing.assert_array_equal(found["layer"], expected["layer"])
         assert_close(found["displacement"], expected["binary/displacement"], 1e-7, "displacement")
+
+    def test_release_from_clamps(self):
+        """Extremes in summary.json are those of the fields; the sum of displacement and release is what terms measure."""
+        for dimension in (2, 3):
+            config = post_on_substrate(dimension)
+            for ranks, groups in ((1, 1), (2, 1), (2, 2)):
+                run = self.run_config(ranks, config, "-task", "simulate", "-layer_groups", groups)
+                self.assert_done(run)
+                data, summary = read_result(run), run.json("summary.json")
+                part = data["density"] > 0
+                self.assertFalse((part & (data["substrate"] > 0)).any())
+                self.assertTrue(np.all(data["layer"][~part] == 0))
+                nodes = touched_nodes(data["density"])
+                released = data["displacement"] + data["release_displacement"]
+                for values, block in ((data["displacement"], summary), (released, summary["released"])):
+                    self.assertAlmostEqual(block["displacement"]["max"] / np.linalg.norm(values[nodes], axis=1).max(), 1)
+                for name, block in (("residual_stress", summary), ("released_stress", summary["released"])):
+                    stress, found = data[name][part], block["residual_stress"]
+                    np.testing.assert_allclose(found["lowest"], stress.min(0), rtol=1e-12)
+                    np.testing.assert_allclose(found["highest"], stress.max(0), rtol=1e-12)
+                    normal, shear = stress[:, :dimension], stress[:, dimension:]
+                    deviator = (normal**2).sum(1) - 0.5 * ((normal.sum(1))**2 - (normal**2).sum(1))
+                    self.assertAlmostEqual(found["von_mises"] / np.sqrt(deviator + 3 * (shear**2).sum(1)).max(), 1)
+                    self.assertTrue(np.abs(data[name][(data["density"] == 0) & (data["substrate"] > 0)]).max() > 0)
+                values = {entry["name"]: entry["value"] for entry in summary["responses"]}
+                arm = np.zeros(nodes.shape, bool)
+                arm[..., -1] = nodes[..., -1]
+                expected = (released[arm]**2).sum(1).mean()
+                self.assertAlmostEqual(values["objective_0"] / expected, 1)
+                self.assertAlmostEqual(values["objective_2"] / (data["displacement"][arm]**2).sum(), 1)
+
+    def test_planar_layers_shrink_along_themselves(self):
+        """Strain that turns, for planar layers, is the constant one of their direction."""
+        config = plate_2d()
+        config["sequence"] = {"type": "planar", "direction": [0.6, 0.8]}
+        config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.004}}
+        turning = self.run_config(2, config, "-task", "simulate")
+        xx, yy, xy = (-0.01 * (i == j) + 0.014 * n * m for i, j, n, m in
+                      ((0, 0, 0.6, 0.6), (1, 1, 0.8, 0.8), (0, 1, 0.6, 0.8)))
+        config["material"] = {"inherent_strain": [xx, yy, 2 * xy]}
+        constant = self.run_config(1, config, "-task", "simulate")
+        found, expected = read_result(turning), read_result(constant)
+        for name in ("displacement", "residual_stress", "release_displacement"):
+            assert_close(found[name], expected[name], 1e-5, name)
 
     def test_stages_are_not_written_unasked(self):
         run = self.run_config(1, plate_2d(), "-task", "simulate")

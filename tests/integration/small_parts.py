@@ -19,6 +19,21 @@ def plate_2d():
     }
 
 
+def direct_2d(location="nodes"):
+    """The wall of plate_2d with the pseudo-time itself as design, from the lower left corner on, and variable time points."""
+    config = plate_2d()
+    config["name"] = "direct_" + location
+    config["sequence"] = {"type": "direct", "location": location, "start": {"box": {"min": [0, 0], "max": [0, 0]}}}
+    config["layers"]["time_points"] = "variable"
+    config["constraints"] = [{"type": "deposition_speed", "slack": 0.02}, {"type": "continuity"},
+                             {"type": "minimum_layer_volume", "fraction": 0.05}]
+    if location == "nodes":
+        config["constraints"].insert(0, {"type": "layer_thickness", "target": 0.4, "tolerance": 0.3})
+    else:
+        del config["objective"][1]
+    return config
+
+
 def hook_3d():
     """A post with an overhanging arm, 8 x 4 x 8 elements of which a third are empty."""
     return {
@@ -34,6 +49,33 @@ def hook_3d():
                       {"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top"},
                       {"type": "layer_uniformity"}],
         "constraints": [{"type": "layer_thickness", "target": 0.55}, {"type": "deposition_speed"}],
+    }
+
+
+def post_on_substrate(dimension=3):
+    """An overhang on a clamped base plate, of strain that turns with the layers, measured before and after the release."""
+    flat = dimension == 2
+
+    def box(low, high):
+        return {"box": {"min": low[::2] if flat else low, "max": high[::2] if flat else high}}
+
+    return {
+        "name": "post",
+        "domain": {"size": [1.6, 1.2], "elements": [12, 10]} if flat else
+                  {"size": [1.6, 0.8, 1.2], "elements": [8, 4, 7]},
+        "part": {"union": [box([0.4, 0.2, 0.2], [1.0, 0.6, 1.2]), box([0.4, 0.2, 0.8], [1.6, 0.6, 1.2])]},
+        "substrate": box([0, 0, 0], [1.6, 0.8, 0.3]),
+        "clamps": box([0, 0, 0], [0, 0.8, 0.4]),
+        "node_sets": {"arm": box([1.6, 0, 0.8], [1.6, 0.8, 1.2]), "underside": box([0, 0, 0], [1.6, 0.8, 0])},
+        "material": {"inherent_strain": {"tangential": -0.01, "normal": 0.002}},
+        "sequence": {"type": "heat", "characteristic_length": 1.2},
+        "layers": {"count": 4},
+        "objective": [{"type": "distortion", "nodes": "arm", "mean": True, "after_release": True},
+                      {"type": "distortion", "measure": "flatness", "axis": "y" if flat else "z", "nodes": "underside",
+                       "after_release": True},
+                      {"type": "distortion", "nodes": "arm"},
+                      {"type": "layer_uniformity"}],
+        "constraints": [{"type": "layer_thickness", "target": 0.3}],
     }
 
 

@@ -61,7 +61,8 @@ struct LayeredCase {
     const bool quiet = settings.void_model == VoidModel::quiet;
     const auto part = on_grid.part.expand(std::vector<double>(on_grid.part.elements().size(), 1.0));
     const auto time = part_field(on_grid.part, [&](std::int64_t number) { return wavy_time(number); });
-    const CurvedLayers curved(on_grid.part.part_density(), settings.layers, settings.beta, false);
+    const CurvedLayers curved(on_grid.part.part_density(), uniform_time_points(settings.layers),
+                              settings.beta, false);
     const LayerDensities densities = curved.densities(time);
     std::vector<std::vector<double>> stage, layer;
     for (int j = 0; j < settings.layers; ++j) {

@@ -23,7 +23,10 @@ template <int Dim>
 struct PartOnGrid {
   explicit PartOnGrid(const Domain<Dim>& domain, const Shape& shape,
                       const BuildPlate& plate = {Dim - 1, false}, MPI_Comm comm = PETSC_COMM_WORLD)
-      : description{shape, false},
+      : PartOnGrid(domain, PartDescription{shape, false}, plate, comm) {}
+  PartOnGrid(const Domain<Dim>& domain, const PartDescription& description_,
+             const BuildPlate& plate = {Dim - 1, false}, MPI_Comm comm = PETSC_COMM_WORLD)
+      : description(description_),
         grid(make_balanced_grid<Dim>(comm, domain, description)),
         part(grid, description, plate) {}
   PartOnGrid(const PartOnGrid&) = delete;

@@ -54,6 +54,8 @@ void sum_in_place(MPI_Comm comm, std::span<int> values);
 
 /// `text` of rank 0 on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);
+/// Values of rank 0 on every rank, in place; the same length on all ranks.
+void broadcast(MPI_Comm comm, std::span<double> values);
 
 /// Sum of `value` over the ranks below this one.
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value);

@@ -10,7 +10,8 @@
 
 namespace fabseq {
 
-/// What the config says of a node set: all nodes in or on `shape` that touch the part, or `samples` of them.
+/// What the config says of a node set: all nodes in or on `shape` that touch the part or the
+/// substrate, or `samples` of them.
 struct NodeSetDescription {
   Shape shape;
   int samples = 0;  ///< 0: all; else k nodes equally spaced along the longest edge of the set's bounding box

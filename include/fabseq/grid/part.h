@@ -5,6 +5,7 @@
 #include "fabseq/grid/grid.h"
 #include "fabseq/grid/pieces.h"
 #include "fabseq/grid/shape.h"
+#include "fabseq/grid/substrate.h"
 
 #include <cstdint>
 #include <optional>
@@ -29,6 +30,8 @@ struct PartDescription {
   std::variant<Shape, VoxelFile> source;
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing them
   bool announce = true;         ///< warn of what was dropped
+  std::optional<Shape> substrate = std::nullopt;  ///< what stands from the start; not part where both are
+  std::optional<Shape> clamps = std::nullopt;     ///< nodes held in place of the plate's
 };
 
 /// Densities (0 to 1) of the elements of `box`, lexicographic. Collective on `comm` for voxel files (parallel
@@ -38,7 +41,7 @@ template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box);
 
-/// A grid whose decomposition balances the part's elements; elements outside the part count a tenth (they are
+/// A grid whose decomposition balances the elements of part and substrate; others count a tenth (they are
 /// in the heat problem only). Collective on `comm`; throws what Grid and read_density throw.
 template <int Dim>
 Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description);
@@ -48,12 +51,14 @@ template <int Dim>
 class Part {
  public:
   /// Collective on the grid's communicator. The grid must outlive the part. Throws InputError for an empty
-  /// part, no plate contact, or pieces without a path of faces to the plate (naming number, size and place),
-  /// unless `description.keep_connected`, which drops them with a warning.
+  /// part, no contact with plate or substrate, or pieces without a path of faces to them (naming number, size and
+  /// place), unless `description.keep_connected`, which drops them with a warning. Elements of the substrate are no part
+  /// elements.
   Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate);
 
   const Grid<Dim>& grid() const { return grid_; }
   const BuildPlate& plate() const { return plate_; }
+  const Substrate<Dim>& substrate() const { return substrate_; }
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
@@ -75,8 +80,11 @@ class Part {
   double longest_edge() const;
   /// The pieces, largest first, before any were dropped.
   const std::vector<Piece<Dim>>& pieces() const { return pieces_; }
-  /// Part elements with a face on the build plate, all ranks.
+  /// Part elements with a face on the build plate or on the substrate, all ranks.
   std::int64_t plate_contact() const { return plate_contact_; }
+  /// For each part element, half the spacing across its face on the plate or on the substrate, the smallest one;
+  /// infinite without such a face (a part field).
+  const std::vector<double>& contact_distance() const { return contact_distance_; }
 
   /// Owned nodes of at least one part element (1 or 0), lexicographic in Grid::owned_nodes().
   const std::vector<char>& touched_nodes() const { return touched_nodes_; }
@@ -92,13 +100,13 @@ class Part {
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
   void drop_or_refuse_hanging_pieces(const PartDescription& description);
-  void collect_elements();
+  void collect_elements(const std::vector<double>& distance_to_substrate);
   void measure_extent();
-  void mark_touched_nodes();
 
   const Grid<Dim>& grid_;
   BuildPlate plate_;
-  std::vector<double> density_, part_density_;
+  Substrate<Dim> substrate_;
+  std::vector<double> density_, part_density_, contact_distance_;
   std::vector<int> elements_, first_corners_;
   std::vector<int> piece_of_element_;  ///< index into pieces_ for each owned element, -1 outside the part
   std::int64_t count_ = 0, plate_contact_ = 0;

@@ -30,7 +30,7 @@ template <int Dim>
 struct Piece {
   std::int64_t elements = 0;
   Point<Dim> min{}, max{};     ///< bounding box, length unit
-  bool touches_plate = false;  ///< an element has a face on the build plate
+  bool touches_plate = false;  ///< an element has a face on the build plate or on the substrate
 };
 
 /// The pieces of all ranks, and this rank's share of them.
@@ -41,11 +41,15 @@ struct PieceMap {
 };
 
 /// Labels the elements with `density` (of each owned element of the grid) above 0. Elements that share only
-/// an edge or a corner are not connected. Collective on the grid's communicator.
+/// an edge or a corner are not connected. `on_substrate`: for each owned element, whether it has a face on the substrate;
+/// empty: none has. Collective on the grid's communicator.
 template <int Dim>
-PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate);
+PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
+                          const std::vector<char>& on_substrate = {});
 
-extern template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&);
-extern template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&);
+extern template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&,
+                                           const std::vector<char>&);
+extern template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&,
+                                           const std::vector<char>&);
 
 }  // namespace fabseq

@@ -16,11 +16,18 @@ namespace fabseq {
 
 enum class Task { optimize, simulate, evaluate, check_gradients, check };
 
+/// Inherent strain along and across the layers, docs/formulation.md 4.2.
+struct TurningStrain {
+  double tangential = 0.0, normal = 0.0;
+};
+
 struct MaterialSettings {
   double young = 1.0;  ///< stress unit
   double poisson = 0.3;
-  std::vector<double>
-      inherent_strain;  ///< Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied
+  /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it turns
+  std::vector<double> inherent_strain;
+  std::optional<TurningStrain> turning_strain = std::nullopt;
+  std::vector<double> strain_scale = {};  ///< a factor an axis, for strains that turn
 };
 
 enum class VoidModel { absent, quiet };
@@ -33,11 +40,12 @@ struct ProcessSettings {
   VoidModel void_model = VoidModel::absent;
 };
 
-enum class SequenceType { heat, planar, file };
+enum class SequenceType { heat, direct, planar, file };
+enum class DesignLocation { elements, nodes };
 enum class VariableScale { log, linear };
 enum class MassRule { automatic, consistent, lumped };
 
-/// docs/formulation.md 2.1, 2.2 (heat), 3.3 (planar), 3.1 (file).
+/// docs/formulation.md 2.1, 2.2 (heat), 2.3 (direct), 3.3 (planar), 3.1 (file).
 struct SequenceSettings {
   SequenceType type = SequenceType::heat;
   VariableScale scale = VariableScale::log;
@@ -47,17 +55,20 @@ struct SequenceSettings {
   std::optional<double>
       characteristic_length;  ///< length unit; none: longest edge of the part's bounding box
   double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
-  double filter_radius = 0.0;     ///< length unit; 0: no filter
-  std::vector<double> direction;  ///< planar: build direction; empty: the plate's normal
-  std::string file;               ///< file: absolute path of an HDF5 file
-  std::string dataset = "time";   ///< file: its dataset, axes [z][y][x]
+  double filter_radius = 0.0;                          ///< length unit; 0: no filter
+  DesignLocation location = DesignLocation::elements;  ///< direct: where the pseudo-time lives
+  std::optional<Shape> start;                          ///< direct: where it is 0; none: on the plate
+  std::vector<double> direction;                       ///< planar: build direction; empty: the plate's normal
+  std::string file;                                    ///< file: absolute path of an HDF5 file
+  std::string dataset = "time";                        ///< file: its dataset, axes [z][y][x]
 };
 
 /// No part has as many layers; more are a slip, such as a target thickness in another unit.
 constexpr int most_layers = 10000;
 
 struct LayerSettings {
-  std::optional<int> count;  ///< none: ceil(geodesic height / target thickness)
+  std::optional<int> count;           ///< none: ceil(geodesic height / target thickness)
+  bool variable_time_points = false;  ///< T_1 ... T_{N-1} are design variables
 };
 
 /// Sharpness beta of the layers and its continuation, docs/formulation.md 3.1.
@@ -77,18 +88,21 @@ struct ObjectiveTerm {
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
-  std::string measure;  ///< distortion: displacement, flatness, layerwise
-  std::string nodes;    ///< distortion: name of a node set
-  int axis = -1;        ///< flatness
-  bool mean = false;    ///< displacement: divide by the number of nodes
-  std::string form;     ///< layer_uniformity: sum_of_squares, variance
+  std::string measure;         ///< distortion: displacement, flatness, layerwise
+  std::string nodes;           ///< distortion: name of a node set
+  int axis = -1;               ///< flatness
+  bool after_release = false;  ///< displacement, flatness: of the part cut from the plate
+  bool mean = false;           ///< displacement: divide by the number of nodes
+  std::string form;            ///< layer_uniformity: sum_of_squares, variance
 };
 
 struct ConstraintTerm {
-  std::string type;        ///< layer_thickness, deposition_speed
+  std::string type;        ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume
   double target = 0.0;     ///< layer_thickness, length unit
   double tolerance = 0.1;  ///< layer_thickness, relative
   double slack = 1e-3;     ///< deposition_speed
+  double limit = 1e-3;     ///< continuity
+  double fraction = 0.01;  ///< minimum_layer_volume, of the part's
 };
 
 struct BaselineSettings {
@@ -150,8 +164,15 @@ struct Config {
   Json
       effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same result
 
+  /// Whether |grad t| is defined, and with it whatever thickness means.
+  bool has_time_gradient() const {
+    return sequence.type != SequenceType::file &&
+           !(sequence.type == SequenceType::direct && sequence.location == DesignLocation::elements);
+  }
   /// Target thickness of the first layer_thickness constraint, if there is one.
   std::optional<double> target_thickness() const;
+  /// Whether a term measures after the release.
+  bool has_release() const;
   template <int Dim>
   Domain<Dim> domain() const {
     Domain<Dim> result;

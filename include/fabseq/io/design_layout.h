@@ -15,10 +15,11 @@ namespace fabseq {
 template <int Dim>
 struct DesignLayout {
   const Grid<Dim>& grid;
-  /// This rank's entries to values on its owned elements. Collective on all ranks that share the vector.
-  std::function<std::vector<double>(std::span<const double>)> to_elements;
+  bool on_nodes;  ///< whether entries belong to nodes or to elements
+  /// This rank's entries to values on its owned elements or nodes. Collective on all ranks that share the vector.
+  std::function<std::vector<double>(std::span<const double>)> to_grid;
   /// The other way round; not collective.
-  std::function<std::vector<double>(std::span<const double>)> from_elements;
+  std::function<std::vector<double>(std::span<const double>)> from_grid;
 };
 
 }  // namespace fabseq

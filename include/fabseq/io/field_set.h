@@ -25,11 +25,14 @@ struct FieldSet {
   const Grid<Dim>* grid = nullptr;
   std::vector<Field> fields;
 
+  void add(bool on_nodes, const std::string& name, std::span<const double> values, int components = 1) {
+    fields.push_back({name, on_nodes, components, values, false});
+  }
   void add_elements(const std::string& name, std::span<const double> values, int components = 1) {
-    fields.push_back({name, false, components, values, false});
+    add(false, name, values, components);
   }
   void add_nodes(const std::string& name, std::span<const double> values, int components = 1) {
-    fields.push_back({name, true, components, values, false});
+    add(true, name, values, components);
   }
 };
 

@@ -67,12 +67,22 @@ class Hdf5Writer {
 template <int Dim>
 std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
 
-/// Reads the owned part of an element field [z][y][x], or one list with x fastest, from a file, by all ranks
-/// in parallel. Collective on the grid's communicator. Throws InputError on all ranks, naming file and
+/// Reads the owned part of a field on the elements or nodes [z][y][x], or one list with x fastest, from a file, by all
+/// ranks in parallel. Collective on the grid's communicator. Throws InputError on all ranks, naming file and
 /// dataset (and the config keys or options they come from), if one is missing or has another shape.
+template <int Dim>
+std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
+                               const std::string& dataset, const std::string& file_key = "field file",
+                               const std::string& dataset_key = "field");
 template <int Dim>
 std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
                                        const std::string& dataset, const std::string& file_key = "field file",
                                        const std::string& dataset_key = "field");
+
+/// Reads a list of `count` numbers, the same on all ranks; `meaning`: where that count comes from, for the message.
+/// Collective on `comm`; throws InputError like read_field().
+std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                              std::size_t count, const std::string& meaning, const std::string& file_key,
+                              const std::string& dataset_key);
 
 }  // namespace fabseq

@@ -26,11 +26,12 @@ enum class KeyType {
   vector,          ///< numbers
   integer_vector,  ///< integers
   bounds,          ///< two ascending numbers
-  strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D
+  strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D; or an object with tangential and normal
   points,          ///< list of pairs of numbers
   shapes,          ///< list of shapes
   section,         ///< object with the keys of the section "SECTION.NAME"
   sections,        ///< list of such objects
+  shape,           ///< object with exactly one shape, or a word
   part,            ///< shape or voxel file
   node_sets,       ///< object of named shapes
   unavailable,     ///< documented for later; refused

@@ -19,12 +19,15 @@ struct LayerDensities {
   int count() const { return static_cast<int>(layer.size()); }
 };
 
-/// A response's derivative with respect to the densities; a layer nobody touched stays empty.
+/// A response's derivative with respect to what LayerDensities holds; what nobody touched stays empty.
 struct DensityDerivatives {
   std::vector<std::vector<double>> stage,
-      layer;  ///< like LayerDensities, or empty for a layer without derivative
+      layer;                        ///< like LayerDensities, or empty for a layer without derivative
+  std::vector<double> time_points;  ///< explicit dependence on T_0 ... T_N; the same on all ranks
 
   explicit DensityDerivatives(int layers) : stage(layers), layer(layers) {}
+  /// The entries of the time points, zeros at first use.
+  std::vector<double>& touch_time_points() { return touch(time_points, stage.size() + 1); }
   /// The entries of a layer, zeros at first use.
   static std::vector<double>& touch(std::vector<double>& entries, std::size_t elements) {
     if (entries.empty()) entries.assign(elements, 0.0);
@@ -32,12 +35,15 @@ struct DensityDerivatives {
   }
 };
 
-/// Uniform time points and the smooth (or binary) step between stages.
+/// T_j = j / count: T_0 = 0 ... T_N = 1.
+std::vector<double> uniform_time_points(int count);
+
+/// The smooth (or binary) step between stages.
 class CurvedLayers {
  public:
-  /// `density`: of the part elements; not owned, must outlive the object. `binary`: the step function instead
-  /// of the smooth one.
-  CurvedLayers(std::span<const double> density, int count, double beta, bool binary);
+  /// `density`: of the part elements; not owned, must outlive the object. `time_points`: T_0 = 0 ... T_N = 1.
+  /// `binary`: the step function instead of the smooth one.
+  CurvedLayers(std::span<const double> density, std::vector<double> time_points, double beta, bool binary);
 
   int count() const { return static_cast<int>(time_points_.size()) - 1; }
   double beta() const { return beta_; }
@@ -45,9 +51,11 @@ class CurvedLayers {
   LayerDensities densities(std::span<const double> time) const;
   /// The same in the memory of an earlier result.
   void set_densities(std::span<const double> time, LayerDensities& densities) const;
-  /// Adds the derivative with respect to the pseudo-time to `d_time` (part field). Zero for binary layers.
+  /// Adds the derivative with respect to the pseudo-time to `d_time` (part field) and, unless that is empty, what
+  /// this rank's elements contribute to the one with respect to T_0 ... T_N to `d_time_points`. Zero for binary
+  /// layers. Derivatives by the time points themselves stay with their owner.
   void pull_back(std::span<const double> time, const DensityDerivatives& derivatives,
-                 std::span<double> d_time) const;
+                 std::span<double> d_time, std::span<double> d_time_points = {}) const;
 
  private:
   /// Takes from `stage` what is built after a time point.
@@ -59,7 +67,8 @@ class CurvedLayers {
   bool binary_;
 };
 
-/// Index of the layer (1 to N) that builds each element, by its pseudo-time.
-std::vector<double> layer_index(std::span<const double> time, int count);
+/// Index of the layer (1 to N) that builds each element, by its pseudo-time: the first whose time point is not
+/// earlier. `time_points`: T_0 ... T_N.
+std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points);
 
 }  // namespace fabseq

@@ -33,7 +33,8 @@ class SmoothStep {
       : time_point_(time_point),
         beta_(beta),
         start_(std::tanh(beta * time_point)),
-        scale_(1.0 / (start_ + std::tanh(beta * (1.0 - time_point)))) {}
+        end_(std::tanh(beta * (1.0 - time_point))),
+        scale_(1.0 / (start_ + end_)) {}
 
   double value(double time) const {
     const double x = beta_ * (time - time_point_);
@@ -45,9 +46,15 @@ class SmoothStep {
     const double decay = exp_of_minus(2.0 * std::abs(beta_ * (time - time_point_)));
     return -4.0 * beta_ * scale_ * decay / ((1.0 + decay) * (1.0 + decay));
   }
+  /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and the end:
+  /// beta scale (h - s + (1 - value) (s - e)).
+  double time_point_derivative(double time) const {
+    const double at_start = 1.0 - start_ * start_, at_end = 1.0 - end_ * end_;
+    return -derivative(time) + beta_ * scale_ * ((1.0 - value(time)) * (at_start - at_end) - at_start);
+  }
 
  private:
-  double time_point_, beta_, start_, scale_;
+  double time_point_, beta_, start_, end_, scale_;
 };
 
 }  // namespace fabseq

@@ -5,8 +5,6 @@
 #include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/problem.h"
 
-#include <vector>
-
 namespace fabseq {
 
 /// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
@@ -15,13 +13,13 @@ namespace fabseq {
 class BestIterate {
  public:
   /// Designs at another sharpness cannot be compared: a new `beta` starts over.
-  void offer(int iteration, double beta, const ProblemValues& values, const std::vector<double>& design);
+  void offer(int iteration, double beta, const ProblemValues& values, const Design& design);
 
   int iteration() const { return iteration_; }
   double beta() const { return beta_; }
   double worst_constraint() const { return worst_constraint_; }
   bool feasible() const { return worst_constraint_ <= 0.0; }
-  const std::vector<double>& design() const { return design_; }
+  const Design& design() const { return design_; }
 
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
@@ -29,7 +27,7 @@ class BestIterate {
  private:
   int iteration_ = 0;
   double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
-  std::vector<double> design_;
+  Design design_;
 };
 
 }  // namespace fabseq

@@ -9,13 +9,14 @@
 
 namespace fabseq {
 
-/// Errors of one component of a response along one direction.
+/// Errors of one component of a response along a direction in the space of one kind of variables.
 struct GradientError {
   std::string name, type;
+  std::string variables;  ///< design (the sequence's), time_points
   double value = 0.0;
   double adjoint = 0.0;             ///< directional derivative by the adjoint
   std::vector<double> differences;  ///< central differences, a step each
-  std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each
+  std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each; 0 where both are 0
 
   double best() const;  ///< smallest relative error
 };
@@ -32,9 +33,10 @@ struct GradientCheck {
   std::string svg(const std::string& title) const;
 };
 
-/// Compares along a pseudo-random direction, the same on any number of ranks. Collective.
+/// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
+/// Collective.
 template <int Dim>
 GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                              const std::vector<double>& design);
+                              const Design& design);
 
 }  // namespace fabseq

@@ -4,7 +4,9 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/io/checkpoint_state.h"
+#include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"
+#include "fabseq/process/inherent_strain.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/sequence.h"
@@ -29,8 +31,8 @@ struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
 
-/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. A design
-/// and its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
+/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The fields of
+/// a design and of its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
 ///
 /// Groups share the layers (ProcessSimulation) and, in gradients(), the rows: a row's heat adjoint and what is
 /// explicit in it belong to one group. Rows that use displacements get a part of their derivative from every group.
@@ -46,18 +48,19 @@ class Pipeline {
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
 
-  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. The state refers to
-  /// results that stay valid until the next run.
-  PipelineState<Dim> run(std::span<const double> design, int layers, double beta, bool binary);
+  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. Time points that are no
+  /// variables of the design are uniform. The state refers to results that stay valid until the next run.
+  PipelineState<Dim> run(const Design& design, int layers, double beta, bool binary);
   /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get there.
   const PseudoTime<Dim>* last_time() const { return time_; }
+  /// T_0 ... T_N of the last run.
+  const std::vector<double>& last_time_points() const { return densities_.time_points; }
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                           const PipelineState<Dim>& state);
-  /// Gradients of several rows with respect to the design of the last run, this rank's shares.
-  std::vector<std::vector<double>> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
-                                             const PipelineState<Dim>& state,
-                                             const std::vector<GradientRow>& rows);
+  /// Gradients of several rows with respect to the design of the last run.
+  std::vector<Design> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+                                const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
   void start_cold();
@@ -73,6 +76,8 @@ class Pipeline {
     int owner = 0;        ///< group whose row it is
     bool shared = false;  ///< uses displacements: other groups have parts of it
     PipelineAdjoint<Dim> adjoint;
+    std::vector<double> time_points;  ///< dJ/dT_0 ... dJ/dT_N where these vary, this rank's part
+    std::vector<double> strains;      ///< dJ/d(inherent strain) where that turns, this group's part
   };
   std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
@@ -82,16 +87,19 @@ class Pipeline {
   std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
                                                       const std::vector<Row>& rows);
+  std::vector<std::vector<double>> sum_up_time_points(const std::vector<Row>& rows) const;
   bool is_own(const Row& row) const { return row.owner == setup_.groups.index(); }
 
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
+  InherentStrain<Dim> strain_;
   ElasticModel<Dim> model_;
   ProcessSimulation<Dim> process_;
   std::optional<CurvedLayers> layers_;
   LayerDensities densities_;
   const PseudoTime<Dim>* time_ = nullptr;
+  bool variable_time_points_ = false;  ///< of the last run's design
   SolverIterations iterations_;
 };
 
@@ -106,6 +114,9 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);
 /// enters all others).
 AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance);
 AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance);
+
+/// The release's solver, to `tolerance`.
+ReleaseSolver release_solver(const Config& config, double tolerance);
 
 extern template class Pipeline<2>;
 extern template class Pipeline<3>;

@@ -14,9 +14,9 @@ namespace fabseq {
 
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  std::vector<double> objective;  ///< of the scaled objective, with respect to the design, this rank's
-  std::vector<double> constraint_values;         ///< f_i <= 0, one a row
-  std::vector<std::vector<double>> constraints;  ///< gradient of each row
+  Design objective;                       ///< gradient of the scaled objective
+  std::vector<double> constraint_values;  ///< f_i <= 0, one a row
+  std::vector<Design> constraints;        ///< gradient of each row
 };
 
 /// Values of all responses at a design; the same on all ranks.

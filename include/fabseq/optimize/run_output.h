@@ -48,7 +48,7 @@ class RunOutput {
   void baseline(SequenceReport<Dim> report, const std::string& solver);
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for it.
   void iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                 Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const std::vector<double>& design);
+                 Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const Design& design);
   /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is due, asked for, or the
   /// state is the last; returns whether it did.
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
@@ -66,8 +66,9 @@ class RunOutput {
 
   void continue_from(const Restart& restart);
   void write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                     const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, double total);
-  void dump_fields(int iteration, const PipelineState<Dim>& state, const std::vector<double>& design);
+                     const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const Design& design,
+                     double total);
+  void dump_fields(int iteration, const PipelineState<Dim>& state, const Design& design);
   void write_result(const FinalReports<Dim>& reports, const BestIterate& best);
   void write_checkpoint();
   void dump_failure(const Pipeline<Dim>& pipeline);

@@ -7,7 +7,6 @@
 #include "fabseq/optimize/design_update.h"
 
 #include <string>
-#include <vector>
 
 namespace fabseq {
 
@@ -24,24 +23,25 @@ template <int Dim>
 class RunState {
  public:
   /// Before the first iteration. `design`: to start from; the setup must outlive the state.
-  RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, std::vector<double> design);
+  RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, Design design);
 
   Problem<Dim> problem;
   Continuation continuation;
   DesignUpdate optimizer;
   BestIterate best;
 
-  /// What the next iteration evaluates, this rank's variables.
-  const std::vector<double>& design() const { return design_; }
+  /// What the next iteration evaluates.
+  const Design& design() const { return design_; }
   /// Iterations done.
   int completed() const { return completed_; }
   /// Ends an iteration, whose step to the `next` design was `change` (StepReport::change).
-  void complete(std::vector<double> next, double change);
+  void complete(Design next, double change);
   /// Whether there is nothing left to do: converged, or as many iterations as were asked for.
   bool ended() const { return converged() || completed_ >= settings_.max_iterations; }
   /// How, once it has.
   RunEnd end() const;
 
+  /// Collective.
   CheckpointState save() const;
   void restore(const CheckpointState& state);
 
@@ -49,7 +49,7 @@ class RunState {
   bool converged() const;
 
   const OptimizerSettings& settings_;
-  std::vector<double> design_;
+  Design design_;
   int completed_ = 0;
   double change_ = 1.0;  ///< of the last iteration; no step is larger than the range
 };

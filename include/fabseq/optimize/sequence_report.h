@@ -30,6 +30,10 @@ template <int Dim>
 SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
+/// Largest and rms displacement ([owned node][component]) of the part's nodes: `max`, `rms`. Collective.
+template <int Dim>
+Json displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
+
 /// Number of layers that hold more than a trace of the part's volume.
 int used_layers(const Json& block);
 

@@ -4,23 +4,27 @@
 
 #include "fabseq/grid/node_set.h"
 #include "fabseq/grid/part.h"
+#include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
 #include "fabseq/io/design_layout.h"
 #include "fabseq/optimize/run_cost.h"
 #include "fabseq/process/layer_groups.h"
 #include "fabseq/responses/response.h"
+#include "fabseq/sequence/design_support.h"
+#include "fabseq/sequence/start_region.h"
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace fabseq {
 
-/// Layer groups, grid, part and node sets of a config, with what "auto" stands for. Collective construction on the
-/// world of the run; every layer group has the same grid, part and node sets on its ranks. Cannot be copied or
-/// moved, since its members refer to each other. Throws InputError for anything wrong with part,
-/// plate or node sets.
+/// Layer groups, grid, part, places of the design variables and node sets of a config, with what "auto" stands
+/// for. Collective construction on the world of the run; every layer group has the same grid, part and node sets
+/// on its ranks. Cannot be copied or moved, since its members refer to each other. Throws InputError for anything
+/// wrong with part, plate, substrate, clamps, start region or node sets, and for a release that there cannot be.
 template <int Dim>
 class Setup {
  public:
@@ -33,6 +37,9 @@ class Setup {
   const LayerGroups groups;
   Grid<Dim> grid;
   Part<Dim> part;
+  Supports<Dim> supports;
+  std::optional<StartRegion> start;   ///< of a direct sequence
+  DesignSupport<Dim> design_support;  ///< where the sequence has variables
   std::map<std::string, NodeSet> node_sets;
   int layer_count;               ///< N, "auto" resolved
   int baseline_layers;           ///< of the planar baseline
@@ -42,13 +49,24 @@ class Setup {
   /// All ranks of the run; the grid has a communicator of its own.
   MPI_Comm world() const { return groups.world(); }
   BlockSolver block_solver() const { return fabseq::block_solver(config.solver.path); }
-  /// A design, or anything else of which this rank has its share, as a field on the owned elements. Collective.
+  /// A design's field, or anything else of which this rank has its share, on the owned elements or nodes. Collective.
   std::vector<double> design_field(std::span<const double> share) const {
-    return part.expand(groups.gather(share));
+    return design_support.expand(groups.gather(share));
   }
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;
-  ResponseContext<Dim> context() const { return {part, node_sets, characteristic_length}; }
+  /// 1 on the owned elements of the substrate, as a field for files.
+  std::vector<double> substrate_field() const {
+    return {part.substrate().elements().begin(), part.substrate().elements().end()};
+  }
+  ResponseContext<Dim> context() const {
+    return {part, node_sets, characteristic_length,
+            start ? std::span<const char>(start->elements) : std::span<const char>{}};
+  }
+  /// Time points that are design variables.
+  std::size_t variable_time_points() const {
+    return config.layers.variable_time_points ? static_cast<std::size_t>(layer_count) - 1 : 0;
+  }
   /// Sharpness at the start and at the end of the continuation, "auto" resolved.
   double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
   double last_beta() const { return config.projection.max.value_or(13.5 * layer_count); }
@@ -60,6 +78,7 @@ class Setup {
 
  private:
   void warn_about_method() const;
+  void require_release() const;
   int resolve_baseline_layers() const;
 };
 

@@ -4,10 +4,9 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/io/command_line.h"
+#include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"
 #include "fabseq/sequence/sequence.h"
-
-#include <vector>
 
 namespace fabseq {
 
@@ -15,11 +14,11 @@ namespace fabseq {
 double evaluation_tolerance(const Config& config);
 constexpr double gradient_check_tolerance = 1e-12;
 
-/// This rank's share of the design to start from: that of -design FILE, or the sequence's own, with a warning where the file has
-/// none. Throws InputError if it does not fit the part or leaves the bounds.
+/// The design to start from: that of -design FILE, or the initial values, with a warning where the file has none.
+/// Throws InputError if it does not fit the part or leaves the bounds.
 template <int Dim>
-std::vector<double> starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
-                                    const CommandLine& command_line);
+Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
+                       const CommandLine& command_line);
 
 /// -task evaluate: values and gradients at one design; evaluation.json, gradients.h5.
 template <int Dim>

@@ -1,10 +1,11 @@
 /// \file
 /// What the elastic solves of a part have in common: elements, supports, element matrices
-/// (docs/formulation.md 4.1).
+/// (docs/formulation.md 4.1, 4.4).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/part.h"
+#include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
 #include "fabseq/solve/unknown_numbering.h"
 
@@ -15,21 +16,38 @@
 
 namespace fabseq {
 
-/// The elements of the mechanical model: the part's, or all of the box where the void is quiet; supported on
-/// the plate's face. Works with unit Young's modulus: displacements do not depend on it.
+/// The elements of the mechanical model: those of part and substrate, or all of the box where the void is quiet. Works
+/// with unit Young's modulus: displacements do not depend on it.
 template <int Dim>
 struct ElasticModel {
-  /// The part must outlive the model.
-  ElasticModel(const Part<Dim>& part_, const MaterialSettings& material_, const ProcessSettings& settings_);
+  using ElementLoad = std::array<double, element_unknowns<Dim>>;
+
+  /// Part and supports must outlive the model.
+  ElasticModel(const Part<Dim>& part_, const Supports<Dim>& supports_, const MaterialSettings& material_,
+               const ProcessSettings& settings_);
 
   const Part<Dim>& part;
+  const Supports<Dim>& supports;
   MaterialSettings material;
   ProcessSettings settings;
   ElementMatrices<Dim> element;
-  std::array<double, element_unknowns<Dim>>
-      strain_load;                 ///< load of the inherent strain in a full element, unit modulus
-  SystemDomain domain;             ///< elements of the model; plate nodes fixed
+  std::array<ElementLoad, voigt_size<Dim>> unit_loads;  ///< of each strain component alone in a full element
+  ElementLoad strain_load{};  ///< of the inherent strain in a full element; 0 where it turns with the layers
+  SystemDomain domain;        ///< elements of the model; supports fixed
+  std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
+  std::vector<int>
+      part_element;  ///< the other way round; negative for elements of the substrate and the void
+
+  /// Stage density of an element of the model, given those of the part: the substrate stands, the void does not.
+  double stage_density(const std::vector<double>& part_stage, std::size_t model_element) const {
+    const int number = part_element[model_element];
+    return number >= 0 ? part_stage[number] : (number == in_substrate ? 1.0 : 0.0);
+  }
+  /// Stiffness factor of every element of the model once the part is finished.
+  std::vector<double> finished_stiffness() const;
+  /// Load of a strain, Voigt, in a full element.
+  ElementLoad load_of(const double* strain) const;
 
   /// Stiffness factor of an element with this stage density.
   double stiffness(double stage_density) const {
@@ -47,6 +65,8 @@ struct ElasticModel {
   }
 
  private:
+  static constexpr int in_void = -1, in_substrate = -2;
+
   /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and layer.
   static double power(double base, double exponent) {
     const double positive = std::max(base, 0.0);

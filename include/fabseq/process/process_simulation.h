@@ -7,6 +7,8 @@
 #include "fabseq/process/layer_dealing.h"
 #include "fabseq/process/layer_elements.h"
 #include "fabseq/process/layer_groups.h"
+#include "fabseq/process/release.h"
+#include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
 #include <memory>
@@ -23,6 +25,7 @@ struct ProcessResult {
   std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
   std::vector<LaneVector> increments;   ///< their increments, block by block: [node][component][lane]
   std::vector<double> displacement;     ///< u, all layers' sum, [owned node][component], length unit
+  std::vector<double> release;          ///< v, what the release adds to u; empty if that is not asked for
   std::vector<int> iterations;          ///< of each layer's solve, all layers
 };
 
@@ -31,6 +34,14 @@ struct ProcessResult {
 struct ProcessAdjoint {
   std::vector<double> displacement;    ///< dJ/du, [owned node][component]; empty: zero
   std::vector<LaneVector> increments;  ///< dJ/d(increment of a layer) on top, like ProcessResult; empty: zero
+  std::vector<double> release;         ///< dJ/dv, [owned node][component]; empty: zero
+};
+
+/// Where the derivatives of a row go.
+struct ProcessDerivatives {
+  DensityDerivatives* densities = nullptr;
+  std::vector<double>* strains =
+      nullptr;  ///< [part element][Voigt], sized at first use; nullptr: not asked for
 };
 
 /// For each layer j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
@@ -38,7 +49,8 @@ struct ProcessAdjoint {
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
 /// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
-/// drho^(q-1) lambda^T f_0.
+/// drho^(q-1) lambda^T f_0. Of what is measured after the release (Release), lambda_j on the supports is not 0 but the
+/// release's adjoint w.
 ///
 /// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the world
 /// of the groups, and errors are thrown on all of its ranks.
@@ -52,15 +64,26 @@ class ProcessSimulation {
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
                     const LayerGroups& groups, BlockSolver blocks, int lanes = most_lanes);
 
-  /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming the layer
-  /// if one does not converge.
-  const ProcessResult& simulate(const LayerDensities& densities);
-  /// Adds the derivatives of several functionals at the last simulated densities, with respect to the densities
-  /// of this group's layers; rows solved together share the systems.
+  /// From now on simulations end with the release from the supports. Throws InputError if there is none
+  /// (release_obstacle()).
+  void release_with(const ReleaseSolver& solver);
+
+  /// Simulates all layers; the result stays valid until the next call. `strains`: inherent strains of the part elements,
+  /// [part element][Voigt]; empty: the material's in all of them. Throws NumericalError naming the layer if one does not
+  /// converge.
+  const ProcessResult& simulate(const LayerDensities& densities, std::vector<double> strains = {});
+  /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to the
+  /// densities of this group's layers and to the strains, as far as they enter its layers; rows solved together share
+  /// the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
-                 std::span<DensityDerivatives* const> derivatives);
-  /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
-  void start_cold() { solver_->start_cold(); }
+                 std::span<const ProcessDerivatives> derivatives);
+  /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
+  /// elsewhere, for unit Young's modulus. They balance themselves.
+  std::vector<double> reactions(const LayerDensities& densities) const;
+  /// Strains of the last simulation.
+  const std::vector<double>& strains() const { return elements_.strains(); }
+  /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
+  void start_cold();
   /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
   /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.
@@ -77,8 +100,10 @@ class ProcessSimulation {
   void deal_out(int layers);
   void solve_block(const LayerDensities& densities, std::size_t number, LaneVector& load);
   void pull_back_block(const LayerDensities& densities, std::size_t number,
-                       std::span<const ProcessAdjoint> rows, std::span<DensityDerivatives* const> derivatives,
-                       std::span<LaneVector> loads, std::span<LaneVector> adjoints);
+                       std::span<const ProcessAdjoint> rows, std::span<const ProcessDerivatives> derivatives,
+                       std::span<const std::vector<double>> motions, std::span<LaneVector> loads,
+                       std::span<LaneVector> adjoints);
+  std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 
   const ElasticModel<Dim>& model_;
@@ -86,7 +111,9 @@ class ProcessSimulation {
   BlockSolver block_solver_;
   int lanes_;
   LayerElements<Dim> elements_;
+  SupportForces<Dim> supports_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
+  std::unique_ptr<Release<Dim>> release_;  ///< if asked for
   LayerDeal deal_;
   std::vector<double> expected_work_;
   ProcessResult result_;

@@ -1,9 +1,11 @@
 /// \file
-/// Residual stress after the last layer, and the release from the plate (docs/formulation.md 4.3).
+/// Residual stress after the last layer, and what is left of it after the release (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/process/process_simulation.h"
 
+#include <array>
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -14,18 +16,20 @@ template <int Dim>
 std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
                                     const LayerDensities& densities);
 
-/// Forces of the plate on the part over all layers, sum_j (K_j du_j - f_j) on the plate's nodes, [owned
-/// node][component], 0 elsewhere, for unit Young's modulus. They balance themselves. Collective.
+/// E_N C B v, what a displacement v of the finished part ([owned node][component]) adds to it. Collective on the grid's
+/// communicator.
 template <int Dim>
-std::vector<double> plate_reactions(const ProcessSimulation<Dim>& simulation,
-                                    const LayerDensities& densities);
+std::vector<double> finished_stress(const ElasticModel<Dim>& model, std::span<const double> displacement);
 
-/// Displacement increment when the plate lets go: the finished part under minus the reactions, mean
-/// translation and rotation of the plate's nodes removed by least squares; [owned node][component]. Throws
-/// InputError if the plate's nodes cannot hold the part against every rigid motion. Collective.
+/// Extremes over the part's elements, all ranks.
 template <int Dim>
-std::vector<double> release_displacement(const ProcessSimulation<Dim>& simulation,
-                                         const LayerDensities& densities,
-                                         const AssembledSolverSettings& solver);
+struct StressExtremes {
+  double von_mises = 0.0;  ///< largest equivalent stress
+  std::array<double, voigt_size<Dim>> lowest{}, highest{};
+};
+
+/// Of a stress like residual_stress()'s. Collective on the grid's communicator.
+template <int Dim>
+StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const double> stress);
 
 }  // namespace fabseq

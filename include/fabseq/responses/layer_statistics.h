@@ -21,9 +21,6 @@ struct LayerStatistics {
   double coefficient_of_variation(int layer) const;
 };
 
-/// Regularization of |grad t|: 1e-9 / l_c^2.
-double gradient_regularization(double characteristic_length);
-
 /// M_e = sqrt(|grad t|^2 + epsilon^2) of each part element; empty where the gradient is not defined.
 template <int Dim>
 std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double characteristic_length);

@@ -9,6 +9,7 @@
 
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct ResponseContext {
   const Part<Dim>& part;
   const std::map<std::string, NodeSet>& node_sets;
   double characteristic_length;  ///< l_c of docs/formulation.md 6
+  std::span<const char> start =
+      {};  ///< part field: 1 in the start region of a direct sequence; empty: there is none
 };
 
 /// The stages of the pipeline for one design. References to the pipeline's own results.
@@ -35,16 +38,20 @@ template <int Dim>
 struct PipelineAdjoint {
   explicit PipelineAdjoint(int layers) : densities(layers) {}
 
-  ProcessAdjoint process;        ///< dJ/du and dJ/d(increments), empty while zero
-  DensityDerivatives densities;  ///< explicit dependence on stage and layer densities
+  ProcessAdjoint process;        ///< dJ/du, dJ/dv and dJ/d(increments), empty while zero
+  DensityDerivatives densities;  ///< explicit dependence on stage and layer densities and on time points
   TimeDerivatives time;          ///< explicit dependence on t and grad t, empty while zero
 };
 
-/// One inequality for the optimizer, sign * (value of a component) <= sign * bound.
+/// One inequality for the optimizer, sign * (value of a component) <= sign * bound, both in units of `scale`.
 struct ConstraintRow {
   int component = 0;
   double sign = 1.0;
   double bound = 0.0;
+  double scale = 1.0;
+
+  /// <= 0 where the inequality holds.
+  double violation(double value) const { return sign * (value - bound) / scale; }
 };
 
 /// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are

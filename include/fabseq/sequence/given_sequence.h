@@ -36,7 +36,7 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction);
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 
-/// Part elements without a face on the plate of which no face neighbour in the part comes earlier: places
+/// Part elements without a face on plate or substrate of which no face neighbour in the part comes earlier: places
 /// where a layer would begin in the air. All ranks; collective.
 template <int Dim>
 std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time);

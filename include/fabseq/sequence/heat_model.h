@@ -10,7 +10,8 @@
 
 namespace fabseq {
 
-/// The whole box conducts, void included; the temperature is prescribed on the plate's nodes of the part.
+/// The whole box conducts, void included; the temperature is prescribed on the plate's nodes of the part and on the
+/// substrate's.
 template <int Dim>
 struct HeatModel {
   /// The model holds no reference to the part.

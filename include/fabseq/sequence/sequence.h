@@ -24,12 +24,18 @@ struct PseudoTime {
   int iterations = 0;  ///< of the forward solve
 };
 
+/// Regularization eps^2 of |grad t| wherever its direction or its root counts: 1e-9 / l_c^2 (docs/formulation.md 4.2, 6).
+inline double gradient_regularization(double characteristic_length) {
+  return 1e-9 / (characteristic_length * characteristic_length);
+}
+
 /// A response's derivative with respect to the pseudo-time and its gradient, shaped like PseudoTime.
 struct TimeDerivatives {
   std::vector<double> time, gradient;
 };
 
-/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves.
+/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves. By default
+/// those of a time.
 struct DesignSpace {
   double lower = 0.0, upper = 1.0;
   bool logarithmic = false;
@@ -49,7 +55,7 @@ class Sequence {
 
   /// Whether there is anything to optimize; the same on all ranks.
   virtual bool has_design() const { return false; }
-  /// Number of design variables on this rank (one a part element, or none).
+  /// Number of design variables on this rank (of its DesignSupport, or none).
   virtual std::size_t variables() const { return 0; }
   virtual DesignSpace space() const { return {}; }
   /// The design to start from.

@@ -41,6 +41,11 @@ class BandCholesky {
   void add(int row, int column, double value) {
     if (row >= column) band_[static_cast<std::size_t>(column) * (bandwidth_ + 1) + row - column] += value;
   }
+  /// Adds to every diagonal entry this share of itself.
+  void raise_diagonal(double share) {
+    for (std::size_t at = 0; at < band_.size(); at += static_cast<std::size_t>(bandwidth_) + 1)
+      band_[at] *= 1.0 + share;
+  }
   /// Rows without anything on the diagonal get a 1 there. False if the matrix is not positive definite.
   bool factor();
   /// Solves in place.

@@ -65,6 +65,7 @@ class LaneHierarchy {
   bool keep_distributed(const LaneLevel<Dim>& fine, std::int64_t coarse_elements) const;
   void make_coarse_mesh(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
   void find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
+  bool holds_rigid_motions(const LaneLevel<Dim>& level) const;
   void set_up_sums(LaneLevel<Dim>& level);
   std::int64_t total_elements(const LaneLevel<Dim>& level) const;
 

@@ -22,6 +22,7 @@ struct LaneCycle {
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
   std::vector<int> patient_steps{6, 4, 2};  ///< the same for lanes that take long (K only)
   int patience = 10;                        ///< iterations before a lane counts as one that takes long
+  double shift = 0.0;  ///< added to the last level's diagonal, relative to it: for bodies that nothing holds
 
   int steps_on(int level, bool patient) const {
     if (kind == SolverCycle::v) return 1;

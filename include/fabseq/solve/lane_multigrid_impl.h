@@ -105,6 +105,7 @@ void LaneMultigrid<Problem, Width, Real>::assemble(int lane, BandCholesky& band)
             band.add(rows[unknowns[i]], rows[unknowns[j]],
                      Problem::template entry<Width>(matrix.matrices(), i, j, coefficients, lane));
     }
+  if (cycle_.shift > 0.0) band.raise_diagonal(cycle_.shift);
 }
 
 template <class Problem, int Width, class Real>

@@ -1,0 +1,49 @@
+/// \file
+/// The inherent strain of each part element (docs/formulation.md 4.2, 4.5).
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/io/config.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Either the same strain in all elements, or one that turns with the layers: with n = g / sqrt(|g|^2 + eps^2) of the
+/// gradient g of the pseudo-time at the element's centre,
+///
+///     eps* = tangential (I - n n^T) + normal n n^T,
+///
+/// scaled axis by axis, shear by the root of the product of its two. Strains are Voigt, engineering shear. Local to the
+/// rank.
+template <int Dim>
+class InherentStrain {
+ public:
+  using Strain = std::array<double, voigt_size<Dim>>;
+
+  /// `characteristic_length`: l_c of the regularization eps^2 = 1e-9 / l_c^2.
+  InherentStrain(const MaterialSettings& material, double characteristic_length);
+
+  bool turns() const { return turns_; }
+  /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they are all
+  /// the same, the material's.
+  std::vector<double> strains(std::span<const double> gradient) const;
+  /// Adds to `d_gradient`, [part element][axis], what derivatives by the strains, [part element][Voigt], amount to.
+  /// For strains that turn.
+  void pull_back(std::span<const double> gradient, std::span<const double> d_strain,
+                 std::span<double> d_gradient) const;
+
+ private:
+  bool turns_;
+  double tangential_ = 0.0, difference_ = 0.0;  ///< normal - tangential
+  double regularization_;                       ///< eps^2
+  Strain scale_{};
+};
+
+extern template class InherentStrain<2>;
+extern template class InherentStrain<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,43 @@
+/// \file
+/// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md 4.3).
+#pragma once
+
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/elastic_model.h"
+#include "fabseq/solve/lane_vector.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Loops over the few elements with a node on a support. Argument `first`: the lanes are layers first, first + 1, ...
+/// Calls are collective on the grid's communicator.
+template <int Dim>
+class SupportForces {
+ public:
+  /// Collective. The model must outlive the object.
+  explicit SupportForces(const ElasticModel<Dim>& model);
+
+  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component]. `strains`: of the part
+  /// elements, [part element][Voigt], empty: the material's.
+  void add_reactions(const LayerDensities& densities, const std::vector<double>& strains, int first,
+                     const LaneVector& increments, std::span<double> reactions) const;
+  /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only: loads of a
+  /// system whose supports are moved by w.
+  void subtract_motion(const LayerDensities& densities, int first, std::span<const double> motion,
+                       LaneVector& loads) const;
+  /// Adds w to lanes of solutions, on the supports.
+  void add_motion(std::span<const double> motion, LaneVector& solutions) const;
+
+ private:
+  std::size_t node(std::size_t element, int unknown) const;
+
+  const ElasticModel<Dim>& model_;
+  std::vector<int> elements_;  ///< of the model, that have a fixed node
+};
+
+extern template class SupportForces<2>;
+extern template class SupportForces<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,43 @@
+/// \file
+/// Where on the grid the variables of a design are.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace fabseq {
+
+/// The elements or nodes with a design variable: entry i of a design belongs to place i.
+template <int Dim>
+class DesignSupport {
+ public:
+  /// `places`: offsets in Grid::owned_elements() or Grid::owned_nodes(), ascending. The grid must outlive the object.
+  DesignSupport(const Grid<Dim>& grid, bool on_nodes, std::vector<int> places)
+      : grid_(grid), on_nodes_(on_nodes), places_(std::move(places)) {}
+
+  bool on_nodes() const { return on_nodes_; }
+  const std::vector<int>& places() const { return places_; }
+  /// Variables of this rank.
+  std::size_t size() const { return places_.size(); }
+
+  /// Values of the variables on all owned elements or nodes of the grid, 0 where nothing is variable.
+  std::vector<double> expand(std::span<const double> variables) const;
+  /// The variables' values of a field on all owned elements or nodes.
+  std::vector<double> restrict_to_variables(std::span<const double> field) const;
+  /// Lexicographic number of a variable's place in the whole grid.
+  std::int64_t number(std::size_t variable) const;
+
+ private:
+  const Grid<Dim>& grid_;
+  bool on_nodes_;
+  std::vector<int> places_;
+};
+
+extern template class DesignSupport<2>;
+extern template class DesignSupport<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,25 @@
+/// \file
+/// The pseudo-time itself as design (docs/formulation.md 2.3).
+#pragma once
+
+#include "fabseq/sequence/design_support.h"
+#include "fabseq/sequence/sequence.h"
+#include "fabseq/sequence/start_region.h"
+
+#include <memory>
+
+namespace fabseq {
+
+/// Pseudo-time of elements: t_e is the design, and 0 in the start region; its gradient is not defined. Pseudo-time of
+/// nodes: t_e is the mean of the element's nodes, grad t that of the bilinear field at its centre. Which of them,
+/// `support` says. Part, support and region must outlive the sequence. Collective.
+template <int Dim>
+std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
+                                                    const StartRegion& region);
+
+extern template std::unique_ptr<Sequence<2>> make_direct_sequence<2>(const Part<2>&, const DesignSupport<2>&,
+                                                                     const StartRegion&);
+extern template std::unique_ptr<Sequence<3>> make_direct_sequence<3>(const Part<3>&, const DesignSupport<3>&,
+                                                                     const StartRegion&);
+
+}  // namespace fabseq

@@ -1,0 +1,40 @@
+/// \file
+/// From a nodal field to the elements of the part, and derivatives back.
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/grid/part.h"
+#include "fabseq/sequence/sequence.h"
+#include "fabseq/solve/lane_vector.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Of each part element: the mean of its nodes' values, and the gradient at its centre, [part element][axis].
+struct ElementMeans {
+  std::vector<double> mean, gradient;
+};
+
+/// `nodal`: on the ghosted node box. Local to the rank.
+template <int Dim>
+ElementMeans element_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
+                           std::span<const double> nodal);
+
+/// The transpose: derivatives by the nodal values from those by means (`time`) and gradients, on the owned nodes, a row
+/// a lane. Collective.
+template <int Dim>
+LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
+                           std::span<const TimeDerivatives> rows);
+
+extern template ElementMeans element_means<2>(const Part<2>&, const ElementMatrices<2>&,
+                                              std::span<const double>);
+extern template ElementMeans element_means<3>(const Part<3>&, const ElementMatrices<3>&,
+                                              std::span<const double>);
+extern template LaneVector pull_back_means<2>(const Part<2>&, const ElementMatrices<2>&,
+                                              std::span<const TimeDerivatives>);
+extern template LaneVector pull_back_means<3>(const Part<3>&, const ElementMatrices<3>&,
+                                              std::span<const TimeDerivatives>);
+
+}  // namespace fabseq

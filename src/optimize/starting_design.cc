@@ -1,0 +1,78 @@
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/io/hdf5_writer.h"
+#include "fabseq/optimize/tasks.h"
+
+#include <algorithm>
+#include <string>
+
+namespace fabseq {
+
+namespace {
+
+/// Whether the file has values of a kind; says so if not.
+bool has_values(MPI_Comm comm, const std::string& file, const std::string& dataset) {
+  const bool found = hdf5_file_has(comm, file, dataset, "-design");
+  if (!found) warn("-design: '" + file + "' has no dataset '" + dataset + "': the initial values are taken");
+  return found;
+}
+
+bool any_outside(MPI_Comm comm, const std::vector<double>& values, double lower, double upper) {
+  constexpr double rounding = 1e-9;
+  return any(comm, std::any_of(values.begin(), values.end(), [&](double value) {
+               return !(value >= lower * (1.0 - rounding) && value <= upper * (1.0 + rounding));
+             }));
+}
+
+/// Values on the owned elements or nodes with a variable.
+template <int Dim>
+std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace& space,
+                                      const std::string& file) {
+  const DesignSupport<Dim>& support = setup.design_support;
+  std::vector<double> design = support.restrict_to_variables(
+      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design"));
+  if (any_outside(setup.world(), design, space.lower, space.upper))
+    throw InputError("-design: " + file + " has values outside the bounds " + Json(space.lower).dump() +
+                     " to " + Json(space.upper).dump() +
+                     (setup.config.sequence.type == SequenceType::heat ? " of /sequence/bounds" : "") +
+                     " on the part's " + (support.on_nodes() ? "nodes" : "elements"));
+  return design;
+}
+
+std::vector<double> read_time_points(MPI_Comm comm, std::size_t count, const std::string& file) {
+  std::vector<double> result =
+      read_list(comm, file, "time_points", count, "one less than layers", "-design", "-design");
+  if (any_outside(comm, result, 0.0, 1.0))
+    throw InputError("-design: dataset 'time_points' of " + file + " has values outside 0 to 1");
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
+                       const CommandLine& command_line) {
+  const std::size_t time_points = setup.variable_time_points();
+  const auto has = [&](const char* dataset) {
+    return command_line.design_file && has_values(setup.world(), *command_line.design_file, dataset);
+  };
+  Design design;
+  if (sequence.has_design())
+    design.field = setup.groups.share(
+        has("design") ? read_design_field(setup, sequence.space(), *command_line.design_file)
+                      : sequence.initial_design());
+  if (time_points > 0 && has("time_points")) {
+    design.time_points = read_time_points(setup.world(), time_points, *command_line.design_file);
+  } else if (time_points > 0) {
+    const std::vector<double> all = uniform_time_points(setup.layer_count);
+    design.time_points.assign(all.begin() + 1, all.end() - 1);
+  }
+  return design;
+}
+
+template Design starting_design<2>(const Setup<2>&, const Sequence<2>&, const CommandLine&);
+template Design starting_design<3>(const Setup<3>&, const Sequence<3>&, const CommandLine&);
+
+}  // namespace fabseq

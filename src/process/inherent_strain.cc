@@ -1,0 +1,76 @@
+#include "fabseq/process/inherent_strain.h"
+
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// The axes a <= b of each Voigt component: xx, yy, zz, xy, yz, zx; in 2D xx, yy, xy.
+template <int Dim>
+std::array<int, 2> axes(int component) {
+  if (component < Dim) return {component, component};
+  return {component - Dim, (component - Dim + 1) % Dim};
+}
+
+}  // namespace
+
+template <int Dim>
+InherentStrain<Dim>::InherentStrain(const MaterialSettings& material, double characteristic_length)
+    : turns_(material.turning_strain.has_value()),
+      regularization_(gradient_regularization(characteristic_length)) {
+  if (!turns_) return;
+  tangential_ = material.turning_strain->tangential;
+  difference_ = material.turning_strain->normal - tangential_;
+  for (int c = 0; c < voigt_size<Dim>; ++c) {
+    const auto [a, b] = axes<Dim>(c);
+    scale_[c] =
+        a == b ? material.strain_scale[a] : std::sqrt(material.strain_scale[a] * material.strain_scale[b]);
+  }
+}
+
+template <int Dim>
+std::vector<double> InherentStrain<Dim>::strains(std::span<const double> gradient) const {
+  std::vector<double> result;
+  if (!turns_) return result;
+  const std::size_t elements = gradient.size() / Dim;
+  result.resize(elements * voigt_size<Dim>);
+  for (std::size_t e = 0; e < elements; ++e) {
+    const double* g = &gradient[e * Dim];
+    double square = regularization_;
+    for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
+    for (int c = 0; c < voigt_size<Dim>; ++c) {
+      const auto [a, b] = axes<Dim>(c);
+      const double direction = difference_ * g[a] * g[b] / square;
+      result[e * voigt_size<Dim> + c] = scale_[c] * (a == b ? tangential_ + direction : 2.0 * direction);
+    }
+  }
+  return result;
+}
+
+/// With s = |g|^2 + eps^2: d(g_a g_b / s) = (dg_a g_b + g_a dg_b) / s - 2 g_a g_b (g . dg) / s^2.
+template <int Dim>
+void InherentStrain<Dim>::pull_back(std::span<const double> gradient, std::span<const double> d_strain,
+                                    std::span<double> d_gradient) const {
+  const std::size_t elements = gradient.size() / Dim;
+  for (std::size_t e = 0; e < elements; ++e) {
+    const double* g = &gradient[e * Dim];
+    double square = regularization_;
+    for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
+    double shrinking = 0.0;  // what the norm in the denominator adds
+    for (int c = 0; c < voigt_size<Dim>; ++c) {
+      const auto [a, b] = axes<Dim>(c);
+      const double weight =
+          (a == b ? 1.0 : 2.0) * difference_ * scale_[c] * d_strain[e * voigt_size<Dim> + c] / square;
+      d_gradient[e * Dim + a] += weight * g[b];
+      d_gradient[e * Dim + b] += weight * g[a];
+      shrinking += 2.0 * weight * g[a] * g[b] / square;
+    }
+    for (int axis = 0; axis < Dim; ++axis) d_gradient[e * Dim + axis] -= shrinking * g[axis];
+  }
+}
+
+template class InherentStrain<2>;
+template class InherentStrain<3>;
+
+}  // namespace fabseq

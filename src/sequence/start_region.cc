@@ -1,0 +1,149 @@
+#include "fabseq/sequence/start_region.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/sequence/geodesic_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+namespace fabseq {
+
+namespace {
+
+/// Owned nodes of the part in or on the shape; without a shape, on the plate or the substrate.
+template <int Dim>
+std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
+  const Grid<Dim>& grid = part.grid();
+  const double tolerance = shape_tolerance * grid.smallest_spacing();
+  std::vector<char> result(part.touched_nodes().size(), 0);
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    if (part.touched_nodes()[offset] == 0) return;
+    const bool in = shape ? shape->contains(grid.node_position(node), tolerance)
+                          : part.on_plate(node) || part.substrate().nodes()[offset] != 0;
+    result[offset] = in ? 1 : 0;
+  });
+  return result;
+}
+
+/// Number of nodes of each part element that are flagged, a part field. Collective.
+template <int Dim>
+std::vector<int> count_corners(const Part<Dim>& part, const std::vector<char>& nodes) {
+  const Grid<Dim>& grid = part.grid();
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  grid.exchange(1).to_ghosted(std::vector<double>(nodes.begin(), nodes.end()), ghosted);
+  std::vector<int> result;
+  for (const int first : part.first_corners()) {
+    int count = 0;
+    for (const int corner : grid.corner_offsets()) count += ghosted[first + corner] > 0.0 ? 1 : 0;
+    result.push_back(count);
+  }
+  return result;
+}
+
+template <int Dim>
+std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& shape) {
+  const Grid<Dim>& grid = part.grid();
+  const double tolerance = shape_tolerance * grid.smallest_spacing();
+  std::vector<char> result;
+  for (const int element : part.elements())
+    result.push_back(
+        shape.contains(grid.element_center(grid.owned_elements().index(element)), tolerance) ? 1 : 0);
+  return result;
+}
+
+template <int Dim>
+std::vector<char> elements_with_corners(const Part<Dim>& part, const std::vector<char>& nodes, int least) {
+  std::vector<char> result;
+  for (const int corners : count_corners(part, nodes)) result.push_back(corners >= least ? 1 : 0);
+  return result;
+}
+
+std::int64_t count(MPI_Comm comm, const std::vector<char>& flags) {
+  return sum(comm, static_cast<std::int64_t>(std::count(flags.begin(), flags.end(), 1)));
+}
+
+/// Without a shape it is the elements with a face on the plate or the substrate.
+template <int Dim>
+std::vector<char> elements_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
+  std::vector<char> elements;
+  if (!shape) {
+    for (const double distance : part.contact_distance()) elements.push_back(std::isfinite(distance) ? 1 : 0);
+    return elements;
+  }
+  elements = elements_with_centre_in(part, *shape);
+  if (count(part.grid().comm(), elements) > 0) return elements;
+  return elements_with_corners(part, nodes_in_region(part, shape), 1);
+}
+
+[[noreturn]] void refuse_region(const std::string& text) { throw InputError("/sequence/start: " + text); }
+
+/// Initial values at the free places from the distances everywhere; throws InputError if some are infinite.
+void set_initial_time(MPI_Comm comm, const std::vector<double>& distance, const char* what,
+                      StartRegion& region) {
+  double farthest = 0.0;
+  std::int64_t unreachable = 0;
+  for (const int place : region.free) {
+    region.initial_time.push_back(distance[place]);
+    if (std::isfinite(distance[place]))
+      farthest = std::max(farthest, distance[place]);
+    else
+      ++unreachable;
+  }
+  farthest = max(comm, farthest);
+  unreachable = sum(comm, unreachable);
+  if (unreachable > 0)
+    refuse_region(std::to_string(unreachable) + what +
+                  " of the part cannot be reached from it inside the part, needs some of every piece");
+  for (double& time : region.initial_time) time /= farthest;
+}
+
+template <int Dim>
+StartRegion region_of_elements(const Part<Dim>& part, const std::optional<Shape>& shape) {
+  const MPI_Comm comm = part.grid().comm();
+  StartRegion region;
+  region.elements = elements_in_region(part, shape);
+  const std::int64_t fixed = count(comm, region.elements);
+  if (fixed == 0)
+    refuse_region("no element of the part has its centre or a node in or on the shape, needs at least one");
+  if (fixed == part.count()) refuse_region("holds all elements of the part, needs at least one outside");
+  for (std::size_t e = 0; e < region.elements.size(); ++e)
+    if (region.elements[e] == 0) region.free.push_back(part.elements()[e]);
+  const std::vector<double> distance = part.expand(geodesic_distance_of_elements<Dim>(part, region.elements));
+  set_initial_time(comm, distance, " elements", region);
+  return region;
+}
+
+template <int Dim>
+StartRegion region_of_nodes(const Part<Dim>& part, const std::optional<Shape>& shape) {
+  const MPI_Comm comm = part.grid().comm();
+  std::vector<char> nodes = nodes_in_region(part, shape);
+  if (count(comm, nodes) == 0)
+    refuse_region("no node that touches the part lies in or on the shape, needs at least one");
+  // The substrate stands before all else.
+  for (std::size_t node = 0; node < nodes.size(); ++node)
+    if (part.touched_nodes()[node] != 0 && part.substrate().nodes()[node] != 0) nodes[node] = 1;
+  if (count(comm, nodes) == count(comm, part.touched_nodes()))
+    refuse_region("holds all nodes of the part, needs at least one outside");
+  StartRegion region;
+  region.elements = elements_with_corners(part, nodes, corner_count<Dim>);
+  for (std::size_t node = 0; node < nodes.size(); ++node)
+    if (part.touched_nodes()[node] != 0 && nodes[node] == 0) region.free.push_back(static_cast<int>(node));
+  set_initial_time(comm, geodesic_distance_of_nodes<Dim>(part, nodes), " nodes", region);
+  return region;
+}
+
+}  // namespace
+
+template <int Dim>
+StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings) {
+  return settings.location == DesignLocation::nodes ? region_of_nodes(part, settings.start)
+                                                    : region_of_elements(part, settings.start);
+}
+
+template StartRegion make_start_region<2>(const Part<2>&, const SequenceSettings&);
+template StartRegion make_start_region<3>(const Part<3>&, const SequenceSettings&);
+
+}  // namespace fabseq

@@ -1,0 +1,119 @@
+/// Steps of field and time points together: the same however they are spread over the ranks, and after a restart.
+#include "fabseq/base/mpi.h"
+#include "fabseq/optimize/design_update.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+constexpr std::size_t variables = 23;  // of the field, all ranks
+
+/// Minimizes the distance to a target over a field, dealt out to the ranks of a communicator, and time points; their sum
+/// is bounded.
+class Minimization {
+ public:
+  explicit Minimization(MPI_Comm comm, const DesignSpace& space = {}) : comm_(comm), space_(space) {
+    const std::size_t rank = rank_of(comm), ranks = size_of(comm);
+    for (std::size_t i = rank * variables / ranks; i < (rank + 1) * variables / ranks; ++i) {
+      design_.field.push_back(space.from_unit(0.5));
+      target_.field.push_back(space.from_unit(0.1 + 0.8 * std::abs(std::sin(1.0 + static_cast<double>(i)))));
+    }
+    design_.time_points = {0.25, 0.5, 0.75};
+    target_.time_points = {0.1, 0.62, 0.9};
+    update_.emplace(comm, space, design_, OptimizerSettings{});
+  }
+
+  double step(double move_limit = 0.05) {
+    ProblemGradients gradients;
+    gradients.objective = design_;
+    double sum_of_points = -bound;
+    for (std::size_t i = 0; i < design_.field.size(); ++i)
+      gradients.objective.field[i] = 2.0 * (design_.field[i] - target_.field[i]);
+    for (std::size_t j = 0; j < 3; ++j) {
+      gradients.objective.time_points[j] = 2.0 * (design_.time_points[j] - target_.time_points[j]);
+      sum_of_points += design_.time_points[j];
+    }
+    gradients.constraint_values = {sum_of_points};
+    gradients.constraints = {{std::vector<double>(design_.field.size(), 0.0), {1.0, 1.0, 1.0}}};
+    return update_->update(design_, gradients, move_limit).change;
+  }
+  /// Field of all ranks, then time points.
+  std::vector<double> whole() const {
+    const std::size_t rank = rank_of(comm_), ranks = size_of(comm_);
+    std::vector<double> result(variables, 0.0);
+    std::copy(design_.field.begin(), design_.field.end(),
+              result.begin() + static_cast<std::ptrdiff_t>(rank * variables / ranks));
+    sum_in_place(comm_, result);
+    result.insert(result.end(), design_.time_points.begin(), design_.time_points.end());
+    return result;
+  }
+  const Design& design() const { return design_; }
+  const Design& target() const { return target_; }
+  DesignUpdate& update() { return *update_; }
+  void set_design(const Design& design) { design_ = design; }
+
+  static constexpr double bound = 1.5;  // of the sum of the time points; the target's is 1.62
+
+ private:
+  MPI_Comm comm_;
+  DesignSpace space_;
+  Design design_, target_;
+  std::optional<DesignUpdate> update_;
+};
+
+TEST(DesignUpdate, FindsTheMinimum) {
+  Minimization problem(MPI_COMM_WORLD);
+  for (int step = 0; step < 150; ++step) problem.step(0.05 * std::pow(0.95, step));
+  for (std::size_t i = 0; i < problem.design().field.size(); ++i)
+    EXPECT_NEAR(problem.design().field[i], problem.target().field[i], 2e-3);
+  // All shifted alike, onto the bound.
+  for (std::size_t j = 0; j < 3; ++j)
+    EXPECT_NEAR(problem.design().time_points[j], problem.target().time_points[j] - 0.04, 1e-3);
+}
+
+/// Their range for a step is a layer to either side.
+TEST(DesignUpdate, TimePointsMoveByAShareOfALayer) {
+  Minimization problem(MPI_COMM_WORLD);
+  const std::vector<double> before = problem.design().time_points;
+  const double change = problem.step(0.1);
+  double largest = 0.0;
+  for (std::size_t j = 0; j < 3; ++j)
+    largest = std::max(largest, std::abs(problem.design().time_points[j] - before[j]));
+  EXPECT_LE(largest, 0.1 * 2.0 / 4.0 + 1e-12);
+  EXPECT_GT(largest, 0.04);
+  EXPECT_LE(change, 0.1 + 1e-12);
+}
+
+TEST(DesignUpdate, DoesNotDependOnTheRanks) {
+  for (const DesignSpace& space : {DesignSpace{}, DesignSpace{1e-3, 1.0, true}}) {
+    Minimization parallel(MPI_COMM_WORLD, space), serial(MPI_COMM_SELF, space);
+    for (int step = 0; step < 12; ++step) EXPECT_NEAR(parallel.step(), serial.step(), 1e-9);
+    const std::vector<double> found = parallel.whole(), expected = serial.whole();
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-9);
+  }
+}
+
+TEST(DesignUpdate, GoesOnFromASavedState) {
+  Minimization expected(MPI_COMM_WORLD), restored(MPI_COMM_WORLD);
+  for (int step = 0; step < 5; ++step) expected.step();
+  CheckpointState state;
+  expected.update().save(state);
+  EXPECT_EQ(state.array("optimizer/time_points_previous").size(), 3u);
+  EXPECT_EQ(state.field("optimizer/previous").size(), expected.design().field.size());
+  restored.set_design(expected.design());
+  restored.update().restore(state);
+  for (int step = 0; step < 5; ++step) {
+    expected.step();
+    restored.step();
+  }
+  EXPECT_EQ(restored.whole(), expected.whole());
+}
+
+}  // namespace
+}  // namespace fabseq

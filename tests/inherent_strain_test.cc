@@ -1,0 +1,110 @@
+/// Strain that turns with the layers (formulation 4.2, 4.5).
+#include "fabseq/process/inherent_strain.h"
+
+#include <gtest/gtest.h>
+
+#include "support/brute_force.h"
+#include "support/small_parts.h"
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+template <int Dim>
+MaterialSettings turning(double tangential, double normal, std::vector<double> scale) {
+  MaterialSettings material;
+  material.turning_strain = TurningStrain{tangential, normal};
+  material.strain_scale = std::move(scale);
+  return material;
+}
+
+template <int Dim>
+std::vector<double> scale() {
+  return Dim == 2 ? std::vector<double>{1.3, 0.6} : std::vector<double>{1.3, 0.6, 0.9};
+}
+
+template <class T>
+class InherentStrainTest : public testing::Test {};
+TYPED_TEST_SUITE(InherentStrainTest, test::Dimensions);
+
+/// t^T eps t is the tangential strain for every direction t within the layer, n^T eps n the normal one.
+TYPED_TEST(InherentStrainTest, IsTangentialWithinTheLayerAndNormalAcross) {
+  constexpr int Dim = TypeParam::value;
+  const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 1.0);
+  std::vector<double> gradient;
+  for (int i = 0; i < 5 * Dim; ++i) gradient.push_back(3.0 * test::noise(i) - 1.0);
+  const auto strains = strain.strains(gradient);
+  for (std::size_t e = 0; e < 5; ++e) {
+    const auto first = strains.begin() + static_cast<std::ptrdiff_t>(e * voigt_size<Dim>);
+    const auto tensor = test::strain_tensor<Dim>(std::vector<double>(first, first + voigt_size<Dim>));
+    double length = 0.0;
+    for (int a = 0; a < Dim; ++a) length += std::pow(gradient[e * Dim + a], 2);
+    for (int a = 0; a < Dim; ++a) {
+      double image = 0.0;  // eps n
+      for (int b = 0; b < Dim; ++b) image += tensor[a][b] * gradient[e * Dim + b] / std::sqrt(length);
+      EXPECT_NEAR(image, 0.004 * gradient[e * Dim + a] / std::sqrt(length), 1e-9);
+    }
+    double trace = 0.0;
+    for (int a = 0; a < Dim; ++a) trace += tensor[a][a];
+    EXPECT_NEAR(trace, 0.004 - 0.01 * (Dim - 1), 1e-9);
+  }
+}
+
+TYPED_TEST(InherentStrainTest, IsScaledAxisByAxis) {
+  constexpr int Dim = TypeParam::value;
+  const auto s = scale<Dim>();
+  const std::vector<double> gradient =
+      Dim == 2 ? std::vector<double>{0.4, -0.8} : std::vector<double>{0.4, -0.8, 0.3};
+  const auto plain =
+      InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 1.0).strains(gradient);
+  const auto scaled = InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, s), 1.0).strains(gradient);
+  for (int a = 0; a < Dim; ++a) EXPECT_NEAR(scaled[a], s[a] * plain[a], 1e-16);
+  EXPECT_NEAR(scaled[Dim], std::sqrt(s[0] * s[1]) * plain[Dim], 1e-16);
+  if (Dim == 3) {
+    EXPECT_NEAR(scaled[Dim + 1], std::sqrt(s[1] * s[Dim - 1]) * plain[Dim + 1], 1e-16);
+    EXPECT_NEAR(scaled[Dim + 2], std::sqrt(s[0] * s[Dim - 1]) * plain[Dim + 2], 1e-16);
+  }
+}
+
+TYPED_TEST(InherentStrainTest, IsTangentialAllAroundWithoutAGradient) {
+  constexpr int Dim = TypeParam::value;
+  const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 2.0);
+  const auto strains = strain.strains(std::vector<double>(Dim, 0.0));
+  for (int c = 0; c < voigt_size<Dim>; ++c) EXPECT_EQ(strains[c], c < Dim ? -0.01 : 0.0);
+}
+
+TYPED_TEST(InherentStrainTest, OthersDoNotTurn) {
+  constexpr int Dim = TypeParam::value;
+  MaterialSettings material;
+  material.inherent_strain = test::some_strain<Dim>();
+  const InherentStrain<Dim> strain(material, 1.0);
+  EXPECT_FALSE(strain.turns());
+  EXPECT_TRUE(strain.strains(std::vector<double>(Dim, 1.0)).empty());
+}
+
+TYPED_TEST(InherentStrainTest, DerivativeAgreesWithDifferences) {
+  constexpr int Dim = TypeParam::value;
+  // A length so small that the regularization counts.
+  const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, scale<Dim>()), 1e-4);
+  std::vector<double> gradient, direction, weights;
+  for (int i = 0; i < 4 * Dim; ++i) {
+    gradient.push_back(test::noise(i) - 0.4);
+    direction.push_back(test::noise(i, 1) - 0.5);
+  }
+  for (int i = 0; i < 4 * voigt_size<Dim>; ++i) weights.push_back(test::noise(i, 2) - 0.5);
+  const auto value = [&](double step) {
+    const auto strains = strain.strains(test::moved(gradient, step, direction));
+    double total = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) total += weights[i] * strains[i];
+    return total;
+  };
+  std::vector<double> derivative(gradient.size(), 0.0);
+  strain.pull_back(gradient, weights, derivative);
+  double product = 0.0;
+  for (std::size_t i = 0; i < direction.size(); ++i) product += derivative[i] * direction[i];
+  const double expected = test::central_difference(value, 1e-3);
+  EXPECT_NEAR(product, expected, 1e-7 * std::abs(expected));
+}
+
+}  // namespace
+}  // namespace fabseq
