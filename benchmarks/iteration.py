@@ -51,9 +51,15 @@ def solver_settings(options, method, tolerance, directory):
     record = {"description": printed.splitlines()[0], "config": program_run.read_json(output, "config.json")["solver"]}
     if petsc:
         with open(view, encoding="utf-8") as file:
-            record["petsc"] = file.read().splitlines()
+            record["petsc"] = first_solver(file.read().splitlines())
         os.remove(view)
     return record
+
+
+def first_solver(lines):
+    """Of what PETSc says of one solver a layer, all with the same options."""
+    starts = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")]
+    return lines[:starts[1]] if len(starts) > 1 else lines
 
 
 def choose_tolerances(options, errors):

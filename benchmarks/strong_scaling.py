@@ -109,6 +109,7 @@ def plot(path, title, rows, baseline):
         axes.minorticks_off()
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
+    right.set_yticks([count / start for count in ranks], [f"{count / start:g}" for count in ranks])
     figure.suptitle(title)
     figure.tight_layout()
     figure.savefig(path, dpi=100)

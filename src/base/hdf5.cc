@@ -81,6 +81,13 @@ std::string find_fault(const std::string& file_name, const std::string& dataset_
 
 }  // namespace
 
+Hdf5PropertyList access_without_name() {
+  Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
+  (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  (void)H5Pset_fapl_stdio(access);
+  return access;
+}
+
 std::vector<std::string> dataset_names(hid_t file) {
   std::vector<std::string> names;
   const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {

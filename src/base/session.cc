@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <unistd.h>
 
 namespace fabseq {
@@ -49,6 +50,13 @@ int guarded(const std::function<void()>& program) {
   }
 }
 
+/// Of Open MPI's two ways to write files together this is the one whose ranks agree on whether a file is open: with the
+/// other, a rank that cannot open it leaves the rest waiting. Where there is only one, or another MPI, it means nothing.
+void prefer_romio() {
+  for (const char* parameter : {"OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"})
+    (void)::setenv(parameter, "60", 0);  // against 30; what the user has set stays
+}
+
 }  // namespace
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
@@ -61,6 +69,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   pointers.push_back(nullptr);
   int count = static_cast<int>(copies.size());
   char** arguments = pointers.data();
+  prefer_romio();
   if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
     return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);

@@ -196,6 +196,7 @@ SolverSettings make_solver(const Json& value) {
                   : is(value, "reference_method", "direct")    ? ReferenceMethod::direct
                                                                : ReferenceMethod::automatic;
   solver.layer_groups = optional_integer(value.at("layer_groups"));
+  solver.lanes = optional_integer(value.at("lanes"));
   return solver;
 }
 

@@ -5,6 +5,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/io/checksum.h"
 #include "fabseq/io/hdf5_attribute.h"
+#include "fabseq/io/memory_file.h"
 #include "fabseq/io/posix_file.h"
 #include "fabseq/io/seal.h"
 #include "fabseq/io/slab_gather.h"
@@ -19,9 +20,6 @@
 #include <map>
 #include <numeric>
 #include <optional>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace fabseq {
 
@@ -29,28 +27,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "values are written as they lie in memory, little-endian");
-
-/// A file that exists in memory only.
-class MemoryFile {
- public:
-  MemoryFile() : descriptor_(::memfd_create("HDF5 metadata", MFD_CLOEXEC)) {}
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() {
-    if (descriptor_ >= 0) (void)::close(descriptor_);
-  }
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-  std::int64_t size() const {
-    struct stat status {};
-    return ::fstat(descriptor_, &status) == 0 ? status.st_size : -1;
-  }
-  bool read_at(std::int64_t offset, std::span<char> bytes) const {
-    return ::pread(descriptor_, bytes.data(), bytes.size(), offset) == static_cast<ssize_t>(bytes.size());
-  }
-
- private:
-  int descriptor_;
-};
 
 }  // namespace
 
@@ -81,10 +57,7 @@ class Hdf5Writer::File {
   void create() {
     silence_hdf5();
     disk_.emplace(partial_name(path_), O_RDWR | O_CREAT | O_TRUNC);
-    const Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
-    (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    (void)H5Pset_fapl_stdio(access);  // the default driver insists on a name in the file system
-    file_ = Hdf5File(H5Fcreate(memory_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access));
+    file_ = Hdf5File(H5Fcreate(memory_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_without_name()));
     require(static_cast<bool>(file_));
   }
 

@@ -166,6 +166,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "solver", .name = "smoother_degree", .type = integer, .default_value = "2", .range = "[1, 8]", .option = "-smoother_degree", .meaning = "Degree of the lanes' Chebyshev smoother, before and after"},
     {.section = "solver", .name = "reference_method", .type = choice, .default_value = "\"auto\"", .words = "auto gamg multigrid direct", .option = "-reference_method", .meaning = "Preconditioner of the reference path"},
     {.section = "solver", .name = "layer_groups", .type = integer, .default_value = "\"auto\"", .range = "[1, inf)", .words = "auto", .option = "-layer_groups", .meaning = "Groups of ranks that share the layers, each with the whole box; a divisor of the number of ranks; auto: by ranks, layers and memory"},
+    {.section = "solver", .name = "lanes", .type = integer, .default_value = "\"auto\"", .range = "[1, 8]", .words = "auto", .option = "-lanes", .meaning = "Layers solved side by side at most. Fewer than 8 take less memory and more time; auto: 8, or as many as the memory holds"},
 
     {.section = "output", .name = "every", .type = integer, .default_value = "15", .range = "[0, inf)", .unit = "iterations", .option = "-output_every", .meaning = "Iterations between two dumps of the fields; 0: none"},
     {.section = "output", .name = "checkpoint_every", .type = integer, .default_value = "10", .range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every", .meaning = "Iterations between two checkpoints; 0: none"},

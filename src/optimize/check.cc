@@ -37,8 +37,8 @@ void print_cost(const Setup<Dim>& setup) {
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
   print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
              path == SolverPath::lanes ? "lanes" : "reference path", ranks,
-             memory_estimate(size, path, setup.groups.count()) / 1e9, iteration_seconds_estimate(size, path),
-             setup.config.optimizer.max_iterations);
+             memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
+             iteration_seconds_estimate(size, path), setup.config.optimizer.max_iterations);
 }
 
 }  // namespace

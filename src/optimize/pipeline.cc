@@ -35,9 +35,9 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& 
                                                               double tolerance) {
   const SolverSettings& solver = setup.config.solver;
   if (solver.path == SolverPath::lanes)
-    return std::make_unique<LaneElasticity<Dim>>(setup.grid, model.domain, model.material.poisson,
-                                                 lane_cycle(solver), lane_iterations,
-                                                 elasticity_solver_settings(setup.config, tolerance));
+    return std::make_unique<LaneElasticity<Dim>>(
+        setup.grid, model.domain, model.material.poisson, lane_cycle(solver), lane_iterations,
+        elasticity_solver_settings(setup.config, tolerance), setup.lanes);
   return std::make_unique<ReferenceElasticity<Dim>>(setup.grid, model.domain, model.element.stiffness(),
                                                     elasticity_solver_settings(setup.config, tolerance));
 }
@@ -47,7 +47,8 @@ std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Setup<Dim>& setup, const
                                                   double tolerance) {
   const AssembledSolverSettings settings = heat_solver_settings(setup.config, tolerance);
   if (setup.config.solver.path == SolverPath::lanes)
-    return std::make_unique<LaneHeat<Dim>>(setup.grid, model.domain, model.lumped, lane_iterations, settings);
+    return std::make_unique<LaneHeat<Dim>>(setup.grid, model.domain, model.lumped, lane_iterations, settings,
+                                           setup.lanes);
   return std::make_unique<ReferenceHeat<Dim>>(setup.grid, model.domain, model.lumped, settings);
 }
 
@@ -59,7 +60,7 @@ std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Setup<Dim>& setup, doubl
   auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
   auto solver = make_heat_solver(setup, *model, tolerance);
   return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
-                                             std::move(solver), setup.groups.across());
+                                             std::move(solver), setup.groups.across(), setup.lanes);
 }
 
 /// T_0 ... T_N of a design.
@@ -116,7 +117,8 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
       sequence_(std::move(sequence)),
       strain_(setup.config.material, setup.characteristic_length),
       model_(setup.part, setup.supports, setup.config.material, setup.config.process),
-      process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver()) {
+      process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver(),
+               setup.lanes) {
   if (setup.config.has_release()) process_.release_with(release_solver(setup.config, tolerance));
 }
 

@@ -20,11 +20,13 @@ namespace {
 
 /// What a path needs, measured (docs/performance.md).
 struct PathCost {
-  double bytes_per_unknown;    ///< of a system with its preconditioner; lanes: of all that are solved at once
+  double bytes_per_unknown;    ///< of a system with its preconditioner
   double seconds_per_unknown;  ///< of a solve on one core
 };
-constexpr PathCost lanes_cost{2500.0, 4.5e-7};
+constexpr PathCost lanes_cost{121.0, 4.5e-7};
 constexpr PathCost reference_cost{3000.0, 1e-5};
+/// Of the heat problem, a node and lane; of the reference path, all in all.
+constexpr double heat_bytes_per_lane = 106.0, reference_heat_bytes = 700.0;
 /// Of the reference path's factors, which are kept a layer.
 constexpr double factor_bytes_per_unknown = 5000.0;
 /// That a rank holds anyway.
@@ -32,12 +34,21 @@ constexpr double bytes_per_rank = 8e7;
 
 /// The forward heat solve, which one group does for all, in units of a full block of layers.
 constexpr double forward_heat_work = 0.1;
-/// What each doubling of a group's ranks adds to its time: two ranks are 1.6 times as fast as one.
-constexpr double overhead_of_a_doubling = 0.25;
+/// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6 times as fast
+/// as one, four 2.4 times (docs/performance.md).
+constexpr double overhead_of_the_first_doubling = 0.25;
+constexpr double overhead_of_a_further_doubling = 0.35;
 /// Share of the available memory that a choice may fill.
 constexpr double usable_memory = 0.8;
 
 const PathCost& cost_of(SolverPath path) { return path == SolverPath::lanes ? lanes_cost : reference_cost; }
+
+/// Time of a group of several ranks, over that of one rank with its share of the work.
+double overhead(int domain_ranks) {
+  if (domain_ranks == 1) return 1.0;
+  return (1.0 + overhead_of_the_first_doubling) *
+         std::pow(1.0 + overhead_of_a_further_doubling, std::log2(domain_ranks) - 1.0);
+}
 
 /// Time of a design iteration, in units of a full block of layers on one rank.
 double time_estimate(const RunSize& size, SolverPath path, int groups) {
@@ -45,8 +56,8 @@ double time_estimate(const RunSize& size, SolverPath path, int groups) {
   const int domain_ranks = size.ranks / groups;
   const double work =
       forward_heat_work +
-      deal_out_layers(equal, groups, ProcessSimulation<3>::batch_lanes, block_solver(path)).longest;
-  return work * (1.0 + overhead_of_a_doubling * std::log2(domain_ranks)) / domain_ranks;
+      deal_out_layers(equal, groups, ProcessSimulation<3>::most_lanes, block_solver(path)).longest;
+  return work * overhead(domain_ranks) / domain_ranks;
 }
 
 /// Nodes between the ranks of a group, where the box is cut with the least surface.
@@ -70,6 +81,11 @@ std::string groups_text(int groups, int ranks) {
   return std::to_string(groups) + " x " + std::to_string(ranks / groups);
 }
 
+/// Fewer groups come before fewer lanes.
+int wanted_lanes(const Config& config) {
+  return config.solver.lanes.value_or(ProcessSimulation<3>::most_lanes);
+}
+
 /// Divisors of the number of ranks, ascending.
 std::vector<int> possible_groups(int ranks) {
   std::vector<int> result;
@@ -82,24 +98,27 @@ template <int Dim>
 std::string explain(const Config& config, const RunSize& size, int groups, double available,
                     std::optional<int> fastest) {
   const SolverPath path = config.solver.path;
+  const int lanes = wanted_lanes(config);
   RunSize alone = size;
   alone.ranks = 1;
   const double halo = halo_nodes<Dim>(config.domain<Dim>().elements, size.ranks) -
                       halo_nodes<Dim>(config.domain<Dim>().elements, size.ranks / groups);
   char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f "
-      "times; memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all "
-      "layers' matrices",
-      groups_text(groups, size.ranks).c_str(),
-      time_estimate(alone, path, 1) / time_estimate(size, path, groups), groups_text(1, size.ranks).c_str(),
-      time_estimate(alone, path, 1) / time_estimate(size, path, 1), memory_estimate(size, path, groups) / 1e9,
-      available / 1e9, 2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
+  std::snprintf(text, sizeof text,
+                "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f "
+                "times; memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all "
+                "layers' matrices",
+                groups_text(groups, size.ranks).c_str(),
+                time_estimate(alone, path, 1) / time_estimate(size, path, groups),
+                groups_text(1, size.ranks).c_str(),
+                time_estimate(alone, path, 1) / time_estimate(size, path, 1),
+                memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
+                2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
   std::string result = text;
   if (fastest && *fastest != groups) {
     std::snprintf(text, sizeof text, "; %s ranks would be faster, but need %.2f GB",
-                  groups_text(*fastest, size.ranks).c_str(), memory_estimate(size, path, *fastest) / 1e9);
+                  groups_text(*fastest, size.ranks).c_str(),
+                  memory_estimate(size, path, *fastest, lanes) / 1e9);
     result += text;
   }
   return result;
@@ -116,7 +135,8 @@ GroupChoice choose_automatically(const Config& config, const RunSize& size, doub
   for (const int groups : possible_groups(size.ranks)) {
     if (groups > size.layers) break;
     if (is_faster(groups, fastest)) fastest = groups;
-    const bool fits = memory_estimate(size, config.solver.path, groups) <= usable_memory * available;
+    const bool fits =
+        memory_estimate(size, config.solver.path, groups, wanted_lanes(config)) <= usable_memory * available;
     if (fits && is_faster(groups, best)) best = groups;
   }
   const int groups = best.value_or(1);
@@ -164,15 +184,31 @@ BlockSolver block_solver(SolverPath path) {
   return path == SolverPath::lanes ? BlockSolver::lanes : BlockSolver::one_by_one;
 }
 
-double memory_estimate(const RunSize& size, SolverPath path, int groups) {
-  const bool kept = path == SolverPath::reference &&
-                    size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
-  const double systems = kept ? size.unknowns * size.layers * factor_bytes_per_unknown
-                              : size.unknowns * cost_of(path).bytes_per_unknown * groups;
+double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
   // Each group has the heat problem and all densities; displacements and derivatives are shared out.
-  const double of_nodes = size.nodes * (900.0 * groups + 8.0 * size.dimension * size.layers);
-  const double of_elements = size.part_elements * size.layers * 16.0 * (groups + 3.0);
-  return systems + of_nodes + of_elements + size.ranks * bytes_per_rank;
+  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * size.dimension * size.layers);
+  const double of_elements = size.part_elements * size.layers * (16.0 * groups + 70.0);
+  const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
+  if (path == SolverPath::reference) {
+    const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
+    const double systems = size.unknowns * (kept ? size.layers * factor_bytes_per_unknown
+                                                 : reference_cost.bytes_per_unknown * groups);
+    return held + systems + size.nodes * reference_heat_bytes * groups;
+  }
+  // Load, solution and a copy with halo, of all nodes; then the lane engine's own.
+  const double vectors = 24.0 * size.nodes * size.dimension * lanes * groups;
+  const double elasticity = vectors + lanes_cost.bytes_per_unknown * size.unknowns * lanes * groups;
+  const double heat = heat_bytes_per_lane * size.nodes * lanes * groups;
+  const bool rests = lanes < ProcessSimulation<3>::most_lanes;  // the solvers, by turns
+  return held + (rests ? std::max(elasticity, heat) : elasticity + heat);
+}
+
+int resolved_lanes(MPI_Comm world, const Config& config, const RunSize& size, int groups) {
+  if (config.solver.lanes) return *config.solver.lanes;
+  const double available = usable_memory * static_cast<double>(available_memory_bytes(world));
+  int lanes = ProcessSimulation<3>::most_lanes;
+  while (lanes > 1 && memory_estimate(size, config.solver.path, groups, lanes) > available) lanes /= 2;
+  return lanes;
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {

@@ -2,6 +2,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/memory.h"
+#include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/schema.h"
 #include "fabseq/process/release.h"
@@ -49,10 +50,11 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
       baseline_layers(resolve_baseline_layers()),
+      lanes(resolved_lanes(world, config_, run_size(config_, part, layer_count, size_of(world)),
+                           groups.count())),
       characteristic_length(config_.sequence.characteristic_length.value_or(part.longest_edge())) {
   // Refuses a grid whose lane blocks are too large for the indices before anything is written.
-  (void)grid.node_dm(Dim *
-                     std::min(ProcessSimulation<Dim>::batch_lanes, std::max(layer_count, baseline_layers)));
+  (void)grid.node_dm(Dim * std::min(lanes, std::max(layer_count, baseline_layers)));
   for (const auto& [name, description] : config.node_sets)
     node_sets.emplace(name, make_node_set(part, name, description));
   require_release();

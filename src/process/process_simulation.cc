@@ -43,10 +43,11 @@ void set_adjoint_load(const ProcessAdjoint& row, std::size_t block, LaneVector& 
 template <int Dim>
 ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
                                           std::unique_ptr<ElasticitySolver<Dim>> solver,
-                                          const LayerGroups& groups, BlockSolver blocks)
+                                          const LayerGroups& groups, BlockSolver blocks, int lanes)
     : model_(model),
       groups_(groups),
       block_solver_(blocks),
+      lanes_(lanes),
       elements_(model),
       supports_(model),
       solver_(std::move(solver)) {
@@ -67,7 +68,7 @@ void ProcessSimulation<Dim>::start_cold() {
 template <int Dim>
 void ProcessSimulation<Dim>::deal_out(int layers) {
   if (expected_work_.size() != static_cast<std::size_t>(layers)) expected_work_.assign(layers, 1.0);
-  deal_ = deal_out_layers(expected_work_, groups_.count(), batch_lanes, block_solver_);
+  deal_ = deal_out_layers(expected_work_, groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
 }
 
@@ -92,6 +93,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       solve_block(densities, number, load);
   });
+  solver_->rest();
   groups_.sum(result_.displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
@@ -176,6 +178,7 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, rows, derivatives, motions, loads, adjoints);
   });
+  solver_->rest();
   groups_.sum(adjoint_iterations_);
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];

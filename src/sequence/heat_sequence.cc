@@ -25,11 +25,12 @@ void require_convergence(const SolveReport& report, const char* what) {
   throw NumericalError(text.str());
 }
 
-/// Rows that a block of right-hand sides takes: no more than PETSc's indices take of the nodes of the whole grid.
+/// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of the
+/// whole grid.
 template <int Dim>
-std::size_t rows_at_once(const Grid<Dim>& grid) {
+std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
   const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();
-  return std::clamp<std::int64_t>(limit, 1, HeatSolver<Dim>::widest);
+  return std::clamp<std::int64_t>(limit, 1, most);
 }
 
 /// Beyond this the discrete maximum principle does not hold.
@@ -40,13 +41,14 @@ constexpr double temperature_tolerance = 1e-9;
 template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
                                 double target_gradient, std::unique_ptr<const HeatModel<Dim>> model,
-                                std::unique_ptr<HeatSolver<Dim>> solver, MPI_Comm across)
+                                std::unique_ptr<HeatSolver<Dim>> solver, MPI_Comm across, int lanes)
     : part_(part),
       settings_(settings),
       target_gradient_(target_gradient),
       model_(std::move(model)),
       solver_(std::move(solver)),
       across_(across),
+      lanes_(lanes),
       filter_(part, settings.filter_radius),
       chain_rule_(part, model_->element) {}
 
@@ -99,6 +101,7 @@ void HeatSequence<Dim>::solve_temperature() {
     require_convergence(report, "the heat solve");
     time_.iterations = report.iterations;
   });
+  solver_->rest();
   time_.temperature = std::move(correction.values);
   if (size_of(across_) > 1) {
     MPI_Bcast(time_.temperature.data(), static_cast<int>(time_.temperature.size()), MPI_DOUBLE, 0, across_);
@@ -164,21 +167,21 @@ void HeatSequence<Dim>::derive_time() {
 
 template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
-  const std::size_t together = rows_at_once(part_.grid());
-  std::vector<LaneVector> loads;
-  for (std::size_t first = 0; first < rows.size(); first += together)
-    loads.push_back(chain_rule_.loads(rows.subspan(first, std::min(together, rows.size() - first))));
-  std::vector<LaneVector> adjoints = loads;
+  const std::size_t together = rows_at_once(part_.grid(), lanes_);
   adjoint_iterations_.clear();
-  for (const SolveReport& report : solver_->solve(loads, adjoints)) {
-    require_convergence(report, "a heat adjoint");
-    adjoint_iterations_.push_back(report.iterations);
-  }
   chain_rule_.set_temperature(ghosted_temperature_);
   std::vector<std::vector<double>> result;
-  for (const LaneVector& block : adjoints)
-    for (const std::vector<double>& gradient : chain_rule_.gradients(block))
+  for (std::size_t first = 0; first < rows.size(); first += together) {
+    const LaneVector loads = chain_rule_.loads(rows.subspan(first, std::min(together, rows.size() - first)));
+    LaneVector adjoints = loads;
+    for (const SolveReport& report : solver_->solve({&loads, 1}, {&adjoints, 1})) {
+      require_convergence(report, "a heat adjoint");
+      adjoint_iterations_.push_back(report.iterations);
+    }
+    for (const std::vector<double>& gradient : chain_rule_.gradients(adjoints))
       result.push_back(filter_.apply_transpose(gradient));
+  }
+  solver_->rest();
   return result;
 }
 

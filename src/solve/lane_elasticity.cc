@@ -13,7 +13,7 @@ namespace fabseq {
 template <int Dim>
 LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson,
                                     const LaneCycle& cycle, int max_iterations,
-                                    const AssembledSolverSettings& reference)
+                                    const AssembledSolverSettings& reference, int lanes)
     : grid_(grid),
       domain_(domain),
       problem_(grid.domain().thickness, poisson),
@@ -22,7 +22,8 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
-      solver_(hierarchy_, problem_, cycle) {
+      solver_(hierarchy_, problem_, cycle),
+      most_lanes_(lanes) {
   for (const int corner : domain.first_corners)
     numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
 }
@@ -100,13 +101,24 @@ void LaneElasticity<Dim>::start_cold() {
 }
 
 template <int Dim>
+void LaneElasticity<Dim>::rest() {
+  if (most_lanes_ == widest) return;
+  solver_.release();
+  layout_.release();
+  for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);
+  free_memory(stiffness_);
+}
+
+template <int Dim>
 std::string LaneElasticity<Dim>::description() const {
   std::ostringstream text;
   const auto& finest = hierarchy_.level(0);
   std::int64_t nodes = 0;
   for (const auto& range : finest.counted) nodes += range.end - range.begin;
   text << "lanes: flexible CG + multigrid, " << hierarchy_.count() << " levels, "
-       << sum(grid_.comm(), nodes * Dim) << " unknowns a layer, up to " << widest << " layers at once";
+       << sum(grid_.comm(), nodes * Dim) << " unknowns a layer, up to " << most_lanes_
+       << (most_lanes_ == 1 ? " layer at once" : " layers at once")
+       << (most_lanes_ < widest ? ", to save memory" : "");
   return text.str();
 }
 

@@ -33,7 +33,7 @@ LaneCycle LaneHeat<Dim>::cycle() {
 
 template <int Dim>
 LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
-                        const AssembledSolverSettings& reference)
+                        const AssembledSolverSettings& reference, int lanes)
     : grid_(grid),
       domain_(domain),
       lumped_(lumped),
@@ -42,7 +42,8 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), 1),
-      solver_(hierarchy_, problem_, cycle()) {
+      solver_(hierarchy_, problem_, cycle()),
+      most_lanes_(lanes) {
   for (const int corner : domain.first_corners)
     numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
 }
@@ -133,6 +134,15 @@ void LaneHeat<Dim>::start_cold() {
   is_set_up_.fill(false);
   fallback_.reset();
   fallback_is_set_up_ = false;
+}
+
+template <int Dim>
+void LaneHeat<Dim>::rest() {
+  if (most_lanes_ == widest) return;
+  solver_.release();
+  is_set_up_.fill(false);
+  layout_.release();
+  for (LaneArray* array : {&load_, &solution_}) free_memory(*array);
 }
 
 template <int Dim>

@@ -71,6 +71,18 @@ class GroupsTest(FabseqTest):
         """Four layers, and a planar baseline of three: fewer than groups."""
         self.compare(plate_2d(), "-baseline_layers", 3)
 
+    def test_fewer_lanes(self):
+        """Solvers that give their memory back between the phases, and blocks that are not full."""
+        expected = self.optimize(hook_of_many_layers(), 1, 1)
+        for ranks, groups, lanes in ((1, 1, 3),) if SANITIZED else ((1, 1, 4), (2, 1, 2), (2, 2, 3), (3, 1, 1)):
+            with self.subTest(ranks=ranks, groups=groups, lanes=lanes):
+                run = self.optimize(hook_of_many_layers(), ranks, groups, "-lanes", lanes)
+                self.assertIn(f"up to {lanes} layer{'s' if lanes > 1 else ''} at once, to save memory", run.stdout)
+                self.assert_same(run, expected)
+        run = self.run_config(1, plate_2d(), "-lanes", 9)
+        self.assertEqual(run.status, BAD_INPUT, str(run))
+        self.assertIn("/solver/lanes: found 9", run.stderr)
+
     @run_fabseq.only_release
     def test_reference_path(self):
         self.compare(hook_3d(), "-solver_path", "reference", "-layers", 5)

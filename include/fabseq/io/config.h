@@ -130,6 +130,7 @@ struct SolverSettings {
   int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
   std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
+  std::optional<int> lanes;         ///< none: by memory
 };
 
 struct OutputSettings {

@@ -3,6 +3,7 @@
 /// collective.
 #pragma once
 
+#include "fabseq/io/memory_file.h"
 #include "fabseq/io/posix_file.h"
 
 #include <cstdint>
@@ -12,7 +13,8 @@ namespace fabseq {
 
 /// Appends the seal to a file of `bytes` bytes, open for reading and writing.
 void seal_file(const PosixFile& file, std::int64_t bytes);
-/// Whether a file ends in a seal that is right. Throws OutputError if it cannot be read.
-bool seal_is_intact(const std::string& path);
+/// Copies a file but for its seal; false if it does not end in one that is right. Throws OutputError if it cannot be
+/// read or there is not enough memory.
+bool copy_if_intact(const std::string& path, const MemoryFile& copy);
 
 }  // namespace fabseq

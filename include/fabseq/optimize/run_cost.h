@@ -36,8 +36,12 @@ int layers_of_target(const Config& config, double height, double rounded);
 BlockSolver block_solver(SolverPath path);
 
 /// Measured on one core (docs/performance.md), good to a factor of two.
-double memory_estimate(const RunSize& size, SolverPath path, int groups);  ///< all ranks, bytes
-double iteration_seconds_estimate(const RunSize& size, SolverPath path);   ///< of a design iteration
+double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes);  ///< all ranks, bytes
+double iteration_seconds_estimate(const RunSize& size, SolverPath path);  ///< of a design iteration
+
+/// What `solver.lanes` says, or the most, 8, 4, 2 or 1, with which a run fits the memory now available. Collective on
+/// `world`.
+int resolved_lanes(MPI_Comm world, const Config& config, const RunSize& size, int groups);
 
 /// Layer groups of a run, and why there are so many.
 struct GroupChoice {

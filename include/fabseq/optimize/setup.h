@@ -43,6 +43,7 @@ class Setup {
   std::map<std::string, NodeSet> node_sets;
   int layer_count;               ///< N, "auto" resolved
   int baseline_layers;           ///< of the planar baseline
+  int lanes;                     ///< layers solved side by side at most, "auto" resolved
   double characteristic_length;  ///< l_c, length unit
 
   /// All ranks of the run; the grid has a communicator of its own.

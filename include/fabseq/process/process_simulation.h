@@ -57,12 +57,12 @@ struct ProcessDerivatives {
 template <int Dim>
 class ProcessSimulation {
  public:
-  /// Layers solved side by side.
-  static constexpr int batch_lanes = 8;
+  /// Layers solved side by side at most, unless memory is to be saved.
+  static constexpr int most_lanes = 8;
 
-  /// `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
+  /// `lanes`: layers solved side by side at most. `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
-                    const LayerGroups& groups, BlockSolver blocks);
+                    const LayerGroups& groups, BlockSolver blocks, int lanes = most_lanes);
 
   /// From now on simulations end with the release from the supports. Throws InputError if there is none
   /// (release_obstacle()).
@@ -109,6 +109,7 @@ class ProcessSimulation {
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
   BlockSolver block_solver_;
+  int lanes_;
   LayerElements<Dim> elements_;
   SupportForces<Dim> supports_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;

@@ -33,10 +33,11 @@ class HeatSequence : public Sequence<Dim> {
   /// \param across this rank and those that hold the same part of the grid in other layer groups: the first one's
   /// group solves for the temperature and sends it to the others, so that they have the same bits. update() is
   /// collective on `across`, too; pull_back() is each group's own.
+  /// \param lanes rows that are solved side by side at most
   /// Collective. The part and `across` must outlive the sequence.
   HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
                std::unique_ptr<const HeatModel<Dim>> model, std::unique_ptr<HeatSolver<Dim>> solver,
-               MPI_Comm across = MPI_COMM_SELF);
+               MPI_Comm across = MPI_COMM_SELF, int lanes = HeatSolver<Dim>::widest);
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return part_.elements().size(); }
@@ -58,6 +59,7 @@ class HeatSequence : public Sequence<Dim> {
   std::unique_ptr<const HeatModel<Dim>> model_;
   std::unique_ptr<HeatSolver<Dim>> solver_;
   MPI_Comm across_;
+  int lanes_;
   AveragingFilter<Dim> filter_;
   HeatChainRule<Dim> chain_rule_;
   std::vector<double> diffusivity_;          ///< of all owned elements, filtered

@@ -32,6 +32,10 @@ class ElasticitySolver {
   /// to the last bit. Collective.
   virtual void start_cold() = 0;
 
+  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take again,
+  /// its operator included. Changes no result.
+  virtual void rest() {}
+
   /// One line for the log: what it is and how it was chosen.
   virtual std::string description() const = 0;
 };

@@ -36,6 +36,10 @@ class HeatSolver {
   /// Forgets what earlier solves have left for later ones, the operator too: from here on everything goes as
   /// in a new solver, to the last bit. Collective.
   virtual void start_cold() = 0;
+
+  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take again,
+  /// its operator included. Changes no result.
+  virtual void rest() {}
 };
 
 }  // namespace fabseq

@@ -34,6 +34,12 @@ template <class Real>
 using LaneValues = std::vector<Real, CacheLineAllocator<Real>>;
 using LaneArray = LaneValues<double>;
 
+/// Empties a vector and gives its memory back.
+template <class Vector>
+void free_memory(Vector& values) {
+  Vector().swap(values);
+}
+
 /// A number a lane.
 template <int Width>
 using LaneScalars = std::array<double, Width>;

@@ -47,8 +47,13 @@ class LaneCg {
 
   /// The solver for half as many lanes, made at first use.
   Half& half();
-  /// K, whose coefficients are to be filled in.
-  Operator& matrix() { return matrix_; }
+  /// K, whose coefficients are to be filled in. Takes the solver's memory, if it has none.
+  Operator& matrix() {
+    allocate();
+    return *matrix_;
+  }
+  /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
+  void release();
   /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
@@ -71,6 +76,7 @@ class LaneCg {
     std::array<SpectrumEstimate, Width> spectrum;
     std::array<LaneOutcome, Width> outcome{};
   };
+  void allocate();
   void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
   void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
   void find_islands();
@@ -83,8 +89,8 @@ class LaneCg {
   LaneHierarchy<Problem::dim>& hierarchy_;
   const Problem& problem_;
   LaneCycle cycle_;
-  Operator matrix_;
-  Multigrid multigrid_;
+  std::unique_ptr<Operator> matrix_;
+  std::unique_ptr<Multigrid> multigrid_;
   std::array<bool, Width> positive_{};
   LaneArray direction_, image_;
   LaneValues<float> rounded_rest_, preconditioned_;

@@ -16,21 +16,31 @@ namespace fabseq {
 template <class Problem, int Width>
 LaneCg<Problem, Width>::LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem,
                                const LaneCycle& cycle)
-    : hierarchy_(hierarchy),
-      problem_(problem),
-      cycle_(cycle),
-      matrix_(hierarchy.level(0), problem),
-      multigrid_(hierarchy, problem, cycle),
-      direction_(matrix_.size()),
-      image_(matrix_.size()),
-      rounded_rest_(matrix_.size()),
-      preconditioned_(matrix_.size()) {}
+    : hierarchy_(hierarchy), problem_(problem), cycle_(cycle) {}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::allocate() {
+  if (matrix_) return;
+  matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
+  multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
+  for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
+  for (auto* array : {&rounded_rest_, &preconditioned_}) array->resize(matrix_->size());
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::release() {
+  matrix_.reset();
+  multigrid_.reset();
+  half_.reset();
+  for (LaneArray* array : {&direction_, &image_, &corrected_, &left_over_}) free_memory(*array);
+  for (auto* array : {&rounded_rest_, &preconditioned_}) free_memory(*array);
+}
 
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::set_up() {
-  const LaneArray& coefficients = matrix_.coefficients();
-  multigrid_.finest().coefficients().assign(coefficients.begin(), coefficients.end());
-  positive_ = multigrid_.set_up();
+  const LaneArray& coefficients = matrix_->coefficients();
+  multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
+  positive_ = multigrid_->set_up();
   find_islands();
 }
 
@@ -38,8 +48,8 @@ template <class Problem, int Width>
 void LaneCg<Problem, Width>::find_islands() {
   if constexpr (Problem::own_operators) {
     if (!cycle_.islands || hierarchy_.count() == 1) return;
-    if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_.level());
-    islands_.set_up(matrix_, island_map_->find(matrix_.coefficients(), Width));
+    if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
+    islands_.set_up(*matrix_, island_map_->find(matrix_->coefficients(), Width));
   }
 }
 
@@ -61,10 +71,10 @@ std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArra
 /// any tolerance, and solves for rigid motions of islands.
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
-  matrix_.clear_held(load.data());
+  matrix_->clear_held(load.data());
   const Scalars squares = [&] {
-    auto sums = matrix_.dot(load.data(), load.data());
-    sum_in_place(matrix_.level().comm, sums);
+    auto sums = matrix_->dot(load.data(), load.data());
+    sum_in_place(matrix_->level().comm, sums);
     return sums;
   }();
   for (int lane = 0; lane < Width; ++lane) {
@@ -78,10 +88,10 @@ void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& sol
   for (std::size_t i = 0; i < load.size(); i += Width) (Lanes<Width>::load(&load[i]) * scale).store(&load[i]);
   if constexpr (Problem::own_operators) {
     if (!islands_.empty()) {
-      islands_.add_correction(matrix_.level(), load.data(), solution.data());
-      matrix_.apply(solution.data(), image_.data());
+      islands_.add_correction(matrix_->level(), load.data(), solution.data());
+      matrix_->apply(solution.data(), image_.data());
       for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
-      state.length = matrix_.dot(solution.data(), solution.data());
+      state.length = matrix_->dot(solution.data(), solution.data());
     }
   }
   std::copy(load.begin(), load.end(), rounded_rest_.begin());
@@ -112,16 +122,16 @@ void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scal
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& solution,
                                      const LaneStop& stop) {
-  const MPI_Comm comm = matrix_.level().comm;
+  const MPI_Comm comm = matrix_->level().comm;
   const auto any_active = [&] {
     return std::find(state.active.begin(), state.active.end(), true) != state.active.end();
   };
   while (any_active()) {
-    multigrid_.be_patient(state.iteration >= cycle_.patience);
+    multigrid_->be_patient(state.iteration >= cycle_.patience);
     precondition(rest);
     // The image is none before the first iteration: what it adds then is not used.
     const auto products =
-        matrix_.dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
+        matrix_->dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
     // A request to stop travels along: all ranks follow it in the same iteration.
     const Scalars stops{stop_requested() ? 1.0 : 0.0};
     std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
@@ -137,7 +147,7 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
       state.decrease[lane] = decrease[lane];
     }
     turn(beta, state.iteration == 0);
-    state.energy = matrix_.apply(direction_.data(), image_.data());
+    state.energy = matrix_->apply(direction_.data(), image_.data());
     sum_in_place(comm, state.energy);
     for (int lane = 0; lane < Width; ++lane) {
       const bool moves = state.active[lane] && state.energy[lane] > 0.0;
@@ -152,14 +162,14 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
 
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::precondition(const LaneArray& rest) {
-  multigrid_.apply(rounded_rest_.data(), preconditioned_.data());
+  multigrid_->apply(rounded_rest_.data(), preconditioned_.data());
   if constexpr (Problem::own_operators) {
     if (islands_.empty()) return;
     corrected_.assign(preconditioned_.begin(), preconditioned_.end());
     left_over_.resize(rest.size());
-    matrix_.apply(corrected_.data(), left_over_.data());
+    matrix_->apply(corrected_.data(), left_over_.data());
     for (std::size_t i = 0; i < rest.size(); ++i) left_over_[i] = rest[i] - left_over_[i];
-    islands_.add_correction(matrix_.level(), left_over_.data(), preconditioned_.data());
+    islands_.add_correction(matrix_->level(), left_over_.data(), preconditioned_.data());
   }
 }
 
@@ -194,7 +204,7 @@ LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArr
       left.store(&rounded_rest_[next]);
     }
   };
-  for (const auto& range : matrix_.level().counted) {
+  for (const auto& range : matrix_->level().counted) {
     advance_to(range.begin * block, false);
     advance_to(range.end * block, true);
   }
@@ -227,8 +237,9 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
     }
     if (count == 0) return false;
     const std::span<const int> lanes(left.data(), count);
-    half().multigrid_.template select<Width>(multigrid_, lanes);
-    half_->matrix_.template select<Width>(matrix_, lanes);
+    half().allocate();
+    half_->multigrid_->template select<Width>(*multigrid_, lanes);
+    half_->matrix_->template select<Width>(*matrix_, lanes);
     if constexpr (Problem::own_operators) half_->islands_.template select<Width>(islands_, lanes);
     typename LaneCg<Problem, half_width>::State narrower;
     narrower.iteration = state.iteration;

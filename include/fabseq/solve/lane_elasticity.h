@@ -22,15 +22,17 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   /// Lanes of a batch at most.
   static constexpr int widest = 8;
 
-  /// The grid and `domain` must outlive the solver. `reference`: of the fallback; its tolerance is the
+  /// `lanes`: of a batch at most; below `widest` the solver saves memory, see rest(). The grid and `domain` must
+  /// outlive the solver. `reference`: of the fallback; its tolerance is the
   /// lanes', too. Collective.
   LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
-                 int max_iterations, const AssembledSolverSettings& reference);
+                 int max_iterations, const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
   void start_cold() override;
+  void rest() override;
   std::string description() const override;
 
  private:
@@ -45,6 +47,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   LaneHierarchy<Dim> hierarchy_;
   LaneLayout<Dim> layout_;
   LaneCg<LaneElasticityProblem<Dim>, widest> solver_;
+  int most_lanes_;
   std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
   int first_layer_ = 0, lanes_ = 0;
   std::vector<double> not_finite_;  ///< stiffness values of each lane of the batch that are no numbers

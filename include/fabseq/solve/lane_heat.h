@@ -23,14 +23,16 @@ class LaneHeat : public HeatSolver<Dim> {
  public:
   using HeatSolver<Dim>::widest;
 
-  /// The grid and `domain` must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of
+  /// `lanes`: of a block at most; below `widest` the solver saves memory, see rest(). The grid and `domain` must
+  /// outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of
   /// the fallback; its tolerance is the lanes', too. Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
-           const AssembledSolverSettings& reference);
+           const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void start_cold() override;
+  void rest() override;
 
  private:
   static LaneCycle cycle();
@@ -49,6 +51,7 @@ class LaneHeat : public HeatSolver<Dim> {
   LaneHierarchy<Dim> hierarchy_;
   LaneLayout<Dim> layout_;
   LaneCg<LaneHeatProblem<Dim>, widest> solver_;
+  int most_lanes_;
   std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
   std::vector<double> diffusivity_;    ///< of the current operator
   double reaction_ = 0.0;

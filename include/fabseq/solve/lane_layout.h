@@ -24,6 +24,9 @@ class LaneLayout {
   /// Back; nodes that are not in the mesh become 0.
   void to_owned(const LaneArray& mesh, int width, LaneVector& owned) const;
 
+  /// Gives back the memory that it keeps for the next call.
+  void release() const { free_memory(ghosted_); }
+
  private:
   const Grid<Dim>& grid_;
   const LaneLevel<Dim>& level_;

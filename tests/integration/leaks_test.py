@@ -1,0 +1,64 @@
+"""A short run of every task leaves no memory behind (LeakSanitizer; only with sanitizers). What Open MPI and PETSc leave is listed in
+tests/leak_suppressions.txt. And the memory of a long run does not grow."""
+
+import os
+
+import run_fabseq
+from run_fabseq import DONE, ROOT, SANITIZED, FabseqTest, Process, Result
+from small_parts import hook_3d, plate_2d
+
+TASKS = ("optimize", "simulate", "evaluate", "check_gradients", "check")
+SUPPRESSIONS = os.path.join(ROOT, "tests", "leak_suppressions.txt")
+MIB = 2**20
+
+
+class LeaksTest(FabseqTest):
+    resumes = False
+
+    def setUp(self):
+        super().setUp()
+        if not SANITIZED:
+            self.skipTest("needs the build with sanitizers")
+
+    def check(self, ranks, config, *arguments):
+        self.runs += 1
+        output = os.path.join(self.directory, f"output_{self.runs}")
+        command = ["mpirun", "-np", str(ranks), run_fabseq.PROGRAM, "-config", self.write_config(config), "-output", output, *arguments]
+        environment = {"ASAN_OPTIONS": "detect_leaks=1:detect_odr_violation=0:fast_unwind_on_malloc=0",
+                       "LSAN_OPTIONS": f"suppressions={SUPPRESSIONS}:print_suppressions=0"}
+        with Process(command, self.directory, environment) as process:
+            run = Result(command, *process.wait(600), output)
+        self.assertNotIn("LeakSanitizer", run.stderr, str(run))
+        self.assertEqual(run.status, DONE, str(run))
+
+    def test_tasks(self):
+        for task in TASKS:
+            with self.subTest(task=task):
+                self.check(2, plate_2d(), "-task", task, "-max_iterations", "2", "-checkpoint_every", "1")
+
+    def test_space(self):
+        self.check(2, hook_3d(), "-max_iterations", "2", "-output_every", "1")
+
+    def test_layer_groups(self):
+        self.check(2, plate_2d(), "-max_iterations", "2", "-layer_groups", "2")
+
+    def test_reference_path(self):
+        self.check(1, plate_2d(), "-max_iterations", "2", "-solver_path", "reference")
+
+
+class GrowthTest(FabseqTest):
+    resumes = False
+
+    @run_fabseq.only_release
+    def test_two_hundred_iterations(self):
+        """Peaks of iteration 20 and of iteration 200: dumps and checkpoints have been written by both."""
+        run = self.run_config(2, plate_2d(), "-max_iterations", 200, "-output_every", 10, "-checkpoint_every", 10)
+        self.assert_done(run)
+        peaks = [line["peak_memory_bytes"] for line in run.history()]
+        self.assertEqual(len(peaks), 200)
+        print(f"peak memory after 20 iterations {peaks[19] / MIB:.1f} MiB, after 200 {peaks[-1] / MIB:.1f} MiB")
+        self.assertLess(peaks[-1] - peaks[19], 1 * MIB)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()
