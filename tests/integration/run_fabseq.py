@@ -74,7 +74,10 @@ class Process:
     def __init__(self, command, directory, environment=None):
         self.command = command
         self.streams = [tempfile.TemporaryFile("w+") for _ in range(2)]
-        variables = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT, **(environment or {})}
+        # Of its own: an mpirun that starts trips over the common folder that another, which ends, is removing.
+        self.sessions = tempfile.TemporaryDirectory(prefix="fabseq_mpirun_", ignore_cleanup_errors=True)
+        variables = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": self.sessions.name,
+                     **(environment or {})}
         self.process = subprocess.Popen(command, cwd=directory, env=variables, stdin=subprocess.DEVNULL,
                                         stdout=self.streams[0], stderr=self.streams[1], start_new_session=True)
 
@@ -85,6 +88,7 @@ class Process:
         self.end()
         for stream in self.streams:
             stream.close()
+        self.sessions.cleanup()
 
     def end(self):
         if self.process.poll() is not None:
