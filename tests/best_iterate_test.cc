@@ -23,7 +23,7 @@ class BestIterateTest : public testing::Test {
     EXPECT_EQ(best_.iteration(), iteration);
     EXPECT_EQ(best_.design().field, std::vector<double>{static_cast<double>(iteration)});
   }
-  BestIterate best_;
+  BestIterate best_{"time_points"};
 };
 
 TEST_F(BestIterateTest, BeginsWithNone) {

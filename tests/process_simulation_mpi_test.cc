@@ -49,7 +49,7 @@ TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
       expected.resize(increment.size(), 0.0);
       for (std::size_t i = 0; i < increment.size(); ++i) expected[i] += increment[i];
     }
-    const auto actual = process.whole(process.simulation.simulate(layers, strains).displacement);
+    const auto actual = process.whole(process.simulation.simulate(layers, {strains, {}}).displacement);
     EXPECT_GT(test::largest(actual), 1e-4);
     EXPECT_LT(test::relative_difference(actual, expected), 1e-7);
   }

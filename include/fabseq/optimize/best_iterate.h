@@ -5,6 +5,9 @@
 #include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/problem.h"
 
+#include <string>
+#include <utility>
+
 namespace fabseq {
 
 /// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
@@ -12,6 +15,9 @@ namespace fabseq {
 /// values do.
 class BestIterate {
  public:
+  /// `layer_variables`: their name, for checkpoints.
+  explicit BestIterate(std::string layer_variables) : layer_variables_(std::move(layer_variables)) {}
+
   /// Designs at another sharpness cannot be compared: a new `beta` starts over.
   void offer(int iteration, double beta, const ProblemValues& values, const Design& design);
 
@@ -25,6 +31,7 @@ class BestIterate {
   void restore(const CheckpointState& state);
 
  private:
+  std::string layer_variables_;
   int iteration_ = 0;
   double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
   Design design_;
