@@ -188,10 +188,10 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
-  print("component             type                  variables           adjoint   best relative error");
+  print("component             type                    variables           adjoint   best relative error");
   for (const GradientError& error : check.errors) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-20s  %-12s %14.6e   %.1e", error.name.c_str(),
+    std::snprintf(line, sizeof line, "%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(),
                   error.type.c_str(), error.variables.c_str(), error.adjoint, error.best());
     print(line);
   }
