@@ -24,7 +24,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402 (the backend comes first)
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-HALVINGS = 34
+HALVINGS = 26
 
 
 class Scan:

@@ -75,9 +75,8 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& 
   std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;
   const auto set_unit_load = [&](std::size_t e) {
     for (int i = 0; i < element_unknowns<Dim>; ++i)
-      unit_load[i] = Lanes<Width>::broadcast(model_.strain_load[i]);
-    if (strains_.uniform()) return;
-    for (int c = 0; c < voigt_size<Dim>; ++c) {
+      unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? model_.strain_load[i] : 0.0);
+    for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
       const Lanes<Width> component = strain<Width>(block, e, c);
       for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
     }
