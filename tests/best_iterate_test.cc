@@ -80,5 +80,14 @@ TEST_F(BestIterateTest, EqualOnesKeepTheEarlier) {
   expect(1);
 }
 
+/// Nothing that is left to vary may change a violation.
+TEST_F(BestIterateTest, OfEqualViolationsTakesTheSmallerMerit) {
+  offer(1, 10.0, 5.0, 0.3);
+  offer(2, 10.0, 4.0, 0.3);
+  expect(2);
+  offer(3, 10.0, 4.5, 0.3);
+  expect(2);
+}
+
 }  // namespace
 }  // namespace fabseq

@@ -18,13 +18,17 @@ LayerVariables time_points(int layers) {
   return result;
 }
 
-LayerVariables angles(const MultiPlanarSettings& settings, int dimension) {
+/// The optimizer's range of an angle, in layers by which it turns the far end of the part.
+constexpr double layers_in_reach = 10.0;
+
+LayerVariables angles(const MultiPlanarSettings& settings, int dimension, double longest_edge) {
   LayerVariables result;
   result.name = "angles";
   result.start = settings.angles;
   result.lower = settings.lowest_angles;
   result.upper = settings.highest_angles;
   result.columns = dimension - 1;
+  result.reach = layers_in_reach * settings.thickness / longest_edge;
   result.fixed = settings.fixed_angles;
   return result;
 }
@@ -41,8 +45,9 @@ Json LayerVariables::record(std::span<const double> values) const {
   return rows;
 }
 
-LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension) {
-  if (settings.multi_planar) return angles(*settings.multi_planar, dimension);
+LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension,
+                                    double longest_edge) {
+  if (settings.multi_planar) return angles(*settings.multi_planar, dimension, longest_edge);
   if (settings.variable_time_points && layers > 1) return time_points(layers);
   LayerVariables none;
   none.name = "time_points";

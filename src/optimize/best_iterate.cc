@@ -4,9 +4,11 @@ namespace fabseq {
 
 void BestIterate::offer(int iteration, double beta, const ProblemValues& values, const Design& design) {
   const bool now_feasible = values.worst_constraint <= 0.0;
-  const bool better = iteration_ == 0 || beta != beta_ ||
-                      (now_feasible && (!feasible() || values.merit < merit_)) ||
-                      (!now_feasible && !feasible() && values.worst_constraint < worst_constraint_);
+  const bool descends = values.merit < merit_;
+  const bool better = iteration_ == 0 || beta != beta_ || (now_feasible && (!feasible() || descends)) ||
+                      (!now_feasible && !feasible() &&
+                       (values.worst_constraint < worst_constraint_ ||
+                        (values.worst_constraint == worst_constraint_ && descends)));
   if (!better) return;
   iteration_ = iteration;
   beta_ = beta;

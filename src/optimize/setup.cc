@@ -49,7 +49,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       start(start_region(part, config_.sequence)),
       design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
-      layer_variables(make_layer_variables(config_.layers, layer_count, Dim)),
+      layer_variables(make_layer_variables(config_.layers, layer_count, Dim, part.longest_edge())),
       baseline_layers(resolve_baseline_layers()),
       lanes(resolved_lanes(world, config_, run_size(config_, part, layer_count, size_of(world)),
                            groups.count())),

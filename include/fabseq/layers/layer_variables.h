@@ -29,6 +29,8 @@ struct LayerVariables {
 };
 
 /// T_1 ... T_{N-1} where they are variables (docs/formulation.md 3.1), the angles of multi-planar layers (3.2), or none.
-LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension);
+/// `longest_edge`: of the part.
+LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension,
+                                    double longest_edge);
 
 }  // namespace fabseq

@@ -11,7 +11,7 @@
 namespace fabseq {
 
 /// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
-/// larger one; among infeasible ones the smaller violation counts. Local to the rank; ranks agree because
+/// larger one; among infeasible ones the smaller violation counts, and where it is the same (all that it depends on may be fixed) the merit. Local to the rank; ranks agree because
 /// values do.
 class BestIterate {
  public:
