@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace fabseq {
 
@@ -121,67 +120,6 @@ SequenceSettings make_sequence(const Json& value) {
     sequence.dataset = value.at("dataset").string();
   }
   return sequence;
-}
-
-/// Along the plate's normal, as an angle in 2D, elevation and azimuth in 3D.
-std::vector<double> normal_angles(const BuildPlate& plate, int dimension) {
-  const double half_turn = std::numbers::pi, sign = plate.upper ? -1.0 : 1.0;
-  if (plate.axis == dimension - 1)
-    return dimension == 2 ? std::vector<double>{0.5 * half_turn * sign}
-                          : std::vector<double>{0.5 * half_turn * sign, 0.0};
-  const double in_plane = plate.axis == 0 ? (plate.upper ? half_turn : 0.0) : 0.5 * half_turn * sign;
-  return dimension == 2 ? std::vector<double>{in_plane} : std::vector<double>{0.0, in_plane};
-}
-
-/// Rows of numbers, as many as there are sub-parts.
-std::vector<double> angles_of(const Json& value, int subparts, const std::vector<double>& automatic) {
-  std::vector<double> result;
-  for (int i = 0; !value.is_array() && i < subparts; ++i)
-    result.insert(result.end(), automatic.begin(), automatic.end());
-  if (!value.is_array()) return result;
-  for (const Json& row : value.items()) {
-    const std::vector<double> angles = row.numbers();
-    result.insert(result.end(), angles.begin(), angles.end());
-  }
-  return result;
-}
-
-/// A pair for all angles, a pair for each angle of a direction, or one for each angle of each sub-part.
-void set_angle_bounds(MultiPlanarSettings& settings, const Json& value) {
-  const bool single = value.items()[0].is_number();
-  const std::size_t pairs = single ? 1 : value.items().size();
-  for (std::size_t i = 0; i < settings.angles.size(); ++i) {
-    const Json& pair = single ? value : value.items()[i % pairs];
-    settings.lowest_angles.push_back(pair.items()[0].number());
-    settings.highest_angles.push_back(pair.items()[1].number());
-  }
-}
-
-MultiPlanarSettings make_multi_planar(const Json& value, const BuildPlate& plate, int dimension) {
-  MultiPlanarSettings settings;
-  settings.subparts = integer(value, "subparts");
-  settings.timestamps = optional_vector(value.at("timestamps"));
-  for (int i = 1; !value.at("timestamps").is_array() && i < settings.subparts; ++i)
-    settings.timestamps.push_back(static_cast<double>(i) / settings.subparts);
-  settings.thickness = value.at("thickness").number();
-  settings.angles = angles_of(value.at("angles"), settings.subparts, normal_angles(plate, dimension));
-  set_angle_bounds(settings, value.at("angle_bounds"));
-  settings.time_sharpness = value.at("sharpness").at("time").number();
-  settings.slab_sharpness = value.at("sharpness").at("slab").number();
-  for (const Json& word : value.at("fixed").items())
-    (word.string() == "angles" ? settings.fixed_angles : settings.fixed_time) = true;
-  return settings;
-}
-
-LayerSettings make_layers(const Json& value, const BuildPlate& plate, int dimension) {
-  LayerSettings layers;
-  if (is(value, "type", "multi_planar")) {
-    layers.multi_planar = make_multi_planar(value, plate, dimension);
-    return layers;
-  }
-  layers.count = optional_integer(value.at("count"));
-  layers.variable_time_points = is(value, "time_points", "variable");
-  return layers;
 }
 
 ProjectionSettings make_projection(const Json& value) {
@@ -304,7 +242,7 @@ Config make_config(const Json& document, const std::string& directory) {
   config.material = make_material(all.at("material"));
   config.process = make_process(all.at("process"));
   config.sequence = make_sequence(all.at("sequence"));
-  config.layers = make_layers(all.at("layers"), config.plate, config.dimension);
+  config.layers = make_layer_settings(all.at("layers"), config.plate, config.dimension);
   config.projection = make_projection(all.at("projection"));
   for (const Json& term : all.at("objective").items()) config.objective.push_back(make_objective_term(term));
   for (const Json& term : all.at("constraints").items()) config.constraints.push_back(make_constraint(term));
