@@ -216,12 +216,15 @@ class JumpsTest(FabseqTest):
         """Between two angles with other numbers of layers, halved until they are next to each other."""
         config = tee_2d()
         config["objective"] = [config["objective"][0]]
-        low, high = 0.2, 1.0
-        (_, few), (_, many) = self.value(config, low), self.value(config, high)
-        self.assertNotEqual(few, many)
+        high, count = 0.2, self.value(config, 0.2)[1]
+        changed = count
+        while changed == count:
+            low, high = high, high + 0.05
+            self.assertLess(high, 1.5, "always as many layers")
+            changed = self.value(config, high)[1]
         for _ in range(30):
             middle = 0.5 * (low + high)
-            if self.value(config, middle)[1] == few:
+            if self.value(config, middle)[1] == count:
                 low = middle
             else:
                 high = middle
@@ -252,7 +255,7 @@ class RefusalsTest(FabseqTest):
         path = os.path.join(self.directory, "design.h5")
         evaluate = ("-task", "evaluate", "-design", path)
         for angles, words in (([0.2, 0.4, 0.6], ["angles", "[3]", "[3,1]"]),
-                              ([[0.2], [0.4], [2.0]], ["angles", "2.0", "outside 0 to 1.5708"])):
+                              ([[0.2], [0.4], [2.0]], ["angles", "2.0", "outside 0.0 to 1.5708"])):
             write_voxels(path, np.full((15, 22), 0.1), dataset="design")
             with h5py.File(path, "a") as file:
                 file["angles"] = angles
