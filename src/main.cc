@@ -30,7 +30,8 @@ namespace {
 
 template <int Dim>
 SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), setup.config.solver.tolerance, timer);
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), make_uniform_layers(setup),
+                         setup.config.solver.tolerance, timer);
   const auto state = pipeline.run({}, setup.baseline_layers, 0.0, true);
   return report_sequence(setup, problem, pipeline, state);
 }
@@ -51,7 +52,8 @@ template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const Config& config = setup.config;
   const std::optional<Restart> restart = find_restart(setup, command_line);
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, config.solver.tolerance), config.solver.tolerance,
+  const double tolerance = config.solver.tolerance;
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
                          timer);
   RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), command_line));
   if (restart) {

@@ -23,7 +23,7 @@ class BestIterateTest : public testing::Test {
     EXPECT_EQ(best_.iteration(), iteration);
     EXPECT_EQ(best_.design().field, std::vector<double>{static_cast<double>(iteration)});
   }
-  BestIterate best_;
+  BestIterate best_{"time_points"};
 };
 
 TEST_F(BestIterateTest, BeginsWithNone) {
@@ -78,6 +78,15 @@ TEST_F(BestIterateTest, EqualOnesKeepTheEarlier) {
   offer(1, 10.0, 1.0, -0.1);
   offer(2, 10.0, 1.0, -0.2);
   expect(1);
+}
+
+/// Nothing that is left to vary may change a violation.
+TEST_F(BestIterateTest, OfEqualViolationsTakesTheSmallerMerit) {
+  offer(1, 10.0, 5.0, 0.3);
+  offer(2, 10.0, 4.0, 0.3);
+  expect(2);
+  offer(3, 10.0, 4.5, 0.3);
+  expect(2);
 }
 
 }  // namespace

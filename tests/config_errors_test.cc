@@ -66,7 +66,7 @@ TEST(ConfigErrorsTest, MissingKeys) {
   EXPECT_EQ(solid_error("layers", "{}"),
             "/layers/count: missing; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("objective.0", "{}"),
-            "/objective/0/type: missing; allowed: distortion, layer_uniformity");
+            "/objective/0/type: missing; allowed: distortion, layer_uniformity, segmentation_alignment");
   EXPECT_EQ(solid_error("constraints.0", R"({"type": "layer_thickness"})"),
             "/constraints/0/target: missing; allowed: a number > 0");
   EXPECT_EQ(solid_error("part", R"({"box": {"min": [0, 0, 0]}})"),
@@ -340,20 +340,97 @@ TEST(ConfigErrorsTest, SubstrateClampsAndRelease) {
 
 TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   const std::string later = " is not available in this version; allowed: ";
-  EXPECT_EQ(solid_error("layers.type", "multi_planar"), "/layers/type: \"multi_planar\"" + later + "curved");
   EXPECT_EQ(solid_error("objective.0.least_squares", "true"),
             "/objective/0/least_squares: true" + later + "false");
   EXPECT_EQ(solid_error("objective.0.least_squares", "false"), "no error");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "5"), "/optimizer/coarse_iterations: 5" + later + "0");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "0"), "no error");
-  EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),
-            "/constraints/0/type: \"subpart_volume\"" + later +
-                "layer_thickness, deposition_speed, continuity, minimum_layer_volume");
-  EXPECT_EQ(solid_error("objective.0", R"({"type": "segmentation_alignment", "band": 0.1})"),
-            "/objective/0/type: \"segmentation_alignment\"" + later + "distortion, layer_uniformity");
   EXPECT_EQ(solid_error("part", R"({"stl": {"file": "a.stl"}})")
                 .rfind("/part/stl: not available in this version; allowed here: box, ", 0),
             0U);
+}
+
+/// `keys` are those of the layers beside their type.
+std::string multi_planar_error(const char* text, const std::string& keys, const Settings& more = {}) {
+  Settings settings = {{"layers", "{\"type\": \"multi_planar\"" + keys + "}"},
+                       {"objective", R"([{"type": "distortion", "measure": "layerwise"}])"},
+                       {"constraints", "[]"}};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return error_of(text, settings);
+}
+
+TEST(ConfigErrorsTest, MultiPlanarLayers) {
+  const std::string two = R"(, "subparts": 2)";
+  EXPECT_EQ(multi_planar_error(solid, two), "no error");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [1.2]], "fixed": ["time"])"), "no error");
+  EXPECT_EQ(multi_planar_error(plane, ""), "/layers/subparts: missing; allowed: an integer in [1, 100]");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "count": 3)")
+                .rfind("/layers/count: unknown key for type \"multi_planar\"", 0),
+            0U);
+  for (const char* timestamps : {"[0.2, 0.4]", "[]"})
+    EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": )" + timestamps),
+              std::string("/layers/timestamps: found ") + Json::parse(timestamps, "test").dump() +
+                  "; allowed: \"auto\" or 1 ascending numbers in (0, 1), one less than subparts");
+  EXPECT_EQ(multi_planar_error(plane, R"(, "subparts": 3, "timestamps": [0.4, 0.4])")
+                .rfind("/layers/timestamps", 0),
+            0U);
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": [1.0])"),
+            "/layers/timestamps/0: found 1.0; allowed: \"auto\" or a list of numbers in (0, 1)");
+  EXPECT_EQ(multi_planar_error(solid, two + R"(, "angles": [[0.3], [1.2]])"),
+            "/layers/angles/0: found [0.3]; allowed: a list of 2 numbers");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3]])"),
+            "/layers/angles: found [[0.3]] for 2 sub-parts; allowed: a list of angles for each of them");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [-0.1]])"),
+            "/layers/angles/1/0: found -0.1; allowed: a number within its bounds, 0.0 to 1.5708");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [-0.1]], "angle_bounds": [-1, 1])"),
+            "no error");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angle_bounds": [[0, 2], [0, 2], [0, 2]])"),
+            "/layers/angle_bounds: found 3 pairs; allowed: one pair, 1 or 2");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angle_bounds": [1, 0])").rfind("/layers/angle_bounds", 0),
+            0U);
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "fixed": ["angles", "time"])"),
+            "/layers/fixed: found [\"angles\",\"time\"]; allowed: [], [\"angles\"] or [\"time\"]");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "fixed": ["angle"])"),
+            "/layers/fixed/0: found \"angle\"; allowed: angles, time");
+  EXPECT_EQ(
+      multi_planar_error(plane, two, {{"projection.beta", "20"}}),
+      "/projection/beta: found 20; allowed: \"auto\" with layers of type multi_planar, whose sharpness is "
+      "layers.sharpness");
+}
+
+TEST(ConfigErrorsTest, TermsOfTheOtherKindOfLayers) {
+  const std::string two = R"(, "subparts": 2)";
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),
+            "/constraints/0/type: found \"subpart_volume\" with layers of type \"curved\"; allowed: this "
+            "type with layers "
+            "of type multi_planar");
+  EXPECT_EQ(solid_error("objective.0", R"({"type": "segmentation_alignment"})").rfind("/objective/0/type", 0),
+            0U);
+  for (const std::string name : {"layer_thickness", "deposition_speed", "minimum_layer_volume"}) {
+    const std::string target = name == "layer_thickness" ? R"(, "target": 1)" : "";
+    const std::string term = "[{\"type\": \"" + name + "\"" + target + "}]";
+    EXPECT_EQ(multi_planar_error(solid, two, {{"constraints", term}}),
+              "/constraints/0/type: found \"" + name +
+                  "\" with layers of type \"multi_planar\"; allowed: this type with "
+                  "layers of type curved");
+  }
+  EXPECT_EQ(multi_planar_error(solid, two, {{"objective", R"([{"type": "layer_uniformity"}])"}})
+                .rfind("/objective/0/type", 0),
+            0U);
+  const std::string late = R"(, "subparts": 2, "timestamps": [0.92])";
+  EXPECT_EQ(multi_planar_error(solid, late, {{"objective", R"([{"type": "segmentation_alignment"}])"}}),
+            "/objective/0/band: found 0.1 after the timestamp 0.92; allowed: a band that ends before 1");
+  EXPECT_EQ(
+      multi_planar_error(
+          solid, two,
+          {{"sequence", R"({"type": "direct"})"}, {"objective", R"([{"type": "segmentation_alignment"}])"}})
+          .rfind("/objective/0/type: found \"segmentation_alignment\" with sequence type \"direct\"", 0),
+      0U);
+  // The strain of planar layers turns with them: it needs no gradient.
+  EXPECT_EQ(multi_planar_error(solid, two,
+                               {{"sequence", R"({"type": "direct"})"},
+                                {"material.inherent_strain", R"({"tangential": 1, "normal": 0})"}}),
+            "no error");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/small_configs.h"
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -175,6 +176,44 @@ TEST(ConfigTest, OtherSequences) {
   EXPECT_TRUE(on_nodes.layers.variable_time_points);
   EXPECT_TRUE(on_nodes.has_time_gradient());
   EXPECT_TRUE(file.objective.empty());
+}
+
+TEST(ConfigTest, MultiPlanarLayers) {
+  const Settings layerwise = {{"objective", R"([{"type": "distortion", "measure": "layerwise"}])"},
+                              {"constraints", "[]"}};
+  Settings settings = layerwise;
+  settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 4})");
+  const Config plain = configure(plane, settings);
+  ASSERT_TRUE(plain.layers.multi_planar);
+  EXPECT_FALSE(plain.layers.count);
+  EXPECT_EQ(plain.layers.multi_planar->timestamps, (std::vector<double>{0.25, 0.5, 0.75}));
+  EXPECT_EQ(plain.layers.multi_planar->thickness, 3.0);
+  EXPECT_EQ(plain.layers.multi_planar->time_sharpness, 100.0);
+  EXPECT_EQ(plain.layers.multi_planar->slab_sharpness, 100.0);
+  EXPECT_EQ(plain.layers.multi_planar->lowest_angles, std::vector<double>(4, 0.0));
+  for (const double angle : plain.layers.multi_planar->angles) EXPECT_NEAR(angle, std::acos(0.0), 1e-15);
+  EXPECT_FALSE(plain.has_fixed_time());
+  EXPECT_FALSE(configure(plane).layers.multi_planar);
+  // Away from the plate, whichever it is: elevation and azimuth in 3D.
+  const std::vector<std::pair<std::string, std::vector<double>>> plates = {{"x-", {0.0, 0.0}},
+                                                                           {"y-", {0.0, std::acos(0.0)}},
+                                                                           {"z+", {-std::acos(0.0), 0.0}},
+                                                                           {"x+", {0.0, std::acos(-1.0)}}};
+  for (const auto& [plate, angles] : plates) {
+    settings = layerwise;
+    settings.emplace_back("build_plate", plate);
+    settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 1, "angle_bounds": [-4, 4]})");
+    EXPECT_EQ(configure(solid, settings).layers.multi_planar->angles, angles);
+  }
+  settings = layerwise;
+  settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 2, "angles": [[1, 2], [3, 4]],
+      "angle_bounds": [[0, 5], [-1, 6]], "fixed": ["time"], "sharpness": {"slab": 9}, "thickness": 0.2, "timestamps": [0.4]})");
+  const MultiPlanarSettings layers = *configure(solid, settings).layers.multi_planar;
+  EXPECT_EQ(layers.angles, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(layers.lowest_angles, (std::vector<double>{0, -1, 0, -1}));
+  EXPECT_EQ(layers.highest_angles, (std::vector<double>{5, 6, 5, 6}));
+  EXPECT_EQ(layers.slab_sharpness, 9.0);
+  EXPECT_TRUE(layers.fixed_time && !layers.fixed_angles);
 }
 
 TEST(ConfigTest, StrainScaleActsOnTheRightComponents) {

@@ -24,9 +24,11 @@ class Minimization {
       design_.field.push_back(space.from_unit(0.5));
       target_.field.push_back(space.from_unit(0.1 + 0.8 * std::abs(std::sin(1.0 + static_cast<double>(i)))));
     }
-    design_.time_points = {0.25, 0.5, 0.75};
-    target_.time_points = {0.1, 0.62, 0.9};
-    update_.emplace(comm, space, design_, OptimizerSettings{});
+    design_.layer_variables = {0.25, 0.5, 0.75};
+    target_.layer_variables = {0.1, 0.62, 0.9};
+    LayerSettings layers;
+    layers.variable_time_points = true;
+    update_.emplace(comm, space, false, make_layer_variables(layers, 4, 2, 1.0), design_, OptimizerSettings{});
   }
 
   double step(double move_limit = 0.05) {
@@ -36,8 +38,9 @@ class Minimization {
     for (std::size_t i = 0; i < design_.field.size(); ++i)
       gradients.objective.field[i] = 2.0 * (design_.field[i] - target_.field[i]);
     for (std::size_t j = 0; j < 3; ++j) {
-      gradients.objective.time_points[j] = 2.0 * (design_.time_points[j] - target_.time_points[j]);
-      sum_of_points += design_.time_points[j];
+      gradients.objective.layer_variables[j] =
+          2.0 * (design_.layer_variables[j] - target_.layer_variables[j]);
+      sum_of_points += design_.layer_variables[j];
     }
     gradients.constraint_values = {sum_of_points};
     gradients.constraints = {{std::vector<double>(design_.field.size(), 0.0), {1.0, 1.0, 1.0}}};
@@ -50,7 +53,7 @@ class Minimization {
     std::copy(design_.field.begin(), design_.field.end(),
               result.begin() + static_cast<std::ptrdiff_t>(rank * variables / ranks));
     sum_in_place(comm_, result);
-    result.insert(result.end(), design_.time_points.begin(), design_.time_points.end());
+    result.insert(result.end(), design_.layer_variables.begin(), design_.layer_variables.end());
     return result;
   }
   const Design& design() const { return design_; }
@@ -74,17 +77,17 @@ TEST(DesignUpdate, FindsTheMinimum) {
     EXPECT_NEAR(problem.design().field[i], problem.target().field[i], 2e-3);
   // All shifted alike, onto the bound.
   for (std::size_t j = 0; j < 3; ++j)
-    EXPECT_NEAR(problem.design().time_points[j], problem.target().time_points[j] - 0.04, 1e-3);
+    EXPECT_NEAR(problem.design().layer_variables[j], problem.target().layer_variables[j] - 0.04, 1e-3);
 }
 
 /// Their range for a step is a layer to either side.
 TEST(DesignUpdate, TimePointsMoveByAShareOfALayer) {
   Minimization problem(MPI_COMM_WORLD);
-  const std::vector<double> before = problem.design().time_points;
+  const std::vector<double> before = problem.design().layer_variables;
   const double change = problem.step(0.1);
   double largest = 0.0;
   for (std::size_t j = 0; j < 3; ++j)
-    largest = std::max(largest, std::abs(problem.design().time_points[j] - before[j]));
+    largest = std::max(largest, std::abs(problem.design().layer_variables[j] - before[j]));
   EXPECT_LE(largest, 0.1 * 2.0 / 4.0 + 1e-12);
   EXPECT_GT(largest, 0.04);
   EXPECT_LE(change, 0.1 + 1e-12);

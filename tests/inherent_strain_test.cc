@@ -73,6 +73,49 @@ TYPED_TEST(InherentStrainTest, IsTangentialAllAroundWithoutAGradient) {
   for (int c = 0; c < voigt_size<Dim>; ++c) EXPECT_EQ(strains[c], c < Dim ? -0.01 : 0.0);
 }
 
+/// Layers of sub-parts take the print direction, whatever the pseudo-time does.
+TYPED_TEST(InherentStrainTest, TurnsWithTheSubParts) {
+  constexpr int Dim = TypeParam::value;
+  const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, scale<Dim>()), 1.0);
+  LayerDensities layers;
+  SubParts& sub_parts = layers.sub_parts;
+  sub_parts.density.resize(2);
+  sub_parts.directions = Dim == 2 ? std::vector<double>{0.6, 0.8, 0.0, 1.0}
+                                  : std::vector<double>{0.6, 0.0, 0.8, 0.36, 0.48, 0.8};
+  sub_parts.of_layer = {0, 0, 1};
+  const StrainField strains = strain.strains({}, layers);
+  EXPECT_TRUE(strains.of_elements.empty());
+  ASSERT_EQ(strains.of_layers.size(), 3u * voigt_size<Dim>);
+  for (int j = 0; j < 3; ++j) {
+    const auto first = sub_parts.directions.begin() + sub_parts.of_layer[j] * Dim;
+    const auto expected = strain.strains(std::vector<double>(first, first + Dim));
+    for (int c = 0; c < voigt_size<Dim>; ++c)
+      EXPECT_NEAR(strains.of_layers[j * voigt_size<Dim> + c], expected[c], 1e-10);
+  }
+  StrainField weights;
+  for (int i = 0; i < 3 * voigt_size<Dim>; ++i) weights.of_layers.push_back(test::noise(i, 2) - 0.5);
+  std::vector<double> d_gradient;
+  DensityDerivatives derivatives(3);
+  strain.pull_back({}, layers, weights, d_gradient, derivatives);
+  EXPECT_TRUE(d_gradient.empty());
+  const std::vector<double> start = sub_parts.directions;
+  std::vector<double> direction;
+  for (int i = 0; i < 2 * Dim; ++i) direction.push_back(test::noise(i, 1) - 0.5);
+  const double expected = test::central_difference(
+      [&](double step) {
+        sub_parts.directions = test::moved(start, step, direction);
+        double total = 0.0;
+        const StrainField moved = strain.strains({}, layers);
+        for (std::size_t i = 0; i < weights.of_layers.size(); ++i)
+          total += weights.of_layers[i] * moved.of_layers[i];
+        return total;
+      },
+      1e-3);
+  double product = 0.0;
+  for (std::size_t i = 0; i < direction.size(); ++i) product += derivatives.directions[i] * direction[i];
+  EXPECT_NEAR(product, expected, 1e-7 * std::abs(expected));
+}
+
 TYPED_TEST(InherentStrainTest, OthersDoNotTurn) {
   constexpr int Dim = TypeParam::value;
   MaterialSettings material;

@@ -124,7 +124,7 @@ std::vector<double> whole_gradient(const Setup<Dim>& setup, const Design& share)
   std::vector<double> result = setup.design_support.on_nodes()
                                    ? test::whole_node_field<Dim>(setup.grid, field)
                                    : test::whole_element_field<Dim>(setup.grid, field);
-  result.insert(result.end(), share.time_points.begin(), share.time_points.end());
+  result.insert(result.end(), share.layer_variables.begin(), share.layer_variables.end());
   return result;
 }
 

@@ -49,9 +49,34 @@ TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
       expected.resize(increment.size(), 0.0);
       for (std::size_t i = 0; i < increment.size(); ++i) expected[i] += increment[i];
     }
-    const auto actual = process.whole(process.simulation.simulate(layers, strains).displacement);
+    const auto actual = process.whole(process.simulation.simulate(layers, {strains, {}}).displacement);
     EXPECT_GT(test::largest(actual), 1e-4);
     EXPECT_LT(test::relative_difference(actual, expected), 1e-7);
+  }
+}
+
+/// Every layer with a strain of its own; more layers than are solved side by side.
+TYPED_TEST(ProcessSimulationTest, StrainsOfTheLayersAgreeWithDenseMatrices) {
+  constexpr int Dim = TypeParam::value;
+  auto cases = test::void_models<Dim>();
+  for (const auto& settings : test::clamped_cases<Dim>()) cases.push_back(settings);
+  for (const auto& settings : cases) {
+    test::ProcessCase<Dim> process(settings);
+    const LayerDensities layers = process.densities(process.wavy_time(), 11, 40.0);
+    StrainField strains;
+    for (int i = 0; i < 11 * voigt_size<Dim>; ++i) strains.of_layers.push_back(0.02 * test::noise(i) - 0.01);
+    process.simulation.simulate(layers, strains);
+    const auto elements = static_cast<std::size_t>(process.grid().all_elements().count());
+    for (int j = 0; j < 11; ++j) {
+      std::vector<double> of_elements;
+      for (std::size_t e = 0; e < elements; ++e)
+        for (int c = 0; c < voigt_size<Dim>; ++c)
+          of_elements.push_back(strains.of_layers[j * voigt_size<Dim> + c]);
+      const auto system = process.dense_system(layers, j);
+      const auto expected = system.solve(process.dense_load(layers, j, system, of_elements));
+      EXPECT_LT(test::relative_difference(process.whole(process.simulation.increment(j)), expected), 1e-7)
+          << j;
+    }
   }
 }
 

@@ -56,9 +56,9 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
   const std::vector<double> strains = test::noisy_strains(process.part());
   const std::vector<double> strain_direction = test::noisy_strains(process.part(), 30);
   const Functional<Dim> functional(process.grid());
-  const ProcessAdjoint row = functional.derivative(process.simulation.simulate(layers, strains));
+  const ProcessAdjoint row = functional.derivative(process.simulation.simulate(layers, {strains, {}}));
   DensityDerivatives densities(layers_count);
-  std::vector<double> d_strains;
+  StrainField d_strains;
   const ProcessDerivatives derivatives{&densities, &d_strains};
   process.simulation.pull_back(layers, {&row, 1}, {&derivatives, 1});
 
@@ -70,7 +70,7 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
     const double expected = test::central_difference(
         [&](double step) {
           return functional.value(
-              process.simulation.simulate(test::moved(layers, step, direction, stage), strains));
+              process.simulation.simulate(test::moved(layers, step, direction, stage), {strains, {}}));
         },
         1e-3);
     EXPECT_NEAR(adjoint, expected, 1e-6 * std::abs(expected)) << (stage ? "stage" : "layer");
@@ -78,10 +78,11 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
   const double expected = test::central_difference(
       [&](double step) {
         return functional.value(
-            process.simulation.simulate(layers, test::moved(strains, step, strain_direction)));
+            process.simulation.simulate(layers, {test::moved(strains, step, strain_direction), {}}));
       },
       1e-2);
-  EXPECT_NEAR(test::dot(d_strains, strain_direction), expected, 1e-6 * std::abs(expected)) << "strain";
+  EXPECT_NEAR(test::dot(d_strains.of_elements, strain_direction), expected, 1e-6 * std::abs(expected))
+      << "strain";
 }
 
 template <class T>

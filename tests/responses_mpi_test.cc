@@ -176,10 +176,10 @@ void expect_exact_gradients_of_both(const Settings& settings) {
   test::PipelineCase<Dim> pipeline(settings);
   const Design design = pipeline.wavy_point(), direction = pipeline.direction_at(design);
   Design field = direction, time_points = direction;
-  std::fill(field.time_points.begin(), field.time_points.end(), 0.0);
+  std::fill(field.layer_variables.begin(), field.layer_variables.end(), 0.0);
   std::fill(time_points.field.begin(), time_points.field.end(), 0.0);
   expect_exact_gradients(pipeline, design, field);
-  ASSERT_EQ(time_points.time_points.size(), 3u);
+  ASSERT_EQ(time_points.layer_variables.size(), 3u);
   expect_exact_gradients(pipeline, design, time_points);
 }
 

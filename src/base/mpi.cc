@@ -51,6 +51,10 @@ void sum_in_place(MPI_Comm comm, std::span<int> values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT, MPI_SUM, comm);
 }
 
+void max_in_place(MPI_Comm comm, std::span<double> values) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+
 std::string broadcast(MPI_Comm comm, const std::string& text) {
   auto length = static_cast<std::int64_t>(text.size());
   MPI_Bcast(&length, 1, MPI_INT64_T, 0, comm);

@@ -145,6 +145,7 @@ ObjectiveTerm make_objective_term(const Json& value) {
   if (const Json* mean = value.find("mean")) term.mean = mean->boolean();
   if (const Json* after_release = value.find("after_release")) term.after_release = after_release->boolean();
   if (const Json* form = value.find("form")) term.form = form->string();
+  if (const Json* band = value.find("band")) term.band = band->number();
   return term;
 }
 
@@ -241,8 +242,7 @@ Config make_config(const Json& document, const std::string& directory) {
   config.material = make_material(all.at("material"));
   config.process = make_process(all.at("process"));
   config.sequence = make_sequence(all.at("sequence"));
-  config.layers.count = optional_integer(all.at("layers").at("count"));
-  config.layers.variable_time_points = is(all.at("layers"), "time_points", "variable");
+  config.layers = make_layer_settings(all.at("layers"), config.plate, config.dimension);
   config.projection = make_projection(all.at("projection"));
   for (const Json& term : all.at("objective").items()) config.objective.push_back(make_objective_term(term));
   for (const Json& term : all.at("constraints").items()) config.constraints.push_back(make_constraint(term));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
 
 namespace fabseq {
 
@@ -116,25 +117,87 @@ void check_least_volume(const Config& config, std::size_t index) {
 }
 
 void check_strain(const Config& config) {
-  if (!config.material.turning_strain || config.has_time_gradient()) return;
+  if (!config.material.turning_strain || config.has_time_gradient() || config.layers.multi_planar) return;
   refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
          "a list of numbers, or sequence type heat, planar, or direct with location nodes");
+}
+
+/// Terms of one kind of layers are refused with the other.
+void check_kind_of_layers(const Config& config, const std::string& pointer, const std::string& type) {
+  const bool of_subparts = type == "segmentation_alignment" || type == "subpart_volume";
+  const bool of_curved = type == "layer_uniformity" || type == "layer_thickness" ||
+                         type == "deposition_speed" || type == "minimum_layer_volume";
+  const bool multi_planar = config.layers.multi_planar.has_value();
+  if (multi_planar ? !of_curved : !of_subparts) return;
+  refuse(pointer, shown(type) + " with layers of type \"" + (multi_planar ? "multi_planar" : "curved") + "\"",
+         std::string("this type with layers of type ") + (multi_planar ? "curved" : "multi_planar"));
+}
+
+void check_alignment(const Config& config, std::size_t index) {
+  check_gradient_is_defined(config, entry("objective", index, "type"), config.objective[index].type);
+  for (const double timestamp : config.layers.multi_planar->timestamps)
+    if (timestamp + config.objective[index].band >= 1.0)
+      refuse(entry("objective", index, "band"),
+             shown(config.objective[index].band) + " after the timestamp " + shown(timestamp),
+             "a band that ends before 1");
 }
 
 void check_terms(const Config& config) {
   for (std::size_t i = 0; i < config.objective.size(); ++i) {
     const std::string& type = config.objective[i].type;
     if (type == "distortion") check_distortion(config, i);
+    check_kind_of_layers(config, entry("objective", i, "type"), type);
+    if (type == "segmentation_alignment") check_alignment(config, i);
     if (type == "layer_uniformity") check_gradient_is_defined(config, entry("objective", i, "type"), type);
   }
   for (std::size_t i = 0; i < config.constraints.size(); ++i) {
     const std::string& type = config.constraints[i].type;
+    check_kind_of_layers(config, entry("constraints", i, "type"), type);
     if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
     if (type == "minimum_layer_volume") check_least_volume(config, i);
   }
 }
 
+void check_angles(const Config& config) {
+  const MultiPlanarSettings& layers = *config.layers.multi_planar;
+  const auto angles = static_cast<std::size_t>(config.dimension) - 1,
+             subparts = static_cast<std::size_t>(layers.subparts);
+  const std::string of_subparts = " for " + std::to_string(subparts) + " sub-parts";
+  if (layers.angles.size() != subparts * angles)
+    refuse("/layers/angles", given(config, "layers", "angles") + of_subparts,
+           "a list of angles for each of them");
+  const Json& bounds = config.effective.at("layers").at("angle_bounds");
+  const std::size_t pairs = bounds.items()[0].is_number() ? 1 : bounds.items().size();
+  if (pairs != 1 && pairs != angles && pairs != subparts * angles)
+    refuse("/layers/angle_bounds", std::to_string(pairs) + " pairs",
+           "one pair, " + std::to_string(angles) + " or " + std::to_string(subparts * angles));
+  for (std::size_t i = 0; i < layers.angles.size(); ++i)
+    if (layers.angles[i] < layers.lowest_angles[i] || layers.angles[i] > layers.highest_angles[i])
+      refuse("/layers/angles/" + std::to_string(i / angles) + "/" + std::to_string(i % angles),
+             shown(layers.angles[i]),
+             "a number within its bounds, " + shown(layers.lowest_angles[i]) + " to " +
+                 shown(layers.highest_angles[i]));
+}
+
+void check_multi_planar(const Config& config) {
+  const MultiPlanarSettings& layers = *config.layers.multi_planar;
+  const std::vector<double>& timestamps = layers.timestamps;
+  if (timestamps.size() + 1 != static_cast<std::size_t>(layers.subparts) ||
+      !std::is_sorted(timestamps.begin(), timestamps.end(), std::less_equal<>()))
+    refuse("/layers/timestamps", given(config, "layers", "timestamps"),
+           "\"auto\" or " + std::to_string(layers.subparts - 1) +
+               " ascending numbers in (0, 1), one less than subparts");
+  check_angles(config);
+  if (layers.fixed_angles && layers.fixed_time)
+    refuse("/layers/fixed", given(config, "layers", "fixed"), "[], [\"angles\"] or [\"time\"]");
+  for (const char* key : {"beta", "max"})
+    if (config.effective.at("projection").at(key).is_number())
+      refuse(pointer_to("/projection", std::string(key)), given(config, "projection", key),
+             "\"auto\" with layers of type multi_planar, whose sharpness is layers.sharpness");
+}
+
 void check_layers(const Config& config) {
+  if (config.layers.multi_planar) return check_multi_planar(config);
   if (config.layers.count || config.target_thickness()) return;
   refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
          "an integer in [1, " + std::to_string(most_layers) +

@@ -54,11 +54,12 @@ std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string&
 
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               std::size_t count, const std::string& meaning, const std::string& file_key,
-                              const std::string& dataset_key) {
+                              const std::string& dataset_key, int columns) {
   const Hdf5ParallelDataset data(comm, file, dataset, file_key, dataset_key);
-  const hsize_t start = 0, extent = count;
-  data.require_shape({&extent, 1}, meaning);
-  return data.read({&start, 1}, {&extent, 1});
+  std::vector<hsize_t> shape = {count};
+  if (columns > 0) shape = {count / columns, static_cast<hsize_t>(columns)};
+  data.require_shape(shape, meaning);
+  return data.read(std::vector<hsize_t>(shape.size(), 0), shape);
 }
 
 #define FABSEQ_INSTANTIATE(Dim)                                                                             \

@@ -196,10 +196,14 @@ void Hdf5Writer::write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>
   write_slabs(slabs, field.name, stage * values_a_stage, true);
 }
 
-void Hdf5Writer::write_array(const std::string& name, std::span<const double> values) {
+void Hdf5Writer::write_array(const std::string& name, std::span<const double> values, int columns) {
   run_on_first(file_->comm(), [&] {
     Checksum checksum;
-    file_->create_dataset(name, {values.size()}, false);
+    const auto row = static_cast<hsize_t>(columns);
+    file_->create_dataset(
+        name,
+        columns == 0 ? std::vector<hsize_t>{values.size()} : std::vector<hsize_t>{values.size() / row, row},
+        false);
     file_->write_values(name, 0, values, false, checksum);
     file_->attach_checksum(name, checksum.value());
   });

@@ -59,6 +59,16 @@ std::string plain_values(const ConfigKey& key, int dimension) {
              " or {\"tangential\": number, \"normal\": number}";
     case KeyType::points:
       return "a list of three or more pairs of numbers";
+    case KeyType::list:
+      return "a list of numbers" + range;
+    case KeyType::angles:
+      return std::string("a list of lists of ") + (dimension == 0   ? "1 (2D) or 2 (3D) numbers"
+                                                   : dimension == 2 ? "1 number"
+                                                                    : "2 numbers");
+    case KeyType::angle_bounds:
+      return "a list of two ascending numbers, or a list of such lists";
+    case KeyType::word_list:
+      return "a list with none or one of " + join(split(key.words, ' '), ", ");
     case KeyType::shapes:
       return "a list of one or more shapes";
     case KeyType::sections:
@@ -154,7 +164,7 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text) {
 
 std::string allowed_values(const ConfigKey& key, int dimension) {
   std::string plain = plain_values(key, dimension);
-  if (key.words.empty() || key.type == KeyType::choice) return plain;
+  if (key.words.empty() || key.type == KeyType::choice || key.type == KeyType::word_list) return plain;
   std::string words;
   for (const std::string& word : split(key.words, ' ')) words += Json(word).dump() + " or ";
   return words + plain;

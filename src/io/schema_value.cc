@@ -49,6 +49,14 @@ class ValueCheck {
         return value_.is_object() ? turning_strain() : numbers();
       case KeyType::points:
         return points();
+      case KeyType::list:
+        return list();
+      case KeyType::angles:
+        return angles();
+      case KeyType::angle_bounds:
+        return angle_bounds();
+      case KeyType::word_list:
+        return word_list();
       case KeyType::shape:
         refuse_found();  // a word it does not take
       default:
@@ -141,6 +149,55 @@ class ValueCheck {
       if (!is_number_in_range(*member))
         refuse(pointer_to(pointer_, std::string(name)), shown(*member), "a number");
     }
+    return value_;
+  }
+
+  Json list() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      if (!is_number_in_range(value_.items()[i]))
+        refuse_value(key_, value_.items()[i], pointer_to(pointer_, i), context_);
+    return value_;
+  }
+
+  /// Refuses an entry that is no list of `count` numbers.
+  void require_numbers(std::size_t entry, std::size_t count) const {
+    const Json& item = value_.items()[entry];
+    bool valid = item.is_array() && item.items().size() == count;
+    for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item.items()[i]);
+    if (!valid)
+      refuse(pointer_to(pointer_, entry), shown(item),
+             "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers"));
+  }
+
+  Json angles() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      require_numbers(i, static_cast<std::size_t>(context_.dimension) - 1);
+    return value_;
+  }
+
+  Json angle_bounds() const {
+    if (!value_.is_array() || value_.items().empty()) refuse_found();
+    const auto is_ascending = [](const Json& pair) {
+      return pair.items()[0].number() < pair.items()[1].number();
+    };
+    const Json::Array& items = value_.items();
+    if (items[0].is_number())
+      return required(items.size() == 2 && is_number_in_range(items[0]) && is_number_in_range(items[1]) &&
+                      is_ascending(value_));
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      require_numbers(i, 2);
+      if (!is_ascending(items[i])) refuse(pointer_to(pointer_, i), shown(items[i]), "two ascending numbers");
+    }
+    return value_;
+  }
+
+  Json word_list() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      if (!has_word(key_.words, value_.items()[i]))
+        refuse(pointer_to(pointer_, i), shown(value_.items()[i]), join(split(key_.words, ' '), ", "));
     return value_;
   }
 

@@ -33,6 +33,7 @@ LayerDensities CurvedLayers::densities(std::span<const double> time) const {
 
 void CurvedLayers::set_densities(std::span<const double> time, LayerDensities& densities) const {
   densities.time_points = time_points_;
+  densities.sub_parts = {};
   densities.stage.resize(count());
   densities.layer.resize(count());
   for (int j = 0; j < count(); ++j) {
@@ -56,9 +57,17 @@ void CurvedLayers::apply_step(std::span<const double> time, double time_point,
   for (std::size_t e = 0; e < stage.size(); ++e) stage[e] *= step.value(time[e]);
 }
 
-void CurvedLayers::pull_back(std::span<const double> time, const DensityDerivatives& derivatives,
-                             std::span<double> d_time, std::span<double> d_time_points) const {
-  if (binary_) return;
+void CurvedLayers::pull_back(std::span<const double> time, const LayerDensities& /*densities*/,
+                             const DensityDerivatives& derivatives, std::span<double> d_time,
+                             std::span<double> d_variables) const {
+  const std::vector<double>& explicit_ones = derivatives.time_points;  // by T_0 ... T_N
+  for (std::size_t j = 0; j < d_variables.size() && !explicit_ones.empty(); ++j)
+    d_variables[j] += explicit_ones[j + 1];
+  if (!binary_) pull_back_steps(time, derivatives, d_time, d_variables);
+}
+
+void CurvedLayers::pull_back_steps(std::span<const double> time, const DensityDerivatives& derivatives,
+                                   std::span<double> d_time, std::span<double> d_variables) const {
   std::vector<double> weight(density_.size());
   const auto add = [&weight](const std::vector<double>& derivative, double sign) {
     for (std::size_t e = 0; e < derivative.size(); ++e) weight[e] += sign * derivative[e];
@@ -76,12 +85,17 @@ void CurvedLayers::pull_back(std::span<const double> time, const DensityDerivati
     const SmoothStep step(time_points_[j + 1], beta_);
     for (std::size_t e = 0; e < weight.size(); ++e)
       d_time[e] += weight[e] * density_[e] * step.derivative(time[e]);
-    if (d_time_points.empty()) continue;
+    if (d_variables.empty()) continue;
     double sum = 0.0;
     for (std::size_t e = 0; e < weight.size(); ++e)
       sum += weight[e] * density_[e] * step.time_point_derivative(time[e]);
-    d_time_points[j + 1] += sum;
+    d_variables[j] += sum;
   }
+}
+
+std::vector<double> CurvedLayers::layer_index(std::span<const double> time,
+                                              const LayerDensities& /*densities*/) const {
+  return fabseq::layer_index(time, time_points_);
 }
 
 std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points) {

@@ -69,11 +69,14 @@ void run_check(const Setup<Dim>& setup) {
   }
   print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
              geodesic_height(part, distance));
-  print_line("layers: %d curved, %d planar in the baseline", setup.layer_count, setup.baseline_layers);
+  print_line(setup.config.layers.multi_planar ? "layers: about %d multi-planar, %d planar in the baseline"
+                                              : "layers: %d curved, %d planar in the baseline",
+             setup.layer_count, setup.baseline_layers);
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
-  print_line("design variables: %lld on %s, %zu time points", static_cast<long long>(variables),
-             setup.design_support.on_nodes() ? "nodes" : "elements", setup.variable_time_points());
+  print_line("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
+             setup.design_support.on_nodes() ? "nodes" : "elements", setup.layer_variables.count(),
+             setup.config.layers.multi_planar ? "angles" : "time points");
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_cost(setup);

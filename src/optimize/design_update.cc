@@ -19,46 +19,43 @@ MmaSettings mma_settings(const OptimizerSettings& settings) {
   return result;
 }
 
-/// Those of field and time points, as they follow each other in a rank's variables.
-std::size_t variable_count(MPI_Comm comm, const Design& design) {
-  return design.field.size() + (rank_of(comm) == 0 ? design.time_points.size() : 0);
-}
-
 }  // namespace
 
-DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, const Design& design,
+DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_is_fixed,
+                           LayerVariables layer_variables, const Design& design,
                            const OptimizerSettings& settings)
     : comm_(comm),
       space_(space),
-      field_size_(design.field.size()),
-      time_point_count_(design.time_points.size()),
-      mma_(comm, variable_count(comm, design), mma_settings(settings)) {}
-
-bool DesignUpdate::has_time_points() const { return time_point_count_ > 0 && rank_of(comm_) == 0; }
+      field_is_fixed_(field_is_fixed),
+      layer_variables_(std::move(layer_variables)),
+      field_size_(field_is_fixed ? 0 : design.field.size()),
+      mma_(comm, field_size_ + (has_layer_variables() ? layer_variable_count() : 0), mma_settings(settings)) {
+}
 
 std::vector<double> DesignUpdate::to_variables(const Design& design) const {
   std::vector<double> result;
-  for (const double value : design.field) result.push_back(space_.to_unit(value));
-  if (has_time_points()) result.insert(result.end(), design.time_points.begin(), design.time_points.end());
+  for (std::size_t i = 0; i < field_size_; ++i) result.push_back(space_.to_unit(design.field[i]));
+  if (has_layer_variables())
+    result.insert(result.end(), design.layer_variables.begin(), design.layer_variables.end());
   return result;
 }
 
 std::vector<double> DesignUpdate::gradient_of_variables(const Design& gradient, const Design& design) const {
-  std::vector<double> result = gradient.field;
-  for (std::size_t i = 0; i < field_size_; ++i) result[i] *= space_.slope(design.field[i]);
-  if (has_time_points())
-    result.insert(result.end(), gradient.time_points.begin(), gradient.time_points.end());
+  std::vector<double> result;
+  for (std::size_t i = 0; i < field_size_; ++i)
+    result.push_back(gradient.field[i] * space_.slope(design.field[i]));
+  if (has_layer_variables())
+    result.insert(result.end(), gradient.layer_variables.begin(), gradient.layer_variables.end());
   return result;
 }
 
 StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradients, double move_limit) {
   const std::vector<double> before = to_variables(design);
   std::vector<double> now = before, lower(before.size(), 0.0), upper(before.size(), 1.0);
-  // Time points shall not overtake each other.
-  const double layer = 1.0 / (static_cast<double>(time_point_count_) + 1.0);
   for (std::size_t i = field_size_; i < before.size(); ++i) {
-    lower[i] = std::max(0.0, before[i] - layer);
-    upper[i] = std::min(1.0, before[i] + layer);
+    const std::size_t number = i - field_size_;
+    lower[i] = std::max(layer_variables_.lower[number], before[i] - layer_variables_.reach);
+    upper[i] = std::min(layer_variables_.upper[number], before[i] + layer_variables_.reach);
   }
   std::vector<std::vector<double>> constraints;
   for (const Design& row : gradients.constraints) constraints.push_back(gradient_of_variables(row, design));
@@ -70,30 +67,32 @@ StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradient
     report.change = std::max(report.change, std::abs(now[i] - before[i]) / (upper[i] - lower[i]));
   report.change = max(comm_, report.change);
   for (std::size_t i = 0; i < field_size_; ++i) design.field[i] = space_.from_unit(now[i]);
-  if (has_time_points())
-    std::copy(now.begin() + static_cast<std::ptrdiff_t>(field_size_), now.end(), design.time_points.begin());
-  broadcast(comm_, design.time_points);
+  if (has_layer_variables())
+    std::copy(now.begin() + static_cast<std::ptrdiff_t>(field_size_), now.end(),
+              design.layer_variables.begin());
+  broadcast(comm_, design.layer_variables);
   return report;
 }
 
-/// The time points' entries as an array of their own.
+/// The entries of the layers' variables as an array of their own.
 void DesignUpdate::save_vector(CheckpointState& state, const std::string& name,
                                const std::vector<double>& values) const {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(field_size_);
-  state.set_field("optimizer/" + name, {values.begin(), middle});
-  if (time_point_count_ == 0) return;
-  std::vector<double> of_time_points(middle, values.end());
-  of_time_points.resize(time_point_count_);
-  broadcast(comm_, of_time_points);
-  state.set_array("optimizer/time_points_" + name, std::move(of_time_points));
+  if (!field_is_fixed_) state.set_field("optimizer/" + name, {values.begin(), middle});
+  if (layer_variable_count() == 0) return;
+  std::vector<double> of_layers(middle, values.end());
+  of_layers.resize(layer_variable_count());
+  broadcast(comm_, of_layers);
+  state.set_array("optimizer/" + layer_variables_.name + "_" + name, std::move(of_layers));
 }
 
 std::vector<double> DesignUpdate::restored_vector(const CheckpointState& state,
                                                   const std::string& name) const {
-  std::vector<double> values = state.field("optimizer/" + name);
-  if (time_point_count_ == 0) return values;
-  const std::vector<double>& of_time_points = state.array("optimizer/time_points_" + name);
-  if (has_time_points()) values.insert(values.end(), of_time_points.begin(), of_time_points.end());
+  std::vector<double> values;
+  if (!field_is_fixed_) values = state.field("optimizer/" + name);
+  if (layer_variable_count() == 0) return values;
+  const std::vector<double>& of_layers = state.array("optimizer/" + layer_variables_.name + "_" + name);
+  if (has_layer_variables()) values.insert(values.end(), of_layers.begin(), of_layers.end());
   return values;
 }
 

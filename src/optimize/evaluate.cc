@@ -1,5 +1,6 @@
 #include "fabseq/base/session.h"
 #include "fabseq/io/hdf5_writer.h"
+#include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/optimize/run_output.h"
 #include "fabseq/optimize/tasks.h"
 
@@ -22,7 +23,7 @@ std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& 
   return rows;
 }
 
-/// NAME/design and NAME/time_points, where they are variables.
+/// NAME/design, and NAME/time_points or NAME/angles, where they are variables.
 template <int Dim>
 void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string& name,
                     const Design& gradient, bool has_field) {
@@ -33,7 +34,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
     fields.add(setup.design_support.on_nodes(), name + "/design", field);
     file.template write_fields<Dim>(fields);
   }
-  if (!gradient.time_points.empty()) file.write_array(name + "/time_points", gradient.time_points);
+  write_layer_variables(file, setup.layer_variables, name + "/", gradient);
 }
 
 }  // namespace
@@ -41,7 +42,8 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
 template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double tolerance = evaluation_tolerance(setup.config);
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
+                         timer);
   Problem<Dim> problem(setup);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
@@ -58,7 +60,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   file.close();
   Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
-  if (!design.time_points.empty()) record.set("time_points", design.time_points);
+  set_layer_variables(record, setup.layer_variables, design);
   const SolverIterations& solves = pipeline.iterations();
   record.set("solver_iterations",
              Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}}));

@@ -33,7 +33,7 @@ template <int Dim>
 std::vector<Direction> directions(const Setup<Dim>& setup, const Design& design) {
   std::vector<Direction> result;
   const Design zero{std::vector<double>(design.field.size(), 0.0),
-                    std::vector<double>(design.time_points.size(), 0.0)};
+                    std::vector<double>(design.layer_variables.size(), 0.0)};
   if (any(setup.world(), !design.field.empty())) {
     std::vector<double> field;
     for (std::size_t i = 0; i < setup.design_support.size(); ++i)
@@ -41,22 +41,26 @@ std::vector<Direction> directions(const Setup<Dim>& setup, const Design& design)
     result.push_back({"design", zero});
     result.back().along.field = setup.groups.share(field);
   }
-  if (!design.time_points.empty()) {
-    result.push_back({"time_points", zero});
-    for (std::size_t j = 0; j < design.time_points.size(); ++j)
-      result.back().along.time_points[j] = pseudo_random(static_cast<std::int64_t>(j));
+  if (!design.layer_variables.empty()) {
+    const LayerVariables& variables = setup.layer_variables;
+    result.push_back({variables.name, zero});
+    for (std::size_t j = 0; j < variables.count(); ++j)
+      result.back().along.layer_variables[j] =
+          (variables.upper[j] - variables.lower[j]) * pseudo_random(static_cast<std::int64_t>(j));
   }
   return result;
 }
 
 /// The design moved by `step` along the direction, away from the bounds.
-Design moved(const Design& design, const Design& along, double step, const DesignSpace& space) {
+Design moved(const Design& design, const Design& along, double step, const DesignSpace& space,
+             const LayerVariables& variables) {
   Design result = design;
   for (std::size_t i = 0; i < design.field.size(); ++i)
     if (along.field[i] != 0.0)
       result.field[i] = space.from_unit(space.to_unit(design.field[i]) + step * along.field[i]);
-  for (std::size_t j = 0; j < design.time_points.size(); ++j)
-    result.time_points[j] = std::clamp(design.time_points[j] + step * along.time_points[j], 0.0, 1.0);
+  for (std::size_t j = 0; j < design.layer_variables.size(); ++j)
+    result.layer_variables[j] = std::clamp(design.layer_variables[j] + step * along.layer_variables[j],
+                                           variables.lower[j], variables.upper[j]);
   return result;
 }
 
@@ -67,8 +71,8 @@ double slope_along(MPI_Comm comm, const Design& gradient, const Design& design, 
   for (std::size_t i = 0; i < design.field.size(); ++i)
     product += gradient.field[i] * space.slope(design.field[i]) * along.field[i];
   product = sum(comm, product);
-  for (std::size_t j = 0; j < design.time_points.size(); ++j)
-    product += gradient.time_points[j] * along.time_points[j];
+  for (std::size_t j = 0; j < design.layer_variables.size(); ++j)
+    product += gradient.layer_variables[j] * along.layer_variables[j];
   return product;
 }
 
@@ -140,8 +144,11 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
       error.adjoint = slope_along(setup.world(), gradients[row], design, along, space);
     }
     for (const double step : check.steps) {
-      const auto ahead = pipeline.values(problem.responses(), run(moved(design, along, step, space)));
-      const auto behind = pipeline.values(problem.responses(), run(moved(design, along, -step, space)));
+      const auto values_at = [&](double distance) {
+        return pipeline.values(problem.responses(),
+                               run(moved(design, along, distance, space, setup.layer_variables)));
+      };
+      const auto ahead = values_at(step), behind = values_at(-step);
       for (std::size_t row = 0; row < rows.size(); ++row) {
         const auto [response, component, weight] = rows[row][0];
         GradientError& error = check.errors[first + row];
@@ -154,33 +161,37 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
   return check;
 }
 
-/// Steps must not end on a bound: the field keeps a tenth of the range from both, time points, which are closer to each
-/// other, a thousandth.
-void keep_off_the_bounds(Design& design, const DesignSpace& space) {
+/// Steps must not end on a bound: the field keeps a tenth of the range from both, the layers' variables, which may be
+/// closer to each other, a thousandth.
+void keep_off_the_bounds(Design& design, const DesignSpace& space, const LayerVariables& variables) {
   for (double& value : design.field) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
-  for (double& time : design.time_points) time = std::clamp(time, 1e-3, 1.0 - 1e-3);
+  for (std::size_t j = 0; j < design.layer_variables.size(); ++j) {
+    const double margin = 1e-3 * (variables.upper[j] - variables.lower[j]);
+    design.layer_variables[j] =
+        std::clamp(design.layer_variables[j], variables.lower[j] + margin, variables.upper[j] - margin);
+  }
 }
 
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, gradient_check_tolerance), gradient_check_tolerance,
-                         timer);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, gradient_check_tolerance),
+                         make_layers(setup, gradient_check_tolerance), gradient_check_tolerance, timer);
   Problem<Dim> problem(setup);
   if (!pipeline.sequence().has_design()) {
     print("this sequence has no design variables: there are no gradients to check");
     return;
   }
   Design design = starting_design(setup, pipeline.sequence(), command_line);
-  keep_off_the_bounds(design, pipeline.sequence().space());
+  keep_off_the_bounds(design, pipeline.sequence().space(), setup.layer_variables);
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
-  print("component             type                  variables           adjoint   best relative error");
+  print("component             type                    variables           adjoint   best relative error");
   for (const GradientError& error : check.errors) {
     char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-20s  %-12s %14.6e   %.1e", error.name.c_str(),
+    std::snprintf(line, sizeof line, "%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(),
                   error.type.c_str(), error.variables.c_str(), error.adjoint, error.best());
     print(line);
   }

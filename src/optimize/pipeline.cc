@@ -1,5 +1,7 @@
 #include "fabseq/optimize/pipeline.h"
 
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/layers/multi_planar_layers.h"
 #include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/heat_sequence.h"
@@ -63,11 +65,11 @@ std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Setup<Dim>& setup, doubl
                                              std::move(solver), setup.groups.across(), setup.lanes);
 }
 
-/// T_0 ... T_N of a design.
-std::vector<double> time_points_of(const Design& design, int layers) {
-  if (design.time_points.empty()) return uniform_time_points(layers);
+/// T_0 ... T_N, with those that vary.
+std::vector<double> time_points_of(std::span<const double> variables, int layers) {
+  if (variables.empty()) return uniform_time_points(layers);
   std::vector<double> result = {0.0};
-  result.insert(result.end(), design.time_points.begin(), design.time_points.end());
+  result.insert(result.end(), variables.begin(), variables.end());
   result.push_back(1.0);
   return result;
 }
@@ -110,11 +112,31 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup) {
 }
 
 template <int Dim>
-Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance,
-                        PhaseTimer& timer)
+LayerMaker make_uniform_layers(const Setup<Dim>& setup) {
+  return [&setup](std::span<const double> variables, int count, double beta, bool binary) {
+    return std::make_unique<CurvedLayers>(setup.part.part_density(), time_points_of(variables, count), beta,
+                                          binary);
+  };
+}
+
+template <int Dim>
+LayerMaker make_layers(const Setup<Dim>& setup, double tolerance) {
+  if (!setup.config.layers.multi_planar) return make_uniform_layers(setup);
+  const ProcessSettings& process = setup.config.process;
+  const NegligibleLayers negligible{tolerance * process.min_stiffness, process.strain_penalty};
+  return [&setup, negligible](std::span<const double> angles, int, double, bool binary) {
+    return std::make_unique<MultiPlanarLayers<Dim>>(setup.part, *setup.config.layers.multi_planar, angles,
+                                                    binary, negligible);
+  };
+}
+
+template <int Dim>
+Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence,
+                        LayerMaker make_layers, double tolerance, PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
       sequence_(std::move(sequence)),
+      make_layers_(std::move(make_layers)),
       strain_(setup.config.material, setup.characteristic_length),
       model_(setup.part, setup.supports, setup.config.material, setup.config.process),
       process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver(),
@@ -125,18 +147,18 @@ Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> 
 template <int Dim>
 PipelineState<Dim> Pipeline<Dim>::run(const Design& design, int layers, double beta, bool binary) {
   time_ = nullptr;
-  variable_time_points_ = !design.time_points.empty();
+  layer_variables_ = design.layer_variables.size();
   {
     const auto scope = timer_.enter(Phase::heat);
     time_ = &sequence_->update(setup_.groups.gather(design.field));
   }
   {
     const auto scope = timer_.enter(Phase::layers);
-    layers_.emplace(setup_.part.part_density(), time_points_of(design, layers), beta, binary);
+    layers_ = make_layers_(design.layer_variables, layers, beta, binary);
     layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
-  const ProcessResult& result = process_.simulate(densities_, strain_.strains(time_->gradient));
+  const ProcessResult& result = process_.simulate(densities_, strain_.strains(time_->gradient, densities_));
   iterations_.primal = result.iterations;
   iterations_.adjoint.clear();
   iterations_.heat.clear();
@@ -165,10 +187,10 @@ std::vector<Design> Pipeline<Dim>::gradients(const std::vector<std::unique_ptr<R
   add_explicit_derivatives(responses, state, dealt);
   pull_back_process(state, dealt);
   auto fields = pull_back_sequence(pull_back_layers(state, dealt), dealt);
-  auto time_points = sum_up_time_points(dealt);
+  auto layer_variables = sum_up_layer_variables(dealt);
   std::vector<Design> result;
   for (std::size_t row = 0; row < rows.size(); ++row)
-    result.push_back({std::move(fields[row]), std::move(time_points[row])});
+    result.push_back({std::move(fields[row]), std::move(layer_variables[row])});
   return result;
 }
 
@@ -252,14 +274,16 @@ std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState
     if (!is_own(row) && !row.shared) continue;
     TimeDerivatives time = std::move(row.adjoint.time);
     if (time.time.empty()) time.time.assign(state.time.time.size(), 0.0);
-    if (variable_time_points_) row.time_points.assign(state.layers.count() + 1, 0.0);
-    layers_->pull_back(state.time.time, row.adjoint.densities, time.time, row.time_points);
-    if (row.shared) setup_.groups.sum_at(row.owner, time.time);
+    DensityDerivatives& densities = row.adjoint.densities;
     if (row.shared && strain_.turns()) {
-      if (time.gradient.empty()) time.gradient.assign(state.time.gradient.size(), 0.0);
-      strain_.pull_back(state.time.gradient, row.strains, time.gradient);
-      setup_.groups.sum_at(row.owner, time.gradient);
+      strain_.pull_back(state.time.gradient, state.layers, row.strains, time.gradient, densities);
+      if (densities.directions.empty()) setup_.groups.sum_at(row.owner, time.gradient);
     }
+    // What is the same on all ranks counts once.
+    if (!is_own(row) || rank_of(setup_.groups.domain()) != 0) densities.time_points.clear();
+    row.layer_variables.assign(layer_variables_, 0.0);
+    layers_->pull_back(state.time.time, state.layers, densities, time.time, row.layer_variables);
+    if (row.shared) setup_.groups.sum_at(row.owner, time.time);
     if (is_own(row)) result.push_back(std::move(time));
   }
   return result;
@@ -287,26 +311,19 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<con
   return setup_.groups.share_out(gradients, owners, sequence_->variables());
 }
 
-/// Derivatives by T_1 ... T_{N-1} of every row, from what the layers of all ranks contribute and from what is explicit,
-/// which one rank adds.
+/// Derivatives by the layers' variables of every row, from the parts of all ranks.
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::sum_up_time_points(const std::vector<Row>& rows) const {
+std::vector<std::vector<double>> Pipeline<Dim>::sum_up_layer_variables(const std::vector<Row>& rows) const {
   std::vector<std::vector<double>> result(rows.size());
-  if (!variable_time_points_) return result;
-  const int layers = layers_->count();
-  std::vector<double> sums(rows.size() * (layers + 1), 0.0);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    double* sum = &sums[row * (layers + 1)];
-    const std::vector<double>& from_layers = rows[row].time_points;
-    for (std::size_t j = 0; j < from_layers.size(); ++j) sum[j] += from_layers[j];
-    if (!is_own(rows[row]) || rank_of(setup_.groups.domain()) != 0) continue;
-    const std::vector<double>& from_responses = rows[row].adjoint.densities.time_points;
-    for (std::size_t j = 0; j < from_responses.size(); ++j) sum[j] += from_responses[j];
-  }
+  if (layer_variables_ == 0) return result;
+  std::vector<double> sums(rows.size() * layer_variables_, 0.0);
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    std::copy(rows[row].layer_variables.begin(), rows[row].layer_variables.end(),
+              sums.begin() + static_cast<std::ptrdiff_t>(row * layer_variables_));
   sum_in_place(setup_.world(), sums);
   for (std::size_t row = 0; row < rows.size(); ++row) {
-    const auto first = sums.begin() + static_cast<std::ptrdiff_t>(row * (layers + 1));
-    result[row].assign(first + 1, first + layers);
+    const auto first = sums.begin() + static_cast<std::ptrdiff_t>(row * layer_variables_);
+    result[row].assign(first, first + static_cast<std::ptrdiff_t>(layer_variables_));
   }
   return result;
 }
@@ -315,6 +332,10 @@ template class Pipeline<2>;
 template class Pipeline<3>;
 template std::unique_ptr<Sequence<2>> make_sequence<2>(const Setup<2>&, double);
 template std::unique_ptr<Sequence<3>> make_sequence<3>(const Setup<3>&, double);
+template LayerMaker make_layers<2>(const Setup<2>&, double);
+template LayerMaker make_layers<3>(const Setup<3>&, double);
+template LayerMaker make_uniform_layers<2>(const Setup<2>&);
+template LayerMaker make_uniform_layers<3>(const Setup<3>&);
 template std::unique_ptr<Sequence<2>> make_baseline_sequence<2>(const Setup<2>&);
 template std::unique_ptr<Sequence<3>> make_baseline_sequence<3>(const Setup<3>&);
 

@@ -90,7 +90,7 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
          responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
       result.constraint_values.push_back(row.violation(components[row.component]));
       Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
-      for (auto* entries : {&gradient.field, &gradient.time_points})
+      for (auto* entries : {&gradient.field, &gradient.layer_variables})
         for (double& entry : *entries) entry *= row.sign / row.scale;
     }
   }

@@ -144,6 +144,14 @@ GroupChoice choose_automatically(const Config& config, const RunSize& size, doub
   return {groups, explain<Dim>(config, size, groups, available, fastest)};
 }
 
+/// Of all sub-parts: one alone has the whole part's, several overlap by a half each, as seen with two to four.
+int estimated_slabs(const MultiPlanarSettings& settings, double longest_edge) {
+  const double slabs = std::ceil(longest_edge / settings.thickness) * (1.0 + settings.subparts) / 2.0;
+  if (slabs + settings.subparts <= most_layers) return static_cast<int>(slabs) + settings.subparts;
+  refuse("/layers/thickness", shown(settings.thickness) + " for a part " + shown(longest_edge) + " long",
+         "at most " + std::to_string(most_layers) + " layers");
+}
+
 }  // namespace
 
 template <int Dim>
@@ -176,6 +184,7 @@ int layers_of_target(const Config& config, double height, double rounded) {
 template <int Dim>
 int resolved_layer_count(const Config& config, const Part<Dim>& part) {
   if (config.layers.count) return *config.layers.count;
+  if (config.layers.multi_planar) return estimated_slabs(*config.layers.multi_planar, part.longest_edge());
   const double height = geodesic_height(part, geodesic_distance(part));
   // A height that is a whole number of layers but for rounding needs no further one.
   return layers_of_target(config, height, std::ceil(height / *config.target_thickness() - 1e-9));

@@ -90,7 +90,7 @@ void RunOutput<Dim>::dump_failure(const Pipeline<Dim>& pipeline) {
   std::vector<double> time, layer;
   if (const PseudoTime<Dim>* last = pipeline.last_time(); last != nullptr) {
     time = setup_.part.expand(last->time);
-    layer = setup_.part.expand(layer_index(last->time, pipeline.last_time_points()));
+    layer = setup_.part.expand(pipeline.last_layer_index());
     fields.add_elements("time", time);
     fields.add_elements("layer", layer);
     if (!last->temperature.empty()) fields.add_nodes("temperature", last->temperature);

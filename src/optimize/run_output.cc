@@ -6,6 +6,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/io/field_dump.h"
 #include "fabseq/io/hdf5_writer.h"
+#include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/sequence/given_sequence.h"
 
 #include <cmath>
@@ -57,7 +58,7 @@ void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& 
     const auto scope = timer_.enter(Phase::output);
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
-    if (asked_ || (every > 0 && iteration % every == 0)) dump_fields(iteration, state, design);
+    if (asked_ || (every > 0 && iteration % every == 0)) dump_fields(iteration, pipeline, state, design);
   }
   const double now = MPI_Wtime();
   const double total = now - iteration_start_;
@@ -104,15 +105,15 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
   if (!state.time.temperature.empty())
     line.set("temperature_range",
              std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
-  if (!design.time_points.empty()) line.set("time_points", design.time_points);
+  set_layer_variables(line, setup_.layer_variables, design);
   history_.append(line);
 }
 
 template <int Dim>
-void RunOutput<Dim>::dump_fields(int iteration, const PipelineState<Dim>& state, const Design& design) {
+void RunOutput<Dim>::dump_fields(int iteration, const Pipeline<Dim>& pipeline,
+                                 const PipelineState<Dim>& state, const Design& design) {
   const std::vector<double> time = setup_.part.expand(state.time.time);
-  const std::vector<double> layer =
-      setup_.part.expand(layer_index(state.time.time, state.layers.time_points));
+  const std::vector<double> layer = setup_.part.expand(pipeline.last_layer_index());
   const std::vector<double> design_field = setup_.design_field(design.field);
   FieldSet<Dim> fields;
   fields.grid = &setup_.grid;
@@ -141,7 +142,7 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   record.set("binary", reports.binary.block);
   record.set("baseline", baseline_.block);
   record.set("interior_minima", reports.interior_minima);
-  if (!best.design().time_points.empty()) record.set("time_points", best.design().time_points);
+  set_layer_variables(record, setup_.layer_variables, best.design());
   directory_.write("summary.json", record.dump(2) + "\n");
   print_table(reports, record);
 }
@@ -173,11 +174,11 @@ void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIt
   baseline_.add_fields(fields, "planar/");
   Hdf5Writer file(setup_.world(), directory_.file("result.h5"));
   file.template write_fields<Dim>(fields);
-  if (!best.design().time_points.empty()) file.write_array("time_points", best.design().time_points);
+  write_layer_variables(file, setup_.layer_variables, "", best.design());
   file.write_attribute("name", setup_.config.name);
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());
-  file.write_attribute("layers", setup_.layer_count);
+  file.write_attribute("layers", static_cast<int>(reports.optimized.block.at("layers").items().size()));
   const std::pair<const char*, const SequenceReport<Dim>*> blocks[] = {
       {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline_}};
   for (const auto& [prefix, report] : blocks)

@@ -8,8 +8,11 @@ template <int Dim>
 RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, Design design)
     : problem(setup),
       continuation(setup.config.projection, setup.first_beta(), setup.last_beta(), setup.config.optimizer),
-      optimizer(setup.world(), sequence.space(), design, setup.config.optimizer),
+      optimizer(setup.world(), sequence.space(), setup.config.has_fixed_time(), setup.layer_variables, design,
+                setup.config.optimizer),
+      best(setup.layer_variables.name),
       settings_(setup.config.optimizer),
+      layer_variables_(setup.layer_variables),
       design_(std::move(design)) {}
 
 template <int Dim>
@@ -37,7 +40,7 @@ CheckpointState RunState<Dim>::save() const {
   state.set_scalar("beta", continuation.beta(completed_ + 1));
   state.set_scalar("change", change_);
   state.set_field("design", design_.field);
-  if (!design_.time_points.empty()) state.set_array("time_points", design_.time_points);
+  if (!design_.layer_variables.empty()) state.set_array(layer_variables_.name, design_.layer_variables);
   problem.save(state);
   continuation.save(state);
   optimizer.save(state);
@@ -50,7 +53,7 @@ void RunState<Dim>::restore(const CheckpointState& state) {
   completed_ = state.integer("iteration");
   change_ = state.number("change");
   design_.field = state.field("design");
-  if (!design_.time_points.empty()) design_.time_points = state.array("time_points");
+  if (!design_.layer_variables.empty()) design_.layer_variables = state.array(layer_variables_.name);
   problem.restore(state);
   continuation.restore(state);
   optimizer.restore(state);

@@ -14,10 +14,15 @@ template <int Dim>
 Json layer_table(const Setup<Dim>& setup, const PipelineState<Dim>& state) {
   const LayerStatistics statistics = layer_statistics(setup.context(), state.time, state.layers);
   Json table = Json::array();
-  for (int j = 0; j < state.layers.count(); ++j)
+  const SubParts& sub_parts = state.layers.sub_parts;
+  for (int j = 0; j < state.layers.count(); ++j) {
     table.append(Json::object({{"volume", statistics.volume[j]},
                                {"thickness", statistics.thickness[j]},
                                {"cv", statistics.coefficient_of_variation(j)}}));
+    if (sub_parts.count() == 0) continue;
+    table.items().back().set("subpart", sub_parts.of_layer[j] + 1);
+    table.items().back().set("slab", sub_parts.slab[j]);
+  }
   return table;
 }
 
@@ -55,7 +60,7 @@ SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>&
                                {"layers", layer_table(setup, state)},
                                {"displacement", displacement_size(setup.part, state.process.displacement)}});
   report.time = setup.part.expand(state.time.time);
-  report.layer = setup.part.expand(layer_index(state.time.time, state.layers.time_points));
+  report.layer = setup.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;
   report.displacement = state.process.displacement;
   return report;

@@ -49,6 +49,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_)
       start(start_region(part, config_.sequence)),
       design_support(make_design_support(part, config_.sequence, start)),
       layer_count(resolved_layer_count(config_, part)),
+      layer_variables(make_layer_variables(config_.layers, layer_count, Dim, part.longest_edge())),
       baseline_layers(resolve_baseline_layers()),
       lanes(resolved_lanes(world, config_, run_size(config_, part, layer_count, size_of(world)),
                            groups.count())),
@@ -86,6 +87,10 @@ void Setup<Dim>::warn_about_method() const {
 template <int Dim>
 int Setup<Dim>::resolve_baseline_layers() const {
   if (config.baseline.layers) return *config.baseline.layers;
+  if (config.layers.multi_planar) {
+    const double height = planar_height(part, config.baseline.direction);
+    return std::max(1, static_cast<int>(std::round(height / config.layers.multi_planar->thickness)));
+  }
   if (!config.target_thickness()) return layer_count;
   const double height = planar_height(part, config.baseline.direction);
   return layers_of_target(config, height, std::round(height / *config.target_thickness()));
@@ -108,7 +113,9 @@ void Setup<Dim>::require_memory_of_layers() const {
                        (2.0 * groups.count() * static_cast<double>(part.count()) +
                         Dim * static_cast<double>(grid.all_nodes().count()));
   require_memory(world(), bytes,
-                 (planar ? "/baseline/layers: " : "/layers/count: ") +
+                 (planar                       ? "/baseline/layers: "
+                  : config.layers.multi_planar ? "/layers/thickness: about "
+                                               : "/layers/count: ") +
                      std::to_string(std::max(layer_count, baseline_layers)) + " layers on " +
                      to_text<Dim>(grid.domain().elements) + " elements" +
                      (groups.count() > 1 ? " in " + std::to_string(groups.count()) + " layer groups" : ""));

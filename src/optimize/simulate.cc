@@ -3,6 +3,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/hdf5_writer.h"
+#include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/optimize/run_output.h"
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/process/residual_stress.h"
@@ -91,7 +92,8 @@ template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double start = MPI_Wtime();
   const double tolerance = setup.config.solver.tolerance;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), tolerance, timer);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
+                         timer);
   const Problem<Dim> problem(setup);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
@@ -104,7 +106,8 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   std::optional<Released<Dim>> released;
   if (!release.empty())
     released.emplace(pipeline.process().model(), state.process.displacement, stress, release);
-  const std::vector<double> norms = increment_norms(pipeline.process(), setup.layer_count, setup.grid.comm());
+  const std::vector<double> norms =
+      increment_norms(pipeline.process(), state.layers.count(), setup.grid.comm());
 
   const bool has_design = pipeline.sequence().has_design();
   const std::vector<double> design_field =
@@ -121,9 +124,9 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
-  if (!design.time_points.empty()) file.write_array("time_points", design.time_points);
+  write_layer_variables(file, setup.layer_variables, "", design);
   file.write_array("layer_displacement_norms", norms);
-  if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), setup.layer_count);
+  if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), state.layers.count());
   file.write_attribute("name", setup.config.name);
   for (const Json& response : report.block.at("responses").items())
     file.write_attribute(response.at("name").string(), response.at("value"));
@@ -134,7 +137,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
-  if (!design.time_points.empty()) record.set("time_points", design.time_points);
+  set_layer_variables(record, setup.layer_variables, design);
   record.set("layer_displacement_norms", norms);
   record.set("residual_stress", stress_record(setup.part, stress));
   if (released)

@@ -6,6 +6,7 @@
 #include "fabseq/optimize/tasks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace fabseq {
@@ -21,9 +22,9 @@ bool has_values(MPI_Comm comm, const std::string& file, const std::string& datas
 
 bool any_outside(MPI_Comm comm, const std::vector<double>& values, double lower, double upper) {
   constexpr double rounding = 1e-9;
-  return any(comm, std::any_of(values.begin(), values.end(), [&](double value) {
-               return !(value >= lower * (1.0 - rounding) && value <= upper * (1.0 + rounding));
-             }));
+  const double below = lower - rounding * std::abs(lower), above = upper + rounding * std::abs(upper);
+  return any(comm, std::any_of(values.begin(), values.end(),
+                               [&](double value) { return !(value >= below && value <= above); }));
 }
 
 /// Values on the owned elements or nodes with a variable.
@@ -41,11 +42,16 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
   return design;
 }
 
-std::vector<double> read_time_points(MPI_Comm comm, std::size_t count, const std::string& file) {
-  std::vector<double> result =
-      read_list(comm, file, "time_points", count, "one less than layers", "-design", "-design");
-  if (any_outside(comm, result, 0.0, 1.0))
-    throw InputError("-design: dataset 'time_points' of " + file + " has values outside 0 to 1");
+std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& variables,
+                                         const std::string& file) {
+  const char* shape = variables.columns > 0 ? "a row a sub-part" : "one less than layers";
+  std::vector<double> result = read_list(comm, file, variables.name, variables.count(), shape, "-design",
+                                         "-design", variables.columns);
+  for (std::size_t j = 0; j < result.size(); ++j)
+    if (any_outside(comm, {result[j]}, variables.lower[j], variables.upper[j]))
+      throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " +
+                       Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
+                       Json(variables.upper[j]).dump());
   return result;
 }
 
@@ -54,7 +60,7 @@ std::vector<double> read_time_points(MPI_Comm comm, std::size_t count, const std
 template <int Dim>
 Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                        const CommandLine& command_line) {
-  const std::size_t time_points = setup.variable_time_points();
+  const LayerVariables& variables = setup.layer_variables;
   const auto has = [&](const char* dataset) {
     return command_line.design_file && has_values(setup.world(), *command_line.design_file, dataset);
   };
@@ -63,12 +69,9 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
     design.field = setup.groups.share(
         has("design") ? read_design_field(setup, sequence.space(), *command_line.design_file)
                       : sequence.initial_design());
-  if (time_points > 0 && has("time_points")) {
-    design.time_points = read_time_points(setup.world(), time_points, *command_line.design_file);
-  } else if (time_points > 0) {
-    const std::vector<double> all = uniform_time_points(setup.layer_count);
-    design.time_points.assign(all.begin() + 1, all.end() - 1);
-  }
+  design.layer_variables = variables.start;
+  if (variables.count() > 0 && has(variables.name.c_str()))
+    design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
   return design;
 }
 

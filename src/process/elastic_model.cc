@@ -46,6 +46,15 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
 }
 
 template <int Dim>
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
+                                                                     std::size_t number, int layer) const {
+  if (!strains.of_elements.empty()) return load_of(&strains.of_elements[number * voigt_size<Dim>]);
+  if (!strains.of_layers.empty())
+    return load_of(&strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>]);
+  return strain_load;
+}
+
+template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain) const {
   ElementLoad result{};
   for (int c = 0; c < voigt_size<Dim>; ++c)

@@ -30,43 +30,78 @@ InherentStrain<Dim>::InherentStrain(const MaterialSettings& material, double cha
 }
 
 template <int Dim>
+void InherentStrain<Dim>::set_strain(const double* g, double regularization, double* strain) const {
+  double square = regularization;
+  for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
+  for (int c = 0; c < voigt_size<Dim>; ++c) {
+    const auto [a, b] = axes<Dim>(c);
+    const double direction = difference_ * g[a] * g[b] / square;
+    strain[c] = scale_[c] * (a == b ? tangential_ + direction : 2.0 * direction);
+  }
+}
+
+/// With s = |g|^2 + eps^2: d(g_a g_b / s) = (dg_a g_b + g_a dg_b) / s - 2 g_a g_b (g . dg) / s^2.
+template <int Dim>
+void InherentStrain<Dim>::add_derivative(const double* g, double regularization, const double* d_strain,
+                                         double* d_g) const {
+  double square = regularization;
+  for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
+  double shrinking = 0.0;  // what the norm in the denominator adds
+  for (int c = 0; c < voigt_size<Dim>; ++c) {
+    const auto [a, b] = axes<Dim>(c);
+    const double weight = (a == b ? 1.0 : 2.0) * difference_ * scale_[c] * d_strain[c] / square;
+    d_g[a] += weight * g[b];
+    d_g[b] += weight * g[a];
+    shrinking += 2.0 * weight * g[a] * g[b] / square;
+  }
+  for (int axis = 0; axis < Dim; ++axis) d_g[axis] -= shrinking * g[axis];
+}
+
+template <int Dim>
 std::vector<double> InherentStrain<Dim>::strains(std::span<const double> gradient) const {
   std::vector<double> result;
   if (!turns_) return result;
   const std::size_t elements = gradient.size() / Dim;
   result.resize(elements * voigt_size<Dim>);
-  for (std::size_t e = 0; e < elements; ++e) {
-    const double* g = &gradient[e * Dim];
-    double square = regularization_;
-    for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
-    for (int c = 0; c < voigt_size<Dim>; ++c) {
-      const auto [a, b] = axes<Dim>(c);
-      const double direction = difference_ * g[a] * g[b] / square;
-      result[e * voigt_size<Dim> + c] = scale_[c] * (a == b ? tangential_ + direction : 2.0 * direction);
-    }
-  }
+  for (std::size_t e = 0; e < elements; ++e)
+    set_strain(&gradient[e * Dim], regularization_, &result[e * voigt_size<Dim>]);
   return result;
 }
 
-/// With s = |g|^2 + eps^2: d(g_a g_b / s) = (dg_a g_b + g_a dg_b) / s - 2 g_a g_b (g . dg) / s^2.
 template <int Dim>
 void InherentStrain<Dim>::pull_back(std::span<const double> gradient, std::span<const double> d_strain,
                                     std::span<double> d_gradient) const {
-  const std::size_t elements = gradient.size() / Dim;
-  for (std::size_t e = 0; e < elements; ++e) {
-    const double* g = &gradient[e * Dim];
-    double square = regularization_;
-    for (int axis = 0; axis < Dim; ++axis) square += g[axis] * g[axis];
-    double shrinking = 0.0;  // what the norm in the denominator adds
-    for (int c = 0; c < voigt_size<Dim>; ++c) {
-      const auto [a, b] = axes<Dim>(c);
-      const double weight =
-          (a == b ? 1.0 : 2.0) * difference_ * scale_[c] * d_strain[e * voigt_size<Dim> + c] / square;
-      d_gradient[e * Dim + a] += weight * g[b];
-      d_gradient[e * Dim + b] += weight * g[a];
-      shrinking += 2.0 * weight * g[a] * g[b] / square;
-    }
-    for (int axis = 0; axis < Dim; ++axis) d_gradient[e * Dim + axis] -= shrinking * g[axis];
+  for (std::size_t e = 0; e < gradient.size() / Dim; ++e)
+    add_derivative(&gradient[e * Dim], regularization_, &d_strain[e * voigt_size<Dim>], &d_gradient[e * Dim]);
+}
+
+template <int Dim>
+StrainField InherentStrain<Dim>::strains(std::span<const double> gradient,
+                                         const LayerDensities& layers) const {
+  const SubParts& sub_parts = layers.sub_parts;
+  if (!turns_ || sub_parts.count() == 0) return {strains(gradient), {}};
+  StrainField result;
+  result.of_layers.resize(sub_parts.of_layer.size() * voigt_size<Dim>);
+  for (std::size_t j = 0; j < sub_parts.of_layer.size(); ++j)
+    set_strain(&sub_parts.directions[static_cast<std::size_t>(sub_parts.of_layer[j]) * Dim], 0.0,
+               &result.of_layers[j * voigt_size<Dim>]);
+  return result;
+}
+
+template <int Dim>
+void InherentStrain<Dim>::pull_back(std::span<const double> gradient, const LayerDensities& layers,
+                                    const StrainField& d_strain, std::vector<double>& d_gradient,
+                                    DensityDerivatives& d_densities) const {
+  const SubParts& sub_parts = layers.sub_parts;
+  if (sub_parts.count() == 0) {
+    d_gradient.resize(gradient.size(), 0.0);
+    return pull_back(gradient, d_strain.of_elements, d_gradient);
+  }
+  std::vector<double>& d_directions = d_densities.touch_directions(sub_parts);
+  for (std::size_t j = 0; j < sub_parts.of_layer.size(); ++j) {
+    const std::size_t first = static_cast<std::size_t>(sub_parts.of_layer[j]) * Dim;
+    add_derivative(&sub_parts.directions[first], 0.0, &d_strain.of_layers[j * voigt_size<Dim>],
+                   &d_directions[first]);
   }
 }
 

@@ -71,18 +71,27 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& 
   }
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
-  typename ElasticModel<Dim>::ElementLoad own_load{};
+  // In full elements, a lane a layer: the same for all elements unless they have strains of their own.
+  std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;
+  const auto set_unit_load = [&](std::size_t e) {
+    for (int i = 0; i < element_unknowns<Dim>; ++i)
+      unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? model_.strain_load[i] : 0.0);
+    for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
+      const Lanes<Width> component = strain<Width>(block, e, c);
+      for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
+    }
+  };
+  if (strains_.of_elements.empty()) set_unit_load(block.begin);
   for (std::size_t e = block.begin; e < block.end; ++e) {
     const double* of_element = &factors[(e - block.begin) * Width];
     // An element belongs to few layers.
     if (std::all_of(of_element, of_element + Width, [](double factor) { return factor == 0.0; })) continue;
     const auto factor = Lanes<Width>::load(of_element);
-    if (!strains_.empty()) own_load = model_.load_of(&strains_[e * voigt_size<Dim>]);
-    const auto& element_load = strains_.empty() ? model_.strain_load : own_load;
+    if (!strains_.of_elements.empty()) set_unit_load(e);
     for (int corner = 0; corner < corner_count<Dim>; ++corner)
       for (int a = 0; a < Dim; ++a) {
         double* place = load + (static_cast<std::size_t>(corners[e] + offsets[corner]) * Dim + a) * lanes;
-        (Lanes<Width>::load(place) + factor * element_load[corner * Dim + a]).store(place);
+        (Lanes<Width>::load(place) + factor * unit_load[corner * Dim + a]).store(place);
       }
   }
 }
@@ -90,7 +99,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& 
 template <int Dim>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int first,
                                          const LaneVector& increments, const LaneVector& adjoints,
-                                         DensityDerivatives& derivatives, std::span<double> d_strains) const {
+                                         DensityDerivatives& derivatives, StrainField& d_strains) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
   const int lanes = increments.lanes;
@@ -110,7 +119,7 @@ template <int Dim>
 template <int Width>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
                                          const double* lambda, int lanes, DensityDerivatives& derivatives,
-                                         std::span<double> d_strains) const {
+                                         StrainField& d_strains) const {
   std::array<double, block_size * Width> mutual, work;
   const ElementEnergy<Dim, Width> energies(stiffness_, model_.strain_load);
   energies.for_each(std::span(model_.part.first_corners()).subspan(block.begin, block.end - block.begin),
@@ -119,7 +128,7 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
                       energy.mutual.store(&mutual[e * Width]);
                       energy.work.store(&work[e * Width]);
                     });
-  if (!strains_.empty()) add_strain_derivatives<Width>(densities, block, lambda, lanes, work, d_strains);
+  if (!strains_.uniform()) add_strain_derivatives<Width>(densities, block, lambda, lanes, work, d_strains);
   for (int i = 0; i < Width; ++i) {
     const int layer = block.first_layer + i;
     const double* stage_density = densities.stage[layer].data();
@@ -134,13 +143,25 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
   }
 }
 
+template <int Dim>
+template <int Width>
+Lanes<Width> LayerElements<Dim>::strain(const Block& block, std::size_t element, int component) const {
+  if (!strains_.of_elements.empty())
+    return Lanes<Width>::broadcast(strains_.of_elements[element * voigt_size<Dim> + component]);
+  std::array<double, Width> of_layers;
+  for (int i = 0; i < Width; ++i)
+    of_layers[i] =
+        strains_.of_layers[static_cast<std::size_t>(block.first_layer + i) * voigt_size<Dim> + component];
+  return Lanes<Width>::load(of_layers.data());
+}
+
 /// With strain eps_c f_c for the unit loads f_c: lambda^T f_0 = sum_c eps_c lambda^T f_c, and
 /// dJ/d(eps_c) = -sum_j drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
 void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Block& block,
                                                 const double* lambda, int lanes, std::span<double> work,
-                                                std::span<double> d_strains) const {
+                                                StrainField& d_strains) const {
   constexpr int components = voigt_size<Dim>;
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
@@ -164,11 +185,14 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
     }
     auto sum = Lanes<Width>::zero();
     for (int c = 0; c < components; ++c) {
-      sum += duals[c] * strains_[e * components + c];
+      sum += duals[c] * strain<Width>(block, e, c);
       std::array<double, Width> dual{};
       duals[c].store(dual.data());
-      for (int i = 0; i < Width && !d_strains.empty(); ++i)
-        d_strains[e * components + c] -= factors[i] * dual[i];
+      for (int i = 0; i < Width && !d_strains.of_elements.empty(); ++i)
+        d_strains.of_elements[e * components + c] -= factors[i] * dual[i];
+      for (int i = 0; i < Width && !d_strains.of_layers.empty(); ++i)
+        d_strains.of_layers[static_cast<std::size_t>(block.first_layer + i) * components + c] -=
+            factors[i] * dual[i];
     }
     sum.store(of_element);
   }

@@ -80,8 +80,7 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, cons
 }
 
 template <int Dim>
-const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities,
-                                                      std::vector<double> strains) {
+const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities, StrainField strains) {
   elements_.set_strains(std::move(strains));
   const std::int64_t nodes = model_.part.grid().owned_nodes().count();
   deal_out(densities.count());
@@ -172,7 +171,10 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
   for (const ProcessAdjoint& row : rows)
     motions.push_back(row.release.empty() ? std::vector<double>() : release_motion(row.release));
   for (const ProcessDerivatives& row : derivatives)
-    if (row.strains != nullptr) row.strains->resize(elements_.strains().size(), 0.0);
+    if (row.strains != nullptr) {
+      row.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
+      row.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
+    }
   groups_.run([&] {
     std::vector<LaneVector> loads(rows.size()), adjoints(rows.size());
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
@@ -207,11 +209,10 @@ void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, st
       iterations = std::max(iterations, reports[row][lane].iterations);
     }
     if (!motions[row].empty()) supports_.add_motion(motions[row], adjoints[row]);
-    const std::span<double> d_strains = derivatives[row].strains != nullptr
-                                            ? std::span<double>(*derivatives[row].strains)
-                                            : std::span<double>();
-    elements_.add_derivatives(densities, block.first, increments, adjoints[row], *derivatives[row].densities,
-                              d_strains);
+    StrainField not_asked_for;
+    elements_.add_derivatives(
+        densities, block.first, increments, adjoints[row], *derivatives[row].densities,
+        derivatives[row].strains != nullptr ? *derivatives[row].strains : not_asked_for);
   }
 }
 

@@ -26,9 +26,8 @@ std::size_t SupportForces<Dim>::node(std::size_t element, int unknown) const {
 }
 
 template <int Dim>
-void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const std::vector<double>& strains,
-                                       int first, const LaneVector& increments,
-                                       std::span<double> reactions) const {
+void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
+                                       const LaneVector& increments, std::span<double> reactions) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
@@ -37,21 +36,19 @@ void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const st
   grid.exchange(Dim * lanes).to_ghosted(increments.values, u);
   for (const int e : elements_) {
     // One product for all layers: they share the element's matrix.
-    std::array<double, unknowns> stretched{};
-    double load = 0.0;
+    std::array<double, unknowns> stretched{}, load{};
     const int part_element = model_.part_element[e];
     for (int lane = 0; lane < lanes; ++lane) {
       const double factor = model_.stiffness(model_.stage_density(densities.stage[first + lane], e));
       for (int i = 0; i < unknowns; ++i)
         stretched[i] += factor * u[(node(e, i) * Dim + i % Dim) * lanes + lane];
-      if (part_element >= 0) load += model_.load(densities.layer[first + lane][part_element]);
+      const double density = part_element >= 0 ? densities.layer[first + lane][part_element] : 0.0;
+      if (!(density > 0.0)) continue;
+      const auto unit_load = model_.unit_load(strains, part_element, first + lane);
+      for (int i = 0; i < unknowns; ++i) load[i] += model_.load(density) * unit_load[i];
     }
-    const bool own_strain = part_element >= 0 && !strains.empty();
-    const auto unit_load =
-        own_strain ? model_.load_of(&strains[static_cast<std::size_t>(part_element) * voigt_size<Dim>])
-                   : model_.strain_load;
     for (int i = 0; i < unknowns; ++i) {
-      double force = -load * unit_load[i];
+      double force = -load[i];
       for (int j = 0; j < unknowns; ++j) force += model_.element.stiffness()[i * unknowns + j] * stretched[j];
       forces[node(e, i) * Dim + i % Dim] += force;
     }

@@ -67,7 +67,9 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
                                  const LayerDensities& layers) {
   const MPI_Comm comm = context.part.grid().comm();
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
-  const bool defined = sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
+  // Planar slabs do not follow the pseudo-time.
+  const bool defined =
+      !layers.time_points.empty() && sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
   const int count = layers.count();
   std::vector<double> sums;
   for (const auto& density : layers.layer) {
@@ -82,7 +84,8 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
     result.volume.push_back(sums[3 * j] * context.part.grid().element_volume());
     result.weight.push_back(sums[3 * j + 1]);
     result.mean.push_back(defined ? sums[3 * j + 2] / sums[3 * j + 1] : undefined);
-    result.thickness.push_back((layers.time_points[j + 1] - layers.time_points[j]) / result.mean[j]);
+    result.thickness.push_back(defined ? (layers.time_points[j + 1] - layers.time_points[j]) / result.mean[j]
+                                       : undefined);
   }
   result.deviation.assign(count, defined ? 0.0 : undefined);
   if (!defined) return result;

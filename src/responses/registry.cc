@@ -6,6 +6,8 @@
 #include "fabseq/responses/layer_uniformity.h"
 #include "fabseq/responses/minimum_layer_volume.h"
 #include "fabseq/responses/response.h"
+#include "fabseq/responses/segmentation_alignment.h"
+#include "fabseq/responses/subpart_volume.h"
 
 #include <functional>
 
@@ -35,6 +37,8 @@ const std::map<std::string, Maker<ObjectiveTerm, Dim>>& objectives() {
        [](const Term&, const Context& c) { return make_sum_of_squares_uniformity(c); }},
       {"layer_uniformity variance",
        [](const Term&, const Context& c) { return make_variance_uniformity(c); }},
+      {"segmentation_alignment ",
+       [](const Term& t, const Context& c) { return make_segmentation_alignment(c, t.band); }},
   };
   return makers;
 }
@@ -50,6 +54,7 @@ const std::map<std::string, Maker<ConstraintTerm, Dim>>& constraints() {
       {"continuity", [](const Term& t, const Context& c) { return make_continuity(c, t.limit); }},
       {"minimum_layer_volume",
        [](const Term& t, const Context& c) { return make_minimum_layer_volume(c, t.fraction); }},
+      {"subpart_volume", [](const Term& t, const Context& c) { return make_subpart_volume(c, t.tolerance); }},
   };
   return makers;
 }

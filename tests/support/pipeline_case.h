@@ -71,13 +71,14 @@ Config gallows_config(const Settings& settings) {
 }
 
 inline Design moved(const Design& design, double step, const Design& direction) {
-  return {moved(design.field, step, direction.field), moved(design.time_points, step, direction.time_points)};
+  return {moved(design.field, step, direction.field),
+          moved(design.layer_variables, step, direction.layer_variables)};
 }
-/// Gradient times direction; the field is distributed, the time points are the same on all ranks. Collective.
+/// Gradient times direction; the field is distributed, those of the layers are the same on all ranks. Collective.
 inline double dot(const Design& gradient, const Design& direction) {
   double product = dot(gradient.field, direction.field);
-  for (std::size_t j = 0; j < direction.time_points.size(); ++j)
-    product += gradient.time_points[j] * direction.time_points[j];
+  for (std::size_t j = 0; j < direction.layer_variables.size(); ++j)
+    product += gradient.layer_variables[j] * direction.layer_variables[j];
   return product;
 }
 
@@ -86,7 +87,7 @@ struct PipelineCase {
   explicit PipelineCase(const Settings& settings = {})
       : config(gallows_config<Dim>(settings)),
         setup(PETSC_COMM_WORLD, config),
-        pipeline(setup, make_sequence(setup, 1e-13), 1e-13, timer),
+        pipeline(setup, make_sequence(setup, 1e-13), make_layers(setup, 1e-13), 1e-13, timer),
         problem(setup) {}
 
   PipelineState<Dim> run(const Design& design) {
@@ -110,17 +111,17 @@ struct PipelineCase {
   /// The same of all variables; time points near the uniform ones.
   Design wavy_point() const {
     Design result{wavy_design(), {}};
-    const std::size_t count = setup.variable_time_points();
+    const std::size_t count = setup.layer_variables.count();
     for (std::size_t j = 1; j <= count; ++j)
-      result.time_points.push_back(
+      result.layer_variables.push_back(
           (static_cast<double>(j) + 0.4 * (noise(static_cast<std::int64_t>(j), 3) - 0.5)) /
           static_cast<double>(count + 1));
     return result;
   }
   Design direction_at(const Design& design) const {
     Design result{direction(design.field), {}};
-    for (std::size_t j = 0; j < design.time_points.size(); ++j)
-      result.time_points.push_back(noise(static_cast<std::int64_t>(j), 8) - 0.5);
+    for (std::size_t j = 0; j < design.layer_variables.size(); ++j)
+      result.layer_variables.push_back(noise(static_cast<std::int64_t>(j), 8) - 0.5);
     return result;
   }
 

@@ -2,6 +2,7 @@
 /// A small part with its process simulation, and the same simulation by dense matrices.
 #pragma once
 
+#include "fabseq/layers/curved_layers.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/solve/reference_elasticity.h"
 

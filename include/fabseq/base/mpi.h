@@ -51,6 +51,8 @@ void sum_in_place(MPI_Comm comm, std::span<double> values);
 void sum_in_place(MPI_Comm comm, std::span<float> values);
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values);
 void sum_in_place(MPI_Comm comm, std::span<int> values);
+/// Largest over the ranks, entry by entry, in place; the same length on all ranks.
+void max_in_place(MPI_Comm comm, std::span<double> values);
 
 /// `text` of rank 0 on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);

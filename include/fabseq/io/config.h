@@ -66,9 +66,21 @@ struct SequenceSettings {
 /// No part has as many layers; more are a slip, such as a target thickness in another unit.
 constexpr int most_layers = 10000;
 
+/// Sub-parts of planar layers, docs/formulation.md 3.2.
+struct MultiPlanarSettings {
+  int subparts = 1;                ///< N_P
+  std::vector<double> timestamps;  ///< tau_1 ... tau_{N_P - 1}, ascending
+  double thickness = 3.0;          ///< w, length unit
+  /// To start from, and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
+  std::vector<double> angles, lowest_angles, highest_angles;
+  double time_sharpness = 100.0, slab_sharpness = 100.0;  ///< k1, k2
+  bool fixed_angles = false, fixed_time = false;          ///< kept from the optimizer
+};
+
 struct LayerSettings {
   std::optional<int> count;           ///< none: ceil(geodesic height / target thickness)
   bool variable_time_points = false;  ///< T_1 ... T_{N-1} are design variables
+  std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers
 };
 
 /// Sharpness beta of the layers and its continuation, docs/formulation.md 3.1.
@@ -84,7 +96,7 @@ struct ProjectionSettings {
 enum class TermScaling { first, current };
 
 struct ObjectiveTerm {
-  std::string type;  ///< distortion, layer_uniformity
+  std::string type;  ///< distortion, layer_uniformity, segmentation_alignment
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
@@ -94,12 +106,13 @@ struct ObjectiveTerm {
   bool after_release = false;  ///< displacement, flatness: of the part cut from the plate
   bool mean = false;           ///< displacement: divide by the number of nodes
   std::string form;            ///< layer_uniformity: sum_of_squares, variance
+  double band = 0.1;           ///< segmentation_alignment: width in pseudo-time
 };
 
 struct ConstraintTerm {
-  std::string type;        ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume
+  std::string type;  ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, subpart_volume
   double target = 0.0;     ///< layer_thickness, length unit
-  double tolerance = 0.1;  ///< layer_thickness, relative
+  double tolerance = 0.1;  ///< layer_thickness, subpart_volume, relative
   double slack = 1e-3;     ///< deposition_speed
   double limit = 1e-3;     ///< continuity
   double fraction = 0.01;  ///< minimum_layer_volume, of the part's
@@ -171,6 +184,8 @@ struct Config {
   }
   /// Target thickness of the first layer_thickness constraint, if there is one.
   std::optional<double> target_thickness() const;
+  /// Whether the sequence's field is kept from the optimizer.
+  bool has_fixed_time() const { return layers.multi_planar && layers.multi_planar->fixed_time; }
   /// Whether a term measures after the release.
   bool has_release() const;
   template <int Dim>

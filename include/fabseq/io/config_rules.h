@@ -14,6 +14,9 @@ namespace fabseq {
 /// length 0.
 Shape make_shape(const Json& value, const std::string& pointer);
 
+/// The layers of a completed config; `plate`: whose normal print directions have by default.
+LayerSettings make_layer_settings(const Json& value, const BuildPlate& plate, int dimension);
+
 /// Checks relations between keys of a config whose single values are valid. Throws InputError. The same on
 /// all ranks.
 void check_rules(const Config& config);

@@ -42,8 +42,8 @@ class Hdf5Writer {
   /// all.
   template <int Dim>
   void write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage, int count);
-  /// A plain array known on rank 0.
-  void write_array(const std::string& name, std::span<const double> values);
+  /// A plain array known on rank 0, or, of so many columns, a table [row][column].
+  void write_array(const std::string& name, std::span<const double> values, int columns = 0);
   /// An attribute of the file itself: number, integer, string or boolean.
   void write_attribute(const std::string& name, const Json& value);
   /// An attribute of the file itself: 64 unsigned bits.
@@ -79,10 +79,11 @@ std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string&
                                        const std::string& dataset, const std::string& file_key = "field file",
                                        const std::string& dataset_key = "field");
 
-/// Reads a list of `count` numbers, the same on all ranks; `meaning`: where that count comes from, for the message.
+/// Reads a list of `count` numbers, or, of so many columns, a table [row][column] of them, the same on all ranks;
+/// `meaning`: where that shape comes from, for the message.
 /// Collective on `comm`; throws InputError like read_field().
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               std::size_t count, const std::string& meaning, const std::string& file_key,
-                              const std::string& dataset_key);
+                              const std::string& dataset_key, int columns = 0);
 
 }  // namespace fabseq

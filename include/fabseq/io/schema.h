@@ -28,6 +28,10 @@ enum class KeyType {
   bounds,          ///< two ascending numbers
   strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D; or an object with tangential and normal
   points,          ///< list of pairs of numbers
+  list,            ///< list of any number of numbers
+  angles,          ///< list of directions: lists of one angle in 2D, of two in 3D
+  angle_bounds,    ///< two ascending numbers, or a list of such pairs
+  word_list,       ///< list of some of `words`
   shapes,          ///< list of shapes
   section,         ///< object with the keys of the section "SECTION.NAME"
   sections,        ///< list of such objects

@@ -5,13 +5,19 @@
 #include "fabseq/io/checkpoint_state.h"
 #include "fabseq/optimize/problem.h"
 
+#include <string>
+#include <utility>
+
 namespace fabseq {
 
 /// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
-/// larger one; among infeasible ones the smaller violation counts. Local to the rank; ranks agree because
+/// larger one; among infeasible ones the smaller violation counts, and where it is the same (all that it depends on may be fixed) the merit. Local to the rank; ranks agree because
 /// values do.
 class BestIterate {
  public:
+  /// `layer_variables`: their name, for checkpoints.
+  explicit BestIterate(std::string layer_variables) : layer_variables_(std::move(layer_variables)) {}
+
   /// Designs at another sharpness cannot be compared: a new `beta` starts over.
   void offer(int iteration, double beta, const ProblemValues& values, const Design& design);
 
@@ -25,6 +31,7 @@ class BestIterate {
   void restore(const CheckpointState& state);
 
  private:
+  std::string layer_variables_;
   int iteration_ = 0;
   double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
   Design design_;

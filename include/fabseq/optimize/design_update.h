@@ -2,7 +2,9 @@
 /// One step of the optimizer on the scale the design moves on.
 #pragma once
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/io/checkpoint_state.h"
+#include "fabseq/layers/layer_variables.h"
 #include "fabseq/optimize/mma.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/sequence/sequence.h"
@@ -18,13 +20,13 @@ struct StepReport {
   MmaReport mma;
 };
 
-/// Moves a design by the method of moving asymptotes: its field in the unit variable of a DesignSpace, and time points,
-/// which the first rank has as variables, over a range of a layer to either side. Collective.
+/// Moves a design by the method of moving asymptotes: its field in the unit variable of a DesignSpace, and the layers'
+/// variables, which the first rank has, within their bounds and their reach. What is fixed stays where it is. Collective.
 class DesignUpdate {
  public:
-  /// `space`: of the field; `design`: one of the same sizes.
-  DesignUpdate(MPI_Comm comm, const DesignSpace& space, const Design& design,
-               const OptimizerSettings& settings);
+  /// `space`: of the field; `field_is_fixed`: it is kept from the optimizer; `design`: one of the same sizes.
+  DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_is_fixed, LayerVariables layer_variables,
+               const Design& design, const OptimizerSettings& settings);
 
   /// `design` in and out; gradients with respect to the design.
   StepReport update(Design& design, const ProblemGradients& gradients, double move_limit);
@@ -34,8 +36,9 @@ class DesignUpdate {
   void restore(const CheckpointState& state);
 
  private:
-  /// Whether this rank has the time points as variables.
-  bool has_time_points() const;
+  /// Whether this rank has the layers' variables among its own.
+  bool has_layer_variables() const { return layer_variable_count() > 0 && rank_of(comm_) == 0; }
+  std::size_t layer_variable_count() const { return layer_variables_.fixed ? 0 : layer_variables_.count(); }
   /// This rank's variables for MMA.
   std::vector<double> to_variables(const Design& design) const;
   std::vector<double> gradient_of_variables(const Design& gradient, const Design& design) const;
@@ -44,7 +47,9 @@ class DesignUpdate {
 
   MPI_Comm comm_;
   DesignSpace space_;
-  std::size_t field_size_, time_point_count_;
+  bool field_is_fixed_;
+  LayerVariables layer_variables_;
+  std::size_t field_size_;  ///< 0 if the field is fixed
   Mma mma_;
 };
 

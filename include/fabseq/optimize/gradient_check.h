@@ -12,7 +12,7 @@ namespace fabseq {
 /// Errors of one component of a response along a direction in the space of one kind of variables.
 struct GradientError {
   std::string name, type;
-  std::string variables;  ///< design (the sequence's), time_points
+  std::string variables;  ///< design (the sequence's), time_points or angles (the layers')
   double value = 0.0;
   double adjoint = 0.0;             ///< directional derivative by the adjoint
   std::vector<double> differences;  ///< central differences, a step each

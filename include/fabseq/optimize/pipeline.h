@@ -4,6 +4,7 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/io/checkpoint_state.h"
+#include "fabseq/layers/layers.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"
 #include "fabseq/process/inherent_strain.h"
@@ -11,8 +12,9 @@
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/sequence.h"
 
+#include <functional>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,11 @@ struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
 
+/// Makes the layers of a design, of its layer variables (none: those that the config says). `count`: of curved layers;
+/// `beta`: their sharpness.
+using LayerMaker = std::function<std::unique_ptr<Layers>(std::span<const double> variables, int count,
+                                                         double beta, bool binary)>;
+
 /// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The fields of
 /// a design and of its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
 ///
@@ -40,21 +47,22 @@ template <int Dim>
 class Pipeline {
  public:
   /// \param sequence    where the pseudo-time comes from
+  /// \param make_layers which kind of layers it is cut into
   /// \param tolerance   of the elastic solves; heat is solved a thousand times closer
   /// The setup and the timer must outlive the pipeline.
-  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, double tolerance,
-           PhaseTimer& timer);
+  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, LayerMaker make_layers,
+           double tolerance, PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
 
-  /// Evaluates the stages for a design with `layers` layers; binary layers ignore `beta`. Time points that are no
-  /// variables of the design are uniform. The state refers to results that stay valid until the next run.
+  /// Evaluates the stages for a design; `layers`, `beta` and `binary` are handed to the maker of the layers. The state
+  /// refers to results that stay valid until the next run.
   PipelineState<Dim> run(const Design& design, int layers, double beta, bool binary);
   /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get there.
   const PseudoTime<Dim>* last_time() const { return time_; }
-  /// T_0 ... T_N of the last run.
-  const std::vector<double>& last_time_points() const { return densities_.time_points; }
+  /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
+  std::vector<double> last_layer_index() const { return layers_->layer_index(time_->time, densities_); }
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                           const PipelineState<Dim>& state);
@@ -76,8 +84,8 @@ class Pipeline {
     int owner = 0;        ///< group whose row it is
     bool shared = false;  ///< uses displacements: other groups have parts of it
     PipelineAdjoint<Dim> adjoint;
-    std::vector<double> time_points;  ///< dJ/dT_0 ... dJ/dT_N where these vary, this rank's part
-    std::vector<double> strains;      ///< dJ/d(inherent strain) where that turns, this group's part
+    std::vector<double> layer_variables;  ///< derivative by these, this rank's part
+    StrainField strains;                  ///< dJ/d(inherent strain) where that turns, this group's part
   };
   std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
@@ -87,25 +95,33 @@ class Pipeline {
   std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
                                                       const std::vector<Row>& rows);
-  std::vector<std::vector<double>> sum_up_time_points(const std::vector<Row>& rows) const;
+  std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
   bool is_own(const Row& row) const { return row.owner == setup_.groups.index(); }
 
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
+  LayerMaker make_layers_;
   InherentStrain<Dim> strain_;
   ElasticModel<Dim> model_;
   ProcessSimulation<Dim> process_;
-  std::optional<CurvedLayers> layers_;
+  std::unique_ptr<Layers> layers_;
   LayerDensities densities_;
   const PseudoTime<Dim>* time_ = nullptr;
-  bool variable_time_points_ = false;  ///< of the last run's design
+  std::size_t layer_variables_ = 0;  ///< of the last run's design
   SolverIterations iterations_;
 };
 
 /// The sequence a config asks for.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tolerance);
+/// The layers a config asks for; those that cannot move the part beyond `tolerance` are left out. The setup must outlive
+/// what is made.
+template <int Dim>
+LayerMaker make_layers(const Setup<Dim>& setup, double tolerance);
+/// Layers between isosurfaces, at uniform times: those of the baseline.
+template <int Dim>
+LayerMaker make_uniform_layers(const Setup<Dim>& setup);
 /// The planar sequence of the baseline.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);

@@ -68,7 +68,8 @@ class RunOutput {
   void write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
                      const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const Design& design,
                      double total);
-  void dump_fields(int iteration, const PipelineState<Dim>& state, const Design& design);
+  void dump_fields(int iteration, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                   const Design& design);
   void write_result(const FinalReports<Dim>& reports, const BestIterate& best);
   void write_checkpoint();
   void dump_failure(const Pipeline<Dim>& pipeline);

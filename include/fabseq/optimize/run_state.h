@@ -49,6 +49,7 @@ class RunState {
   bool converged() const;
 
   const OptimizerSettings& settings_;
+  const LayerVariables& layer_variables_;
   Design design_;
   int completed_ = 0;
   double change_ = 1.0;  ///< of the last iteration; no step is larger than the range

@@ -7,6 +7,7 @@
 #include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
 #include "fabseq/io/design_layout.h"
+#include "fabseq/layers/layer_variables.h"
 #include "fabseq/optimize/run_cost.h"
 #include "fabseq/process/layer_groups.h"
 #include "fabseq/responses/response.h"
@@ -41,7 +42,8 @@ class Setup {
   std::optional<StartRegion> start;   ///< of a direct sequence
   DesignSupport<Dim> design_support;  ///< where the sequence has variables
   std::map<std::string, NodeSet> node_sets;
-  int layer_count;               ///< N, "auto" resolved
+  int layer_count;  ///< N, "auto" resolved; of multi-planar layers an estimate
+  LayerVariables layer_variables;
   int baseline_layers;           ///< of the planar baseline
   int lanes;                     ///< layers solved side by side at most, "auto" resolved
   double characteristic_length;  ///< l_c, length unit
@@ -61,15 +63,17 @@ class Setup {
   }
   ResponseContext<Dim> context() const {
     return {part, node_sets, characteristic_length,
-            start ? std::span<const char>(start->elements) : std::span<const char>{}};
+            start ? std::span<const char>(start->elements) : std::span<const char>{},
+            config.layers.multi_planar ? config.layers.multi_planar->subparts : 0};
   }
-  /// Time points that are design variables.
-  std::size_t variable_time_points() const {
-    return config.layers.variable_time_points ? static_cast<std::size_t>(layer_count) - 1 : 0;
+  /// Sharpness at the start and at the end of the continuation, "auto" resolved; that of multi-planar layers stays.
+  double first_beta() const {
+    return config.layers.multi_planar ? config.layers.multi_planar->time_sharpness
+                                      : config.projection.beta.value_or(4.0 * layer_count);
   }
-  /// Sharpness at the start and at the end of the continuation, "auto" resolved.
-  double first_beta() const { return config.projection.beta.value_or(4.0 * layer_count); }
-  double last_beta() const { return config.projection.max.value_or(13.5 * layer_count); }
+  double last_beta() const {
+    return config.layers.multi_planar ? first_beta() : config.projection.max.value_or(13.5 * layer_count);
+  }
   /// Whether layers are steps, not smooth: where that is asked for, and planar ones.
   bool binary() const { return config.projection.binary || config.sequence.type == SequenceType::planar; }
   /// Throws InputError if the densities and displacements of all layers are more than the machines of this

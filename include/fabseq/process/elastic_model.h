@@ -7,6 +7,7 @@
 #include "fabseq/grid/part.h"
 #include "fabseq/grid/supports.h"
 #include "fabseq/io/config.h"
+#include "fabseq/process/strain_field.h"
 #include "fabseq/solve/unknown_numbering.h"
 
 #include <algorithm>
@@ -46,6 +47,8 @@ struct ElasticModel {
   }
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
+  /// Load of the inherent strain of a part element, by its number, in a layer, both full.
+  ElementLoad unit_load(const StrainField& strains, std::size_t number, int layer) const;
   /// Load of a strain, Voigt, in a full element.
   ElementLoad load_of(const double* strain) const;
 

@@ -4,6 +4,8 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/io/config.h"
+#include "fabseq/layers/layers.h"
+#include "fabseq/process/strain_field.h"
 #include "fabseq/sequence/sequence.h"
 
 #include <array>
@@ -12,13 +14,13 @@
 
 namespace fabseq {
 
-/// Either the same strain in all elements, or one that turns with the layers: with n = g / sqrt(|g|^2 + eps^2) of the
-/// gradient g of the pseudo-time at the element's centre,
+/// Either the same strain in all elements, or one that turns with the layers:
 ///
 ///     eps* = tangential (I - n n^T) + normal n n^T,
 ///
-/// scaled axis by axis, shear by the root of the product of its two. Strains are Voigt, engineering shear. Local to the
-/// rank.
+/// scaled axis by axis, shear by the root of the product of its two. n is the print direction of the layer's sub-part, or,
+/// where there are no sub-parts, g / sqrt(|g|^2 + eps^2) of the gradient g of the pseudo-time at the element's centre.
+/// Strains are Voigt, engineering shear. Local to the rank.
 template <int Dim>
 class InherentStrain {
  public:
@@ -28,6 +30,13 @@ class InherentStrain {
   InherentStrain(const MaterialSettings& material, double characteristic_length);
 
   bool turns() const { return turns_; }
+  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis].
+  StrainField strains(std::span<const double> gradient, const LayerDensities& layers) const;
+  /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with sub-parts, to
+  /// `d_densities`. For strains that turn.
+  void pull_back(std::span<const double> gradient, const LayerDensities& layers, const StrainField& d_strain,
+                 std::vector<double>& d_gradient, DensityDerivatives& d_densities) const;
+
   /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they are all
   /// the same, the material's.
   std::vector<double> strains(std::span<const double> gradient) const;
@@ -37,6 +46,10 @@ class InherentStrain {
                  std::span<double> d_gradient) const;
 
  private:
+  /// Of a single direction g, with regularization eps^2.
+  void set_strain(const double* g, double regularization, double* strain) const;
+  void add_derivative(const double* g, double regularization, const double* d_strain, double* d_g) const;
+
   bool turns_;
   double tangential_ = 0.0, difference_ = 0.0;  ///< normal - tangential
   double regularization_;                       ///< eps^2

@@ -3,9 +3,11 @@
 /// (docs/formulation.md 4.1, 8).
 #pragma once
 
+#include "fabseq/fem/lanes.h"
 #include "fabseq/fem/parity.h"
-#include "fabseq/layers/curved_layers.h"
+#include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/strain_field.h"
 #include "fabseq/solve/lane_vector.h"
 
 #include <span>
@@ -22,20 +24,20 @@ class LayerElements {
   /// The model must outlive the object.
   explicit LayerElements(const ElasticModel<Dim>& model);
 
-  /// Inherent strains of the part elements from now on, [part element][Voigt]; empty: the material's in all of them.
-  void set_strains(std::vector<double> strains) { strains_ = std::move(strains); }
-  const std::vector<double>& strains() const { return strains_; }
+  /// Inherent strains from now on.
+  void set_strains(StrainField strains) { strains_ = std::move(strains); }
+  const StrainField& strains() const { return strains_; }
 
   /// Stiffness factor of each element of the model, [element][lane].
   std::vector<double> stiffness(const LayerDensities& densities, int first, int lanes) const;
   /// Sets `load` to f_j, a lane a layer. Collective.
   void set_load(const LayerDensities& densities, int first, LaneVector& load) const;
   /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments du
-  /// of the batch and its adjoints lambda. With strains of the elements' own also dJ/d(strain), [part element][Voigt],
-  /// to `d_strains`, if that is not empty. Collective.
+  /// of the batch and its adjoints lambda. With strains of the elements' or the layers' own also dJ/d(strain), this rank's
+  /// part, to `d_strains`, unless that is uniform. Collective.
   void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
                        const LaneVector& adjoints, DensityDerivatives& derivatives,
-                       std::span<double> d_strains) const;
+                       StrainField& d_strains) const;
 
  private:
   /// Part elements begin ... end - 1, and the layers of a chunk of lanes.
@@ -54,11 +56,14 @@ class LayerElements {
   template <int Width>
   void add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
                        const double* lambda, int lanes, DensityDerivatives& derivatives,
-                       std::span<double> d_strains) const;
-  /// lambda^T f_0 of elements with strains of their own to `work`, [element][lane of the chunk], and their dJ/d(strain).
+                       StrainField& d_strains) const;
+  /// Component c of the strain of an element in the layers of a block.
+  template <int Width>
+  Lanes<Width> strain(const Block& block, std::size_t element, int component) const;
+  /// lambda^T f_0 where strains are not the material's to `work`, [element][lane of the chunk], and their dJ/d(strain).
   template <int Width>
   void add_strain_derivatives(const LayerDensities& densities, const Block& block, const double* lambda,
-                              int lanes, std::span<double> work, std::span<double> d_strains) const;
+                              int lanes, std::span<double> work, StrainField& d_strains) const;
   /// Whether this rank has all nodes, so that owned and ghosted ones are the same.
   bool has_all_nodes() const;
   /// Values on the ghosted nodes; `room` holds them if they are not the owned ones. Collective.
@@ -66,7 +71,7 @@ class LayerElements {
 
   const ElasticModel<Dim>& model_;
   ParityMatrix<Dim, Dim> stiffness_;
-  std::vector<double> strains_;
+  StrainField strains_;
 };
 
 extern template class LayerElements<2>;

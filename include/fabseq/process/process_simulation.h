@@ -2,7 +2,7 @@
 /// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8).
 #pragma once
 
-#include "fabseq/layers/curved_layers.h"
+#include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/layer_dealing.h"
 #include "fabseq/process/layer_elements.h"
@@ -40,8 +40,8 @@ struct ProcessAdjoint {
 /// Where the derivatives of a row go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
-  std::vector<double>* strains =
-      nullptr;  ///< [part element][Voigt], sized at first use; nullptr: not asked for
+  StrainField* strains =
+      nullptr;  ///< like those of the simulation, sized at first use; nullptr: not asked for
 };
 
 /// For each layer j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
@@ -68,10 +68,9 @@ class ProcessSimulation {
   /// (release_obstacle()).
   void release_with(const ReleaseSolver& solver);
 
-  /// Simulates all layers; the result stays valid until the next call. `strains`: inherent strains of the part elements,
-  /// [part element][Voigt]; empty: the material's in all of them. Throws NumericalError naming the layer if one does not
-  /// converge.
-  const ProcessResult& simulate(const LayerDensities& densities, std::vector<double> strains = {});
+  /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
+  /// the layer if one does not converge.
+  const ProcessResult& simulate(const LayerDensities& densities, StrainField strains = {});
   /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to the
   /// densities of this group's layers and to the strains, as far as they enter its layers; rows solved together share
   /// the systems.
@@ -81,7 +80,7 @@ class ProcessSimulation {
   /// elsewhere, for unit Young's modulus. They balance themselves.
   std::vector<double> reactions(const LayerDensities& densities) const;
   /// Strains of the last simulation.
-  const std::vector<double>& strains() const { return elements_.strains(); }
+  const StrainField& strains() const { return elements_.strains(); }
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
   void start_cold();
   /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.

@@ -2,8 +2,9 @@
 /// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md 4.3).
 #pragma once
 
-#include "fabseq/layers/curved_layers.h"
+#include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/strain_field.h"
 #include "fabseq/solve/lane_vector.h"
 
 #include <span>
@@ -19,9 +20,8 @@ class SupportForces {
   /// Collective. The model must outlive the object.
   explicit SupportForces(const ElasticModel<Dim>& model);
 
-  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component]. `strains`: of the part
-  /// elements, [part element][Voigt], empty: the material's.
-  void add_reactions(const LayerDensities& densities, const std::vector<double>& strains, int first,
+  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component].
+  void add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
                      const LaneVector& increments, std::span<double> reactions) const;
   /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only: loads of a
   /// system whose supports are moved by w.

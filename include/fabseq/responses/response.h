@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fabseq/grid/node_set.h"
-#include "fabseq/layers/curved_layers.h"
+#include "fabseq/layers/layers.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/sequence/sequence.h"
 
@@ -22,7 +22,8 @@ struct ResponseContext {
   const std::map<std::string, NodeSet>& node_sets;
   double characteristic_length;  ///< l_c of docs/formulation.md 6
   std::span<const char> start =
-      {};  ///< part field: 1 in the start region of a direct sequence; empty: there is none
+      {};             ///< part field: 1 in the start region of a direct sequence; empty: there is none
+  int sub_parts = 0;  ///< of multi-planar layers
 };
 
 /// The stages of the pipeline for one design. References to the pipeline's own results.

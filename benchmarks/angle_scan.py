@@ -1,0 +1,117 @@
+#!/usr/bin/python3
+"""Draws an objective over the print angle of one sub-part, with the number of layers and the adjoint's derivative: that nothing
+jumps where slabs come and go.
+
+    benchmarks/angle_scan.py [--config configs/multi_planar_2d.json] [--subpart 2] [--points 241]
+                             [--picture docs/multi_planar_angle.svg] [--program build/release/fabseq] [-- arguments of fabseq]
+
+Every point is a run of -task evaluate at the start of the config, whose first objective term is drawn. Where the number of
+layers changes between two neighbours, the place is found by halving, and the step of the objective across it is printed.
+"""
+import argparse
+import json
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+
+import h5py
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402 (the backend comes first)
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+HALVINGS = 26
+
+
+class Scan:
+    """Evaluations of one config at one angle each."""
+
+    def __init__(self, arguments, folder):
+        self.arguments, self.folder = arguments, folder
+        self.output = os.path.join(folder, "evaluation")
+        self.angles = self.start()
+
+    def run(self, *more):
+        shutil.rmtree(self.output, ignore_errors=True)
+        command = [self.arguments.program, "-config", self.arguments.config, "-task", "evaluate", "-output", self.output,
+                   *self.arguments.rest, *more]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+        with open(os.path.join(self.output, "evaluation.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def start(self):
+        return self.run()["angles"]
+
+    def at(self, angle):
+        """Objective, its derivative by the angle, and the number of layers."""
+        number = self.arguments.subpart - 1
+        angles = [list(row) for row in self.angles]
+        angles[number][0] = angle
+        evaluation = self.run("-set", f"layers.angles={json.dumps(angles)}")
+        with h5py.File(os.path.join(self.output, "gradients.h5"), "r") as file:
+            slope = file["objective_0/angles"][number, 0]
+        return evaluation["responses"][0]["value"], slope, len(evaluation["layers"])
+
+    def step(self, low, high, layers):
+        """Where between two angles the number of layers leaves `layers`, and the relative step of the objective there."""
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.at(middle)[2] == layers else (low, middle)
+        before, after = self.at(low)[0], self.at(high)[0]
+        return 0.5 * (low + high), (after - before) / before
+
+
+def draw(path, angles, values, slopes, layers, steps):
+    degrees = np.degrees(angles)
+    figure, (top, bottom) = plt.subplots(2, 1, figsize=(9, 6.2), sharex=True, height_ratios=[3, 1])
+    unit = values[-1]
+    top.plot(degrees, values / unit, "-", lw=1.2, color="#1b6ca8", label="objective")
+    half = 0.35 * (angles[1] - angles[0])
+    for angle, value, slope in zip(angles[::4], values[::4], slopes[::4]):
+        ends = np.array([angle - half, angle + half])
+        top.plot(np.degrees(ends), (value + slope * (ends - angle)) / unit, "-", lw=2.2, color="#d1495b")
+    top.plot([], [], "-", lw=2.2, color="#d1495b", label="slope by the adjoint")
+    for place, _ in steps:
+        for axes in (top, bottom):
+            axes.axvline(math.degrees(place), color="#bbb", lw=0.6, zorder=0)
+    top.plot([], [], color="#bbb", lw=0.6, label="a slab comes or goes")
+    top.set_ylabel("objective, over its last value")
+    top.legend(loc="upper right", frameon=False)
+    bottom.step(degrees, layers, where="mid", color="#444", lw=1.0)
+    bottom.set_ylabel("layers")
+    bottom.set_xlabel("print angle of the sub-part, degrees")
+    figure.tight_layout()
+    figure.savefig(path, metadata={"Date": None} if path.endswith(".svg") else None)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", default=os.path.join(ROOT, "configs", "multi_planar_2d.json"))
+    parser.add_argument("--subpart", type=int, default=2, help="whose angle is turned, from 1")
+    parser.add_argument("--points", type=int, default=241)
+    parser.add_argument("--picture", default=os.path.join(ROOT, "docs", "multi_planar_angle.svg"))
+    parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "fabseq"))
+    parser.add_argument("rest", nargs="*", help="further arguments of fabseq, after --")
+    arguments = parser.parse_args()
+    folder = tempfile.mkdtemp(prefix="fabseq_angles_")
+    try:
+        scan = Scan(arguments, folder)
+        angles = np.linspace(0.0, 0.5 * math.pi, arguments.points)
+        values, slopes, layers = (np.array(column) for column in zip(*(scan.at(angle) for angle in angles)))
+        steps = [scan.step(angles[i], angles[i + 1], layers[i]) for i in range(len(angles) - 1) if layers[i] != layers[i + 1]]
+        for place, step in steps:
+            print(f"{math.degrees(place):8.4f} degrees: relative step of the objective {step:9.1e}")
+        differences = (values[2:] - values[:-2]) / (angles[2:] - angles[:-2])
+        print(f"{len(steps)} changes of the number of layers, largest step {max((abs(s) for _, s in steps), default=0.0):.1e}; "
+              f"slopes: rms {np.sqrt(np.mean(slopes**2)):.3e}, of differences {np.sqrt(np.mean(differences**2)):.3e}")
+        draw(arguments.picture, angles, values, slopes, layers, steps)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,36 @@
+/// \file
+/// Design variables of the layers themselves, beside the sequence's: time points or print angles.
+#pragma once
+
+#include "fabseq/io/config.h"
+#include "fabseq/io/json.h"
+
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// What these variables are. They are few and the same on all ranks; without any, all lists are empty.
+struct LayerVariables {
+  std::string name;                  ///< in files: time_points, angles
+  std::vector<double> start;         ///< the design to start from
+  std::vector<double> lower, upper;  ///< bounds
+  /// The optimizer's range of a variable: so far to either side of where it is, within the bounds.
+  double reach = std::numeric_limits<double>::infinity();
+  /// In files: a table with so many columns, [sub-part][angle]; 0: a plain list.
+  int columns = 0;
+  bool fixed = false;  ///< part of every design, but kept from the optimizer
+
+  std::size_t count() const { return start.size(); }
+  /// Values as a list, or as a list of rows.
+  Json record(std::span<const double> values) const;
+};
+
+/// T_1 ... T_{N-1} where they are variables (docs/formulation.md 3.1), the angles of multi-planar layers (3.2), or none.
+/// `longest_edge`: of the part.
+LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension,
+                                    double longest_edge);
+
+}  // namespace fabseq

@@ -1,0 +1,108 @@
+#include "fabseq/responses/segmentation_alignment.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/layers/smooth_step.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+/// k3, of the band's edges.
+constexpr double sharpness = 100.0;
+/// Of |grad t|^2, 1/length^2.
+constexpr double regularization = 1e-9;
+
+template <int Dim>
+class SegmentationAlignment : public Response<Dim> {
+ public:
+  SegmentationAlignment(const ResponseContext<Dim>& context, double band)
+      : part_(context.part), band_(band) {}
+
+  std::string type() const override { return "segmentation_alignment"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const SubParts& sub_parts = state.layers.sub_parts;
+    if (sub_parts.count() == 0) return {std::numeric_limits<double>::quiet_NaN()};  // the planar baseline
+    double total = 0.0;
+    for (std::size_t i = 0; i < sub_parts.timestamps.size(); ++i) {
+      const Band band(sub_parts.timestamps[i], band_);
+      for (std::size_t e = 0; e < state.time.time.size(); ++e)
+        total += part_.part_density()[e] * band.value(state.time.time[e]) *
+                 (1.0 - along(state, i, e, gradient_length(state, e)));
+    }
+    return {sum(part_.grid().comm(), total)};
+  }
+
+  /// With g = grad t and s = sqrt(|g|^2 + eps): d(g . n / s) = (n - (g . n) g / s^2) . dg / s + g . dn / s.
+  void add_derivative(int, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    const SubParts& sub_parts = state.layers.sub_parts;
+    const std::size_t elements = state.time.time.size();
+    auto& d_time = DensityDerivatives::touch(adjoint.time.time, elements);
+    auto& d_gradient = DensityDerivatives::touch(adjoint.time.gradient, elements * Dim);
+    auto& d_directions = adjoint.densities.touch_directions(sub_parts);
+    for (std::size_t i = 0; i < sub_parts.timestamps.size(); ++i) {
+      const Band band(sub_parts.timestamps[i], band_);
+      for (std::size_t e = 0; e < elements; ++e) {
+        const double density = weight * part_.part_density()[e];
+        const double length = gradient_length(state, e), cosine = along(state, i, e, length);
+        d_time[e] += density * band.derivative(state.time.time[e]) * (1.0 - cosine);
+        const double factor = -density * band.value(state.time.time[e]) / length;
+        for (int axis = 0; axis < Dim; ++axis) {
+          const double g = state.time.gradient[e * Dim + axis];
+          d_gradient[e * Dim + axis] += factor * (next_direction(sub_parts, i)[axis] - cosine * g / length);
+          d_directions[(i + 1) * Dim + axis] += factor * g;
+        }
+      }
+    }
+  }
+
+ private:
+  /// E_B: 1 between a timestamp and the end of its band.
+  class Band {
+   public:
+    Band(double timestamp, double width) : begin_(timestamp, sharpness), end_(timestamp + width, sharpness) {}
+    double value(double time) const { return end_.value(time) - begin_.value(time); }
+    double derivative(double time) const { return end_.derivative(time) - begin_.derivative(time); }
+
+   private:
+    SmoothStep begin_, end_;
+  };
+
+  static const double* next_direction(const SubParts& sub_parts, std::size_t timestamp) {
+    return &sub_parts.directions[(timestamp + 1) * Dim];
+  }
+  static double gradient_length(const PipelineState<Dim>& state, std::size_t element) {
+    double square = regularization;
+    for (int axis = 0; axis < Dim; ++axis) square += std::pow(state.time.gradient[element * Dim + axis], 2);
+    return std::sqrt(square);
+  }
+  /// -v . n_{i+1}: the cosine between growing pseudo-time and the next print direction.
+  static double along(const PipelineState<Dim>& state, std::size_t timestamp, std::size_t element,
+                      double length) {
+    double product = 0.0;
+    for (int axis = 0; axis < Dim; ++axis)
+      product +=
+          state.time.gradient[element * Dim + axis] * next_direction(state.layers.sub_parts, timestamp)[axis];
+    return product / length;
+  }
+
+  const Part<Dim>& part_;
+  double band_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_segmentation_alignment(const ResponseContext<Dim>& context, double band) {
+  return std::make_unique<SegmentationAlignment<Dim>>(context, band);
+}
+
+template std::unique_ptr<Response<2>> make_segmentation_alignment<2>(const ResponseContext<2>&, double);
+template std::unique_ptr<Response<3>> make_segmentation_alignment<3>(const ResponseContext<3>&, double);
+
+}  // namespace fabseq

@@ -1,0 +1,68 @@
+#include "fabseq/responses/subpart_volume.h"
+
+#include "fabseq/base/mpi.h"
+
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+class SubpartVolume : public Response<Dim> {
+ public:
+  SubpartVolume(const ResponseContext<Dim>& context, double tolerance)
+      : comm_(context.part.grid().comm()),
+        undefined_(context.sub_parts, std::numeric_limits<double>::quiet_NaN()),
+        volume_fraction_(context.part.grid().element_volume() / context.part.volume()),
+        tolerance_(tolerance) {}
+
+  std::string type() const override { return "subpart_volume"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const SubParts& sub_parts = state.layers.sub_parts;
+    if (sub_parts.count() == 0) return undefined_;  // the planar baseline
+    std::vector<double> result;
+    for (const auto& densities : sub_parts.density) {
+      double total = 0.0;
+      for (const double density : densities) total += density;
+      result.push_back(share_of_element(sub_parts) * total);
+    }
+    sum_in_place(comm_, result);
+    for (double& value : result) value -= 1.0;
+    return result;
+  }
+
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    const SubParts& sub_parts = state.layers.sub_parts;
+    for (double& derivative : adjoint.densities.touch_sub_part(sub_parts, component))
+      derivative += weight * share_of_element(sub_parts);
+  }
+
+  std::vector<ConstraintRow> rows(int components, double margin) const override {
+    std::vector<ConstraintRow> result;
+    for (int i = 0; i < components; ++i) result.push_back({i, 1.0, margin * tolerance_});
+    return result;
+  }
+
+ private:
+  /// Of a full element in a sub-part's share.
+  double share_of_element(const SubParts& sub_parts) const { return volume_fraction_ * sub_parts.count(); }
+
+  MPI_Comm comm_;
+  std::vector<double> undefined_;
+  double volume_fraction_, tolerance_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_subpart_volume(const ResponseContext<Dim>& context, double tolerance) {
+  return std::make_unique<SubpartVolume<Dim>>(context, tolerance);
+}
+
+template std::unique_ptr<Response<2>> make_subpart_volume<2>(const ResponseContext<2>&, double);
+template std::unique_ptr<Response<3>> make_subpart_volume<3>(const ResponseContext<3>&, double);
+
+}  // namespace fabseq
