@@ -1,6 +1,5 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/optimize/problem.h"
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
@@ -33,8 +32,7 @@ template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
-  RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
-  size.functionals = Problem<Dim>(setup).functional_count();
+  const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
   print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
              2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace fabseq {
 
@@ -13,8 +14,9 @@ namespace {
 /// A functional whose square is a smaller share of the term stays in the rest: it vanishes by symmetry, as a rule, and
 /// would cost an adjoint for nothing.
 constexpr double least_share = 1e-6;
-
-bool counts(double functional, double term) { return functional * functional > least_share * term; }
+/// Unless asked for, functionals that together hold less of the term do not pay for their adjoints
+/// (docs/formulation.md 9).
+constexpr double worthwhile_share = 0.5;
 
 double normalized(double normalize, double value) { return value > 0.0 ? normalize / value : 1.0; }
 
@@ -38,18 +40,23 @@ void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
     if (!terms_[i].least_squares.value_or(true) || terms_[i].weight == 0.0) continue;
     auto functionals = make_functionals<Dim>(terms_[i], context);
     if (!functionals || functionals->count() == 0) continue;
-    if (!terms_[i].least_squares && functionals->count() > most_automatic_functionals) continue;
-    functional_count_ += functionals->count();
-    squares_.push_back({i, responses_.size(), functionals->complete()});
+    squares_.push_back({i, responses_.size(), functionals->complete(), terms_[i].least_squares.has_value()});
     responses_.push_back(std::move(functionals));
   }
 }
 
+/// Which functionals the optimizer gets as residuals at a design.
 template <int Dim>
-const typename Problem<Dim>::Squares* Problem<Dim>::squares_of(std::size_t term) const {
-  const auto same = [term](const Squares& squares) { return squares.term == term; };
-  const auto found = std::find_if(squares_.begin(), squares_.end(), same);
-  return found == squares_.end() ? nullptr : &*found;
+std::vector<int> Problem<Dim>::residuals_of(const Squares& squares, const ProblemValues& values) const {
+  const std::vector<double>& functionals = values.functionals[squares.term];
+  const double whole = values.objective[squares.term][0];
+  const double total = std::inner_product(functionals.begin(), functionals.end(), functionals.begin(), 0.0);
+  std::vector<int> result;
+  if (!squares.complete && !squares.always && total < worthwhile_share * whole) return result;
+  for (std::size_t k = 0; k < functionals.size(); ++k)
+    if (squares.complete || functionals[k] * functionals[k] > least_share * whole)
+      result.push_back(static_cast<int>(k));
+  return result;
 }
 
 /// Factor of each term: its value becomes `normalize` at the first iteration, or at every one.
@@ -102,15 +109,21 @@ template <int Dim>
 GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
                                         const std::vector<double>& factors) const {
   GradientRow row;
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    const Squares* squares = squares_of(i);
-    if (squares != nullptr && squares->complete) continue;
-    const double weight = terms_[i].weight * factors[i];
-    row.push_back({static_cast<int>(i), 0, weight});
-    for (std::size_t k = 0; k < values.functionals[i].size(); ++k)
-      if (const double value = values.functionals[i][k]; counts(value, values.objective[i][0]))
-        row.push_back({static_cast<int>(squares->response), static_cast<int>(k), -2.0 * weight * value});
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  for (const Squares& squares : squares_) {
+    const double weight = row[squares.term].weight;
+    for (const int k : residuals_of(squares, values))
+      row.push_back(
+          {static_cast<int>(squares.response), k, -2.0 * weight * values.functionals[squares.term][k]});
   }
+  // What has no rest would cost an adjoint of rounding.
+  std::erase_if(row, [&](const WeightedComponent& part) {
+    return std::any_of(squares_.begin(), squares_.end(), [&](const Squares& squares) {
+      const auto response = static_cast<std::size_t>(part.response);
+      return squares.complete && (response == squares.term || response == squares.response);
+    });
+  });
   return row;
 }
 
@@ -131,11 +144,9 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
   const std::size_t first_residual = rows.size();
   for (const Squares& squares : squares_) {
     const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
-    for (std::size_t k = 0; k < values.functionals[squares.term].size(); ++k) {
-      const double value = values.functionals[squares.term][k];
-      if (!squares.complete && !counts(value, values.objective[squares.term][0])) continue;
-      result.residual_values.push_back(scale * value);
-      rows.push_back({{static_cast<int>(squares.response), static_cast<int>(k), scale}});
+    for (const int k : residuals_of(squares, values)) {
+      result.residual_values.push_back(scale * values.functionals[squares.term][k]);
+      rows.push_back({{static_cast<int>(squares.response), k, scale}});
     }
   }
   auto gradients = pipeline.gradients(responses_and_functionals(), state, rows);

@@ -4,6 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/io/schema.h"
 #include "fabseq/process/process_simulation.h"
+#include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/solve/reference_elasticity.h"
 
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -77,13 +79,18 @@ double halo_nodes(const Index<Dim>& elements, int ranks) {
   return std::isfinite(least) ? least : 0.0;
 }
 
-/// Least-squares residuals of a config at most: constant and linear parts, of each component.
-int most_functionals(const Config& config) {
+/// Of all terms that may be handed over as sums of squares.
+template <int Dim>
+int functional_count(const Config& config, const Part<Dim>& part) {
+  std::map<std::string, NodeSet> node_sets;
+  const ResponseContext<Dim> context{part, node_sets, 1.0};
   int result = 0;
   for (const ObjectiveTerm& term : config.objective) {
     if (!term.least_squares.value_or(true)) continue;
-    if (term.measure == "displacement") result += config.dimension * (config.dimension + 1);
-    if (term.measure == "flatness") result += config.dimension;
+    if (const auto set = config.node_sets.find(term.nodes); set != config.node_sets.end())
+      node_sets.try_emplace(term.nodes, make_node_set(part, term.nodes, set->second));
+    const auto functionals = make_functionals<Dim>(term, context);
+    result += functionals ? functionals->count() : 0;
   }
   return result;
 }
@@ -170,7 +177,7 @@ RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ra
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
-  size.functionals = most_functionals(config);
+  size.functionals = functional_count(config, part);
   return size;
 }
 

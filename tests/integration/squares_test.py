@@ -2,7 +2,7 @@
 
 import run_fabseq
 from run_fabseq import FabseqTest
-from small_parts import hook_3d, plate_2d, post_on_substrate
+from small_parts import hook_3d, plate_2d, post_on_substrate, v_2d
 
 
 def with_squares(config, value):
@@ -36,16 +36,18 @@ class SquaresTest(FabseqTest):
             self.assertEqual(lines[0][key], lines[1][key], key)
 
     @run_fabseq.only_release
-    def test_lowers_the_distortion_more(self):
-        """A wall whose top edge curls; 40 steps from the same start."""
-        arguments = ("-max_iterations", 40, "-beta_interval", 8)
+    def test_lowers_the_distortion(self):
+        """As much as without, or more; so few elements leave 1/4 of what planar layers have."""
+        arguments = ("-max_iterations", 60, "-beta_interval", 8)
         found = {}
         for value in (True, False):
-            run = self.run_config(2, with_squares(hook_3d(), value), *arguments, timeout=900)
+            run = self.run_config(2, with_squares(v_2d(), value), *arguments, timeout=900)
             self.assert_done(run)
-            found[value] = (self.distortion(run), run.history()[0]["objective"][0])
-        self.assertLess(found[True][0], 0.5 * found[True][1])
-        self.assertLess(found[True][0], 1.1 * found[False][0])
+            self.assertTrue(run.json("summary.json")["feasible"])
+            found[value] = self.distortion(run)
+        planar = run.json("summary.json")["baseline"]["responses"][0]["value"]
+        self.assertLess(found[True], planar / 3)
+        self.assertLess(found[True], 1.1 * found[False])
 
     @run_fabseq.only_release
     def test_ranks_and_groups_agree(self):

@@ -59,8 +59,6 @@ class Problem {
   ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                              const ProblemValues& values) const;
 
-  /// Residuals of least squares, of all terms.
-  int functional_count() const { return functional_count_; }
   /// What the terms' contributions to the merit are scaled to, all together.
   double merit_unit() const;
 
@@ -79,10 +77,11 @@ class Problem {
     std::size_t term = 0;      ///< index in terms_
     std::size_t response = 0;  ///< of the functionals, index in responses_
     bool complete = false;     ///< there is no rest
+    bool always = false;       ///< residuals whatever their share of the term
   };
 
   void add_functionals(const ResponseContext<Dim>& context);
-  const Squares* squares_of(std::size_t term) const;
+  std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
   GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 
@@ -91,7 +90,6 @@ class Problem {
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
   std::size_t configured_ = 0;                             ///< terms and constraints
   std::vector<Squares> squares_;
-  int functional_count_ = 0;
   std::vector<double> first_values_;
 };
 

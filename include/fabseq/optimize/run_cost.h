@@ -22,10 +22,7 @@ struct RunSize {
   int functionals = 0;  ///< residuals of least squares: an elastic adjoint each
 };
 
-/// Functionals of a term that pay for their adjoints: with more, `least_squares: auto` is false (docs/formulation.md 9).
-constexpr int most_automatic_functionals = 12;
-
-/// Of a part with this many layers; with as many functionals as there can be. Collective on the grid's communicator.
+/// Of a part with this many layers. Collective on the grid's communicator.
 template <int Dim>
 RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ranks);
 
