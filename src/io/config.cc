@@ -158,6 +158,7 @@ ConstraintTerm make_constraint(const Json& value) {
   term.type = value.at("type").string();
   if (const Json* target = value.find("target")) term.target = target->number();
   if (const Json* tolerance = value.find("tolerance")) term.tolerance = tolerance->number();
+  if (const Json* volume = value.find("least_volume")) term.least_volume = volume->number();
   if (const Json* slack = value.find("slack")) term.slack = slack->number();
   if (const Json* limit = value.find("limit")) term.limit = limit->number();
   if (const Json* fraction = value.find("fraction")) term.fraction = fraction->number();

@@ -46,7 +46,9 @@ const std::map<std::string, Maker<ConstraintTerm, Dim>>& constraints() {
   using Context = ResponseContext<Dim>;
   static const std::map<std::string, Maker<Term, Dim>> makers = {
       {"layer_thickness",
-       [](const Term& t, const Context& c) { return make_layer_thickness(c, t.target, t.tolerance); }},
+       [](const Term& t, const Context& c) {
+         return make_layer_thickness(c, t.target, t.tolerance, t.least_volume);
+       }},
       {"deposition_speed", [](const Term& t, const Context& c) { return make_deposition_speed(c, t.slack); }},
       {"continuity", [](const Term& t, const Context& c) { return make_continuity(c, t.limit); }},
       {"minimum_layer_volume",

@@ -98,12 +98,13 @@ struct ObjectiveTerm {
 };
 
 struct ConstraintTerm {
-  std::string type;        ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume
-  double target = 0.0;     ///< layer_thickness, length unit
-  double tolerance = 0.1;  ///< layer_thickness, relative
-  double slack = 1e-3;     ///< deposition_speed
-  double limit = 1e-3;     ///< continuity
-  double fraction = 0.01;  ///< minimum_layer_volume, of the part's
+  std::string type;           ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume
+  double target = 0.0;        ///< layer_thickness, length unit
+  double tolerance = 0.1;     ///< layer_thickness, relative
+  double least_volume = 0.0;  ///< layer_thickness: of the mean volume; layers with less fade
+  double slack = 1e-3;        ///< deposition_speed
+  double limit = 1e-3;        ///< continuity
+  double fraction = 0.01;     ///< minimum_layer_volume, of the part's
 };
 
 struct BaselineSettings {
