@@ -1,6 +1,7 @@
 /// Every response: its values against the formulas of formulation 5 to 7 on gathered fields, its gradient
 /// through the whole pipeline against differences.
 #include "fabseq/base/hdf5.h"
+#include "fabseq/responses/layer_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -347,6 +348,26 @@ TYPED_TEST(ResponsesTest, GreyPartsWeighLess) {
   EXPECT_NEAR(part.volume(), Formulas<Dim>(pipeline, state).part_volume(), 1e-12);
   expect_formulas(pipeline, state);
   expect_exact_gradients(pipeline);
+}
+
+/// Layers below the least volume count the less, the smaller they are; with values and gradients of all the others as before.
+TYPED_TEST(ResponsesTest, SmallLayersFadeOutOfTheThicknessConstraint) {
+  constexpr int Dim = TypeParam::value;
+  test::PipelineCase<Dim> plain, fading(Settings{{"constraints.0.least_volume", "0.99"}});
+  const auto state = plain.run(plain.wavy_design());
+  const auto thickness = plain.pipeline.values(plain.problem.responses(), state)[6];
+  const auto volume = layer_statistics(plain.setup.context(), state.time, state.layers).volume;
+  const double whole = 0.99 * plain.setup.part.volume() / 4;
+  const auto faded = fading.pipeline.values(fading.problem.responses(), fading.run(fading.wavy_design()))[6];
+  int small = 0;
+  for (int j = 0; j < 4; ++j) {
+    const double x = std::min(1.0, volume[j] / whole), share = x * x * (3.0 - 2.0 * x);
+    EXPECT_NEAR(faded[j] - 1.0, share * (thickness[j] - 1.0), 1e-9);
+    small += x < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(small, 0);
+  EXPECT_LT(small, 4);
+  expect_exact_gradients(fading);
 }
 
 /// A row is the weighted sum of its components, whatever stages they look at.

@@ -33,7 +33,8 @@ void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
   const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
-  print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", size.unknowns, size.layers);
+  print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
+             2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
   print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
              path == SolverPath::lanes ? "lanes" : "reference path", ranks,

@@ -4,6 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/io/schema.h"
 #include "fabseq/process/process_simulation.h"
+#include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/solve/reference_elasticity.h"
 
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -76,6 +78,22 @@ double halo_nodes(const Index<Dim>& elements, int ranks) {
     least = std::min(least, nodes);
   }
   return std::isfinite(least) ? least : 0.0;
+}
+
+/// Of all terms that may be handed over as sums of squares.
+template <int Dim>
+int functional_count(const Config& config, const Part<Dim>& part) {
+  std::map<std::string, NodeSet> node_sets;
+  const ResponseContext<Dim> context{part, node_sets, 1.0};
+  int result = 0;
+  for (const ObjectiveTerm& term : config.objective) {
+    if (!term.least_squares.value_or(true)) continue;
+    if (const auto set = config.node_sets.find(term.nodes); set != config.node_sets.end())
+      node_sets.try_emplace(term.nodes, make_node_set(part, term.nodes, set->second));
+    const auto functionals = make_functionals<Dim>(term, context);
+    result += functionals ? functionals->count() : 0;
+  }
+  return result;
 }
 
 std::string groups_text(int groups, int ranks) {
@@ -168,6 +186,7 @@ RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ra
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
+  size.functionals = functional_count(config, part);
   return size;
 }
 
@@ -197,7 +216,8 @@ BlockSolver block_solver(SolverPath path) {
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
   // Each group has the heat problem and all densities; displacements and derivatives are shared out.
   const double of_nodes = size.nodes * (200.0 * groups + 8.0 * size.dimension * size.layers);
-  const double of_elements = size.part_elements * size.layers * (16.0 * groups + 70.0);
+  const double of_elements =
+      size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
   const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
   if (path == SolverPath::reference) {
     const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
@@ -222,7 +242,8 @@ int resolved_lanes(MPI_Comm world, const Config& config, const RunSize& size, in
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
-  return 2.0 * size.layers * size.unknowns * cost_of(path).seconds_per_unknown / size.ranks;
+  return (2.0 + size.functionals) * size.layers * size.unknowns * cost_of(path).seconds_per_unknown /
+         size.ranks;
 }
 
 template <int Dim>

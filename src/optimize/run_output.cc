@@ -9,6 +9,7 @@
 #include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/sequence/given_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -20,6 +21,11 @@ Json lists(const std::vector<std::vector<double>>& values) {
   Json result = Json::array();
   for (const auto& list : values) result.append(list);
   return result;
+}
+
+bool has_functionals(const ProblemValues& values) {
+  return std::any_of(values.functionals.begin(), values.functionals.end(),
+                     [](const std::vector<double>& list) { return !list.empty(); });
 }
 
 }  // namespace
@@ -106,6 +112,7 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
     line.set("temperature_range",
              std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
   set_layer_variables(line, setup_.layer_variables, design);
+  if (has_functionals(values)) line.set("functionals", lists(values.functionals));
   history_.append(line);
 }
 

@@ -59,7 +59,7 @@ LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
   std::array<double, 3> sums = layer_sums(layers.layer[layer], magnitude);
   sum_in_place(comm, sums);
   const double mean = sums[2] / sums[1];
-  return {sums[1], mean, (layers.time_points[layer + 1] - layers.time_points[layer]) / mean};
+  return {sums[0], sums[1], mean, (layers.time_points[layer + 1] - layers.time_points[layer]) / mean};
 }
 
 template <int Dim>

@@ -2,6 +2,8 @@
 
 #include "fabseq/responses/layer_statistics.h"
 
+#include <algorithm>
+
 namespace fabseq {
 
 namespace {
@@ -9,29 +11,38 @@ namespace {
 template <int Dim>
 class LayerThickness : public Response<Dim> {
  public:
-  LayerThickness(const ResponseContext<Dim>& context, double target, double tolerance)
-      : context_(context), target_(target), tolerance_(tolerance) {}
+  LayerThickness(const ResponseContext<Dim>& context, double target, double tolerance, double least_volume)
+      : context_(context), target_(target), tolerance_(tolerance), least_volume_(least_volume) {}
 
   std::string type() const override { return "layer_thickness"; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
-    std::vector<double> result = layer_statistics(context_, state.time, state.layers).thickness;
-    for (double& thickness : result) thickness /= target_;
+    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
+    std::vector<double> result;
+    for (int j = 0; j < state.layers.count(); ++j) {
+      const double value = statistics.thickness[j] / target_;
+      const Fade fade = fade_of(statistics.volume[j], state.layers.count());
+      result.push_back(fade.share < 1.0 ? 1.0 + fade.share * (value - 1.0) : value);
+    }
     return result;
   }
 
-  /// d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W, dm/dM_e = w_e / W.
+  /// Without fading: d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W, dm/dM_e = w_e / W.
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
-    const auto [layer_weight, mean, thickness] =
+    const auto [elements, layer_weight, mean, thickness] =
         layer_mean(context_.part.grid().comm(), state.layers, component, magnitude);
+    const double element_volume = context_.part.grid().element_volume();
+    const Fade fade = fade_of(elements * element_volume, state.layers.count());
+    const double through_volume = weight * (thickness / target_ - 1.0) * fade.slope * element_volume;
+    weight *= fade.share;
     const double factor = -weight * thickness / (target_ * mean * layer_weight);
     auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
     const std::vector<double>& density = state.layers.layer[component];
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
-      d_layer[e] += factor * (magnitude[e] - mean);
+      d_layer[e] += factor * (magnitude[e] - mean) + through_volume;
       d_magnitude[e] = factor * (density[e] + layer_density_floor);
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
@@ -50,19 +61,32 @@ class LayerThickness : public Response<Dim> {
   }
 
  private:
+  /// How much of a layer of this volume counts, from 0 to 1, and the derivative by the volume.
+  struct Fade {
+    double share = 1.0, slope = 0.0;
+  };
+  Fade fade_of(double volume, int layers) const {
+    const double whole = least_volume_ * context_.part.volume() / layers;
+    if (volume >= whole) return {};
+    const double x = std::max(volume / whole, 0.0);
+    return {x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / whole};
+  }
+
   ResponseContext<Dim> context_;
-  double target_, tolerance_;
+  double target_, tolerance_, least_volume_;
 };
 
 }  // namespace
 
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target,
-                                                    double tolerance) {
-  return std::make_unique<LayerThickness<Dim>>(context, target, tolerance);
+                                                    double tolerance, double least_volume) {
+  return std::make_unique<LayerThickness<Dim>>(context, target, tolerance, least_volume);
 }
 
-template std::unique_ptr<Response<2>> make_layer_thickness<2>(const ResponseContext<2>&, double, double);
-template std::unique_ptr<Response<3>> make_layer_thickness<3>(const ResponseContext<3>&, double, double);
+template std::unique_ptr<Response<2>> make_layer_thickness<2>(const ResponseContext<2>&, double, double,
+                                                              double);
+template std::unique_ptr<Response<3>> make_layer_thickness<3>(const ResponseContext<3>&, double, double,
+                                                              double);
 
 }  // namespace fabseq

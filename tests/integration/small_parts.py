@@ -52,6 +52,22 @@ def hook_3d():
     }
 
 
+def v_2d():
+    """A wall that leans out over its foot, 24 x 24 elements: built in planar layers its top moves far, in curved ones little."""
+    return {
+        "name": "v",
+        "domain": {"size": [2.0, 2.0], "elements": [24, 24]},
+        "part": {"difference": [{"union": [{"box": {"min": [0, 0], "max": [2, 0.6]}},
+                                           {"box": {"min": [1.2, 0], "max": [2, 2]}}]},
+                                {"half_space": {"point": [1, 0], "normal": [-1, 1]}}]},
+        "node_sets": {"tip": {"box": {"min": [1.7, 2], "max": [2, 2]}}},
+        "sequence": {"type": "heat", "characteristic_length": 2.5},
+        "layers": {"count": 8},
+        "objective": [{"type": "distortion", "nodes": "tip"}, {"type": "layer_uniformity"}],
+        "constraints": [{"type": "layer_thickness", "target": 0.3125, "tolerance": 0.15}],
+    }
+
+
 def post_on_substrate(dimension=3):
     """An overhang on a clamped base plate, of strain that turns with the layers, measured before and after the release."""
     flat = dimension == 2

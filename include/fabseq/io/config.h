@@ -100,22 +100,24 @@ struct ObjectiveTerm {
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
-  std::string measure;         ///< distortion: displacement, flatness, layerwise
-  std::string nodes;           ///< distortion: name of a node set
-  int axis = -1;               ///< flatness
-  bool after_release = false;  ///< displacement, flatness: of the part cut from the plate
-  bool mean = false;           ///< displacement: divide by the number of nodes
-  std::string form;            ///< layer_uniformity: sum_of_squares, variance
-  double band = 0.1;           ///< segmentation_alignment: width in pseudo-time
+  std::string measure;                        ///< distortion: displacement, flatness, layerwise
+  std::string nodes;                          ///< distortion: name of a node set
+  int axis = -1;                              ///< flatness
+  bool after_release = false;                 ///< displacement, flatness: of the part cut from the plate
+  bool mean = false;                          ///< displacement: divide by the number of nodes
+  std::optional<bool> least_squares = false;  ///< displacement, flatness; none: where it pays
+  std::string form;                           ///< layer_uniformity: sum_of_squares, variance
+  double band = 0.1;                          ///< segmentation_alignment: width in pseudo-time
 };
 
 struct ConstraintTerm {
   std::string type;  ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, subpart_volume
-  double target = 0.0;     ///< layer_thickness, length unit
-  double tolerance = 0.1;  ///< layer_thickness, subpart_volume, relative
-  double slack = 1e-3;     ///< deposition_speed
-  double limit = 1e-3;     ///< continuity
-  double fraction = 0.01;  ///< minimum_layer_volume, of the part's
+  double target = 0.0;        ///< layer_thickness, length unit
+  double tolerance = 0.1;     ///< layer_thickness, subpart_volume, relative
+  double least_volume = 0.0;  ///< layer_thickness: of the mean volume; layers with less fade
+  double slack = 1e-3;        ///< deposition_speed
+  double limit = 1e-3;        ///< continuity
+  double fraction = 0.01;     ///< minimum_layer_volume, of the part's
 };
 
 struct BaselineSettings {
@@ -126,6 +128,8 @@ struct BaselineSettings {
 struct OptimizerSettings {
   int max_iterations = 400;
   double change_tolerance = 0.0;
+  double objective_tolerance = 0.0;
+  int window = 5;  ///< iterations over which both are looked at
   double move_limit = 0.05,
          final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
   double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;

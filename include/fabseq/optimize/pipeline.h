@@ -64,10 +64,10 @@ class Pipeline {
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
   std::vector<double> last_layer_index() const { return layers_->layer_index(time_->time, densities_); }
   /// Values of all components of each of `responses`.
-  std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<std::vector<double>> values(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                           const PipelineState<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run.
-  std::vector<Design> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<Design> gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
@@ -87,9 +87,9 @@ class Pipeline {
     std::vector<double> layer_variables;  ///< derivative by these, this rank's part
     StrainField strains;                  ///< dJ/d(inherent strain) where that turns, this group's part
   };
-  std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<Row> deal_out_rows(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
-  void add_explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  void add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, std::vector<Row>& rows);
   void pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);

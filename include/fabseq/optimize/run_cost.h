@@ -19,6 +19,7 @@ struct RunSize {
   int dimension = 3;
   int layers = 0;
   int ranks = 1;
+  int functionals = 0;  ///< residuals of least squares: an elastic adjoint each
 };
 
 /// Of a part with this many layers. Collective on the grid's communicator.

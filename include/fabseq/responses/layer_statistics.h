@@ -27,6 +27,7 @@ std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double chara
 
 /// What a layer's thickness follows from; the same on all ranks.
 struct LayerMean {
+  double elements = 0.0;   ///< sum of layer densities, floor not included
   double weight = 0.0;     ///< like LayerStatistics, of one layer
   double mean = 0.0;       ///< 1/length
   double thickness = 0.0;  ///< length unit
