@@ -79,7 +79,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
         step = run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
       }
       output.iteration(iteration, beta, values, step, pipeline, state, run.design());
-      run.complete(std::move(next), step.change);
+      run.complete(std::move(next), step.change, values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
     output.finish(run.end(), final_reports(setup, run.problem, pipeline, run.best), run.best);

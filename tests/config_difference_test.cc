@@ -25,7 +25,7 @@ TEST(ConfigDifference, NoneForTheSameProblem) {
   EXPECT_EQ(config_difference(then, Json::parse(then.dump(), "again")), "");
   EXPECT_EQ(config_difference(
                 then, effective(plate(R"(, "name": "other", "output": {"every": 3, "checkpoint_every": 0},
-      "solver": {"tolerance": 1e-9, "path": "reference"}, "optimizer": {"max_iterations": 7, "change_tolerance": 0.1})"))),
+      "solver": {"tolerance": 1e-9, "path": "reference"}, "optimizer": {"max_iterations": 7, "change_tolerance": 0.1, "objective_tolerance": 0.1, "window": 3})"))),
             "");
 }
 

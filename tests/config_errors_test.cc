@@ -338,12 +338,25 @@ TEST(ConfigErrorsTest, SubstrateClampsAndRelease) {
       "and flatness");
 }
 
+TEST(ConfigErrorsTest, LeastSquaresNeedAMeasureWithFunctionals) {
+  for (const char* value : {"true", "false", "auto"})
+    EXPECT_EQ(solid_error("objective.0.least_squares", value), "no error") << value;
+  EXPECT_EQ(solid_error("objective.0.least_squares", "1"),
+            "/objective/0/least_squares: found 1; allowed: \"auto\" or true or false");
+  const auto layerwise = [](const std::string& squares) {
+    return solid_error("objective.0",
+                       R"({"type": "distortion", "measure": "layerwise", "least_squares": )" + squares + "}");
+  };
+  EXPECT_EQ(layerwise("false"), "no error");
+  EXPECT_EQ(layerwise(R"("auto")"), "no error");
+  EXPECT_EQ(layerwise("true"),
+            "/objective/0/least_squares: found true with measure layerwise; allowed: true only with measures "
+            "displacement and flatness; \"auto\" or false");
+}
+
 TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   const std::string later = " is not available in this version; allowed: ";
   EXPECT_EQ(solid_error("layers.type", "multi_planar"), "/layers/type: \"multi_planar\"" + later + "curved");
-  EXPECT_EQ(solid_error("objective.0.least_squares", "true"),
-            "/objective/0/least_squares: true" + later + "false");
-  EXPECT_EQ(solid_error("objective.0.least_squares", "false"), "no error");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "5"), "/optimizer/coarse_iterations: 5" + later + "0");
   EXPECT_EQ(solid_error("optimizer.coarse_iterations", "0"), "no error");
   EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),

@@ -62,6 +62,7 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   EXPECT_EQ(distortion.nodes, "top");
   EXPECT_EQ(distortion.axis, -1);
   EXPECT_FALSE(distortion.mean);
+  EXPECT_FALSE(distortion.least_squares.has_value());  // auto
   EXPECT_EQ(distortion.weight, 1.0);
   EXPECT_EQ(distortion.normalize, 100.0);
   EXPECT_EQ(distortion.scaling, TermScaling::current);
@@ -71,6 +72,8 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   const OptimizerSettings& optimizer = config.optimizer;
   EXPECT_EQ(optimizer.max_iterations, 400);
   EXPECT_EQ(optimizer.change_tolerance, 0.0);
+  EXPECT_EQ(optimizer.objective_tolerance, 0.0);
+  EXPECT_EQ(optimizer.window, 5);
   EXPECT_EQ(optimizer.asymptote_initial, 0.5);
   EXPECT_EQ(optimizer.asymptote_increase, 1.2);
   EXPECT_EQ(optimizer.asymptote_decrease, 0.7);

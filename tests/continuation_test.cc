@@ -63,6 +63,11 @@ TEST(Continuation, ShortRunsHaveAnEarlierLastSharpness) {
   const Continuation continuation({}, 96.0, 324.0, run_of(20));
   EXPECT_FALSE(continuation.at_last_beta(15));
   EXPECT_TRUE(continuation.at_last_beta(16));
+  EXPECT_FALSE(continuation.reaches_the_end());
+  EXPECT_TRUE(Continuation({}, 96.0, 324.0, run_of(46)).reaches_the_end());
+  ProjectionSettings constant;
+  constant.factor = 1.0;
+  EXPECT_TRUE(Continuation(constant, 10.0, 324.0, run_of(5)).reaches_the_end());
 }
 
 TEST(Continuation, MoveLimitIsConstantThenFallsGeometrically) {

@@ -115,5 +115,57 @@ TEST(DesignUpdate, GoesOnFromASavedState) {
   EXPECT_EQ(restored.whole(), expected.whole());
 }
 
+/// min (x_0 + ... - sum)^2 + (x_0 - ... alternating - difference)^2 + x . x / 100, all but the last as residuals: the
+/// normal equations say where.
+TEST(DesignUpdate, ResidualsAreLeastSquares) {
+  constexpr double wanted[] = {9.0, 1.0}, weight = 0.01;
+  const std::size_t rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+  const std::size_t first = rank * variables / ranks, count = (rank + 1) * variables / ranks - first;
+  const auto coefficient = [&](int residual, std::size_t i) {
+    return residual == 0 || (first + i) % 2 == 0 ? 1.0 : -1.0;
+  };
+  Design design{std::vector<double>(count, 0.5), {}};
+  DesignUpdate update(MPI_COMM_WORLD, {}, design, OptimizerSettings{});
+  StepReport report;
+  for (int step = 0; step < 80; ++step) {
+    ProblemGradients gradients;
+    gradients.objective = design;
+    for (double& entry : gradients.objective.field) entry *= 2.0 * weight;
+    for (int k = 0; k < 2; ++k) {
+      Design& gradient = gradients.residuals.emplace_back(design);
+      double value = 0.0;
+      for (std::size_t i = 0; i < count; ++i) {
+        gradient.field[i] = coefficient(k, i);
+        value += coefficient(k, i) * design.field[i];
+      }
+      gradients.residual_values.push_back(sum(MPI_COMM_WORLD, value) - wanted[k]);
+    }
+    report = update.update(design, gradients, 0.2 * std::pow(0.93, step));
+  }
+  // x_i = p for even i (12 of 23), q for odd ones:
+  //   weight p + r + s = 0, weight q + r - s = 0, r = 12 p + 11 q - 9, s = 12 p - 11 q - 1.
+  const double a = weight + 24.0, b = weight + 22.0;  // the mixed terms cancel
+  const double p = (wanted[0] + wanted[1]) / a, q = (wanted[0] - wanted[1]) / b;
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(design.field[i], (first + i) % 2 == 0 ? p : q, 2e-3) << first + i;
+  EXPECT_EQ(report.mma.multipliers.size(), 4u);
+  EXPECT_EQ(report.mma.largest_violation, 0.0);  // there is no constraint to relax
+}
+
+/// One step goes to the minimum along a direction where the rest is flat; without the residual's curvature the
+/// objective's gradient would ask for the move limit.
+TEST(DesignUpdate, AResidualKnowsItsCurvature) {
+  const std::size_t rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+  const std::size_t count = (rank + 1) * variables / ranks - rank * variables / ranks;
+  Design design{std::vector<double>(count, 0.5), {}};
+  DesignUpdate update(MPI_COMM_WORLD, {}, design, OptimizerSettings{});
+  ProblemGradients gradients;
+  gradients.objective = {std::vector<double>(count, 0.0), {}};
+  gradients.residual_values = {0.23};  // 0 where all variables are 0.01 smaller
+  gradients.residuals = {{std::vector<double>(count, 1.0), {}}};
+  update.update(design, gradients, 0.2);
+  for (const double value : design.field) EXPECT_NEAR(value, 0.49, 1e-3);
+}
+
 }  // namespace
 }  // namespace fabseq

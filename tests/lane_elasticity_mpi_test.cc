@@ -216,6 +216,43 @@ TYPED_TEST(LaneElasticityTest, SolvesSeveralSetsOfLoads) {
   EXPECT_EQ(test::largest(layered.whole(displacements[2], 1)), 0.0);
 }
 
+/// Sets share the lanes that a small batch leaves free, few and then many, with the operators of the batch.
+TYPED_TEST(LaneElasticityTest, SetsFillTheLanesThatLayersLeaveFree) {
+  constexpr int Dim = TypeParam::value;
+  auto settings = v_settings<Dim>();
+  settings.layers = 5;
+  const test::LayeredCase<Dim> layered(settings);
+  const auto expected = test::LayeredCase<Dim>::exact(settings);
+  auto lanes = layered.lanes();
+  const std::size_t at_once[] = {8, 4, 2, 2, 1};
+  for (const int count : {3, 1, 2, 4, 5}) {
+    const int first = 5 - count;
+    lanes.set_operators(first, count, some_lanes(layered.stiffness, 5, first, count), true);
+    EXPECT_EQ(lanes.sets_at_once(), at_once[count - 1]);
+    LaneVector load(layered.load.nodes, Dim, count);
+    load.values = some_lanes(layered.load.values, 5, first, count);
+    double factor = 1.0;
+    for (const std::size_t sets : {1u, 2u, 11u, 1u}) {
+      std::vector<LaneVector> loads(sets, load), displacements = loads;
+      std::vector<double> factors;
+      for (LaneVector& set : loads) {
+        factors.push_back(factor *= -1.5);
+        for (double& value : set.values) value *= factor;
+      }
+      const auto reports = lanes.solve(loads, displacements);
+      ASSERT_EQ(reports.size(), sets);
+      for (std::size_t set = 0; set < sets; ++set)
+        for (int lane = 0; lane < count; ++lane) {
+          auto scaled = expected[first + lane];
+          for (double& value : scaled) value *= factors[set];
+          EXPECT_TRUE(reports[set][lane].converged) << count << " " << set << " " << lane;
+          EXPECT_LT(test::relative_difference(layered.whole(displacements[set], lane), scaled), close)
+              << count << " " << set << " " << lane;
+        }
+    }
+  }
+}
+
 /// Values at supports and where nothing is are ignored, and come back zero.
 TYPED_TEST(LaneElasticityTest, ForcesAtSupportsAndOutsideDoNotMatter) {
   constexpr int Dim = TypeParam::value;

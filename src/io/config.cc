@@ -19,6 +19,10 @@ std::optional<int> optional_integer(const Json& value) {
   return value.is_integer() ? std::optional<int>(static_cast<int>(value.integer())) : std::nullopt;
 }
 
+std::optional<bool> optional_boolean(const Json& value) {
+  return value.is_boolean() ? std::optional<bool>(value.boolean()) : std::nullopt;
+}
+
 int integer(const Json& section, const char* key) { return static_cast<int>(section.at(key).integer()); }
 
 bool is(const Json& section, const char* key, const char* word) { return section.at(key).string() == word; }
@@ -144,6 +148,7 @@ ObjectiveTerm make_objective_term(const Json& value) {
   if (const Json* axis = value.find("axis")) term.axis = axis->string()[0] - 'x';
   if (const Json* mean = value.find("mean")) term.mean = mean->boolean();
   if (const Json* after_release = value.find("after_release")) term.after_release = after_release->boolean();
+  if (const Json* squares = value.find("least_squares")) term.least_squares = optional_boolean(*squares);
   if (const Json* form = value.find("form")) term.form = form->string();
   return term;
 }
@@ -170,6 +175,8 @@ OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequ
   OptimizerSettings optimizer;
   optimizer.max_iterations = integer(value, "max_iterations");
   optimizer.change_tolerance = value.at("change_tolerance").number();
+  optimizer.objective_tolerance = value.at("objective_tolerance").number();
+  optimizer.window = integer(value, "window");
   const bool log_scale = sequence.scale == VariableScale::log;
   optimizer.move_limit = optional_number(value.at("move_limit")).value_or(automatic_move_limit(sequence));
   const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;

@@ -11,12 +11,14 @@ namespace fabseq {
 namespace {
 
 /// Keys that may change, with all below them.
-constexpr std::array<std::string_view, 7> free_keys = {"/name",
+constexpr std::array<std::string_view, 9> free_keys = {"/name",
                                                        "/output",
                                                        "/run",
                                                        "/solver",
                                                        "/optimizer/max_iterations",
                                                        "/optimizer/change_tolerance",
+                                                       "/optimizer/objective_tolerance",
+                                                       "/optimizer/window",
                                                        "/part/voxels/file"};
 
 bool same_value(const Json& a, const Json& b) {

@@ -91,6 +91,10 @@ void check_distortion(const Config& config, std::size_t index) {
     refuse(entry("objective", index, "after_release"), "true with measure layerwise",
            "true only with measures displacement and flatness");
   }
+  if (term.least_squares.value_or(false) && term.measure == "layerwise") {
+    refuse(entry("objective", index, "least_squares"), "true with measure layerwise",
+           "true only with measures displacement and flatness; \"auto\" or false");
+  }
 }
 
 /// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.

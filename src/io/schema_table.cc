@@ -136,7 +136,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "objective", .name = "normalize", .type = number, .default_value = "100", .range = "(0, inf)", .meaning = "Value the term is scaled to"},
     {.section = "objective", .variant = "distortion", .name = "scaling", .type = choice, .default_value = "\"current\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
     {.section = "objective", .variant = "layer_uniformity", .name = "scaling", .type = choice, .default_value = "\"first\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
-    {.section = "objective", .variant = "distortion", .name = "least_squares", .type = flag, .default_value = "false", .later = "true", .meaning = "Hand the term to the optimizer as a sum of squares"},
+    {.section = "objective", .variant = "distortion", .name = "least_squares", .type = flag, .default_value = "\"auto\"", .words = "auto", .meaning = "Hand displacement or flatness to the optimizer as a sum of squares, an elastic adjoint each; auto: where that pays"},
 
     {.section = "constraints", .name = "type", .type = choice, .required = true, .words = "layer_thickness deposition_speed continuity minimum_layer_volume", .later = "subpart_volume", .meaning = "What is bounded"},
     {.section = "constraints", .variant = "layer_thickness", .name = "target", .type = number, .required = true, .range = "(0, inf)", .unit = "length", .option = "-target", .meaning = "Mean thickness of each layer"},
@@ -149,7 +149,9 @@ constexpr ConfigKey keys_table[] = {
     {.section = "baseline", .name = "direction", .type = vector, .default_value = "\"auto\"", .words = "auto", .meaning = "Build direction, of any length; auto: the plate's normal"},
 
     {.section = "optimizer", .name = "max_iterations", .type = integer, .default_value = "400", .range = "[1, inf)", .option = "-max_iterations", .meaning = "Iterations at most"},
-    {.section = "optimizer", .name = "change_tolerance", .type = number, .default_value = "0.0", .range = "[0, inf)", .option = "-change_tolerance", .meaning = "Converged when no variable moves by more, relative to its range; 0: never"},
+    {.section = "optimizer", .name = "change_tolerance", .type = number, .default_value = "0.0", .range = "[0, inf)", .option = "-change_tolerance", .meaning = "Converged when no variable moves by as much, relative to its range, in `window` iterations at the last sharpness; 0: never"},
+    {.section = "optimizer", .name = "objective_tolerance", .type = number, .default_value = "0.0", .range = "[0, inf)", .option = "-objective_tolerance", .meaning = "Converged when there is a feasible iterate and the objective varies by less, relative to what its terms are scaled to, in `window` iterations at the last sharpness; 0: never"},
+    {.section = "optimizer", .name = "window", .type = integer, .default_value = "5", .range = "[1, 10000]", .unit = "iterations", .option = "-window", .meaning = "Iterations over which the two tolerances are looked at"},
     {.section = "optimizer", .name = "move_limit", .type = number, .default_value = "\"auto\"", .range = "(0, 1]", .words = "auto", .option = "-move_limit", .meaning = "Largest step of a variable, relative to its range; auto: 0.05 on the log, 0.2 on the linear scale, 0.02 for times (direct)"},
     {.section = "optimizer", .name = "final_move_limit", .type = number, .default_value = "\"auto\"", .range = "(0, 1]", .words = "auto", .option = "-final_move_limit", .meaning = "The same at the end of the run; auto: 0.004 on the log scale, else move_limit"},
     {.section = "optimizer", .name = "asymptotes", .type = section, .default_value = "{}", .meaning = "Asymptotes"},

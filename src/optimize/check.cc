@@ -1,5 +1,6 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/optimize/problem.h"
 #include "fabseq/optimize/tasks.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
@@ -32,8 +33,10 @@ template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
-  const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
-  print_line("one layer: %.0f unknowns; %d layers, two solves each an iteration", size.unknowns, size.layers);
+  RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
+  size.functionals = Problem<Dim>(setup).functional_count();
+  print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
+             2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
   print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
              path == SolverPath::lanes ? "lanes" : "reference path", ranks,

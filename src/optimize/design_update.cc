@@ -51,6 +51,20 @@ std::vector<double> DesignUpdate::gradient_of_variables(const Design& gradient, 
   return result;
 }
 
+/// Each as a pair +r, -r, of which one is its absolute value.
+void DesignUpdate::add_residuals(const ProblemGradients& gradients, const Design& design, MmaRows& kinds,
+                                 std::vector<double>& values, std::vector<std::vector<double>>& rows) const {
+  kinds.add_residuals(static_cast<int>(gradients.residuals.size()));
+  for (std::size_t k = 0; k < gradients.residuals.size(); ++k) {
+    const std::vector<double> gradient = gradient_of_variables(gradients.residuals[k], design);
+    for (const double sign : {1.0, -1.0}) {
+      values.push_back(sign * gradients.residual_values[k]);
+      std::vector<double>& row = rows.emplace_back(gradient);
+      for (double& entry : row) entry *= sign;
+    }
+  }
+}
+
 StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradients, double move_limit) {
   const std::vector<double> before = to_variables(design);
   std::vector<double> now = before, lower(before.size(), 0.0), upper(before.size(), 1.0);
@@ -60,12 +74,14 @@ StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradient
     lower[i] = std::max(0.0, before[i] - layer);
     upper[i] = std::min(1.0, before[i] + layer);
   }
-  std::vector<std::vector<double>> constraints;
-  for (const Design& row : gradients.constraints) constraints.push_back(gradient_of_variables(row, design));
+  MmaRows kinds = MmaRows::constraints(static_cast<int>(gradients.constraints.size()));
+  std::vector<double> values = gradients.constraint_values;
+  std::vector<std::vector<double>> rows;
+  for (const Design& row : gradients.constraints) rows.push_back(gradient_of_variables(row, design));
+  add_residuals(gradients, design, kinds, values, rows);
   StepReport report;
-  report.mma = mma_.update(now, gradient_of_variables(gradients.objective, design),
-                           gradients.constraint_values, constraints, lower, upper, move_limit,
-                           MmaRows::constraints(static_cast<int>(constraints.size())));
+  report.mma = mma_.update(now, gradient_of_variables(gradients.objective, design), values, rows, lower,
+                           upper, move_limit, kinds);
   for (std::size_t i = 0; i < now.size(); ++i)
     report.change = std::max(report.change, std::abs(now[i] - before[i]) / (upper[i] - lower[i]));
   report.change = max(comm_, report.change);

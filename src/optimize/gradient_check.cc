@@ -120,12 +120,12 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
     return pipeline.run(x, setup.layer_count, setup.first_beta(), false);
   };
   const auto state = run(design);
-  const auto values = pipeline.values(problem.responses(), state);
+  const auto values = pipeline.values(problem.responses_and_functionals(), state);
   std::vector<GradientRow> rows;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
       rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
-  const auto gradients = pipeline.gradients(problem.responses(), state, rows);
+  const auto gradients = pipeline.gradients(problem.responses_and_functionals(), state, rows);
   GradientCheck check;
   for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) check.steps.push_back(step);
   for (const auto& [variables, along] : directions(setup, design)) {
@@ -134,14 +134,16 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
       const auto [response, component, weight] = rows[row][0];
       GradientError& error = check.errors.emplace_back();
       error.name = problem.component_name(response, component);
-      error.type = problem.responses()[response]->type();
+      error.type = problem.responses_and_functionals()[response]->type();
       error.variables = variables;
       error.value = values[response][component];
       error.adjoint = slope_along(setup.world(), gradients[row], design, along, space);
     }
     for (const double step : check.steps) {
-      const auto ahead = pipeline.values(problem.responses(), run(moved(design, along, step, space)));
-      const auto behind = pipeline.values(problem.responses(), run(moved(design, along, -step, space)));
+      const auto ahead =
+          pipeline.values(problem.responses_and_functionals(), run(moved(design, along, step, space)));
+      const auto behind =
+          pipeline.values(problem.responses_and_functionals(), run(moved(design, along, -step, space)));
       for (std::size_t row = 0; row < rows.size(); ++row) {
         const auto [response, component, weight] = rows[row][0];
         GradientError& error = check.errors[first + row];

@@ -97,6 +97,13 @@ MmaRows MmaRows::constraints(int m) {
   return rows;
 }
 
+void MmaRows::add_residuals(int count) {
+  const std::size_t all = a.size() + 2 * static_cast<std::size_t>(count);
+  a.resize(all, 0.0);
+  c.resize(all, 0.0);
+  d.resize(all, 2.0);
+}
+
 Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(comm), settings_(settings) {
   for (auto* vector : {&state_.low, &state_.upp, &state_.previous, &state_.before_previous})
     vector->assign(local, 0.0);

@@ -238,7 +238,7 @@ MmaReport Solver::solve() {
   }
   report.multipliers = lambda_;
   for (std::size_t i = 0; i < m_; ++i)
-    report.largest_violation = std::max(report.largest_violation, artificial(i));
+    if (rows_.c[i] > 0.0) report.largest_violation = std::max(report.largest_violation, artificial(i));
   return report;
 }
 

@@ -146,7 +146,7 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, int layers, double b
 
 template <int Dim>
 std::vector<std::vector<double>> Pipeline<Dim>::values(
-    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state) {
+    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state) {
   const auto scope = timer_.enter(Phase::responses);
   std::vector<std::vector<double>> result;
   for (const auto& response : responses) {
@@ -158,7 +158,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(
 }
 
 template <int Dim>
-std::vector<Design> Pipeline<Dim>::gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+std::vector<Design> Pipeline<Dim>::gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                              const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
@@ -174,7 +174,7 @@ std::vector<Design> Pipeline<Dim>::gradients(const std::vector<std::unique_ptr<R
 
 template <int Dim>
 std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
-    const std::vector<std::unique_ptr<Response<Dim>>>& responses, const PipelineState<Dim>& state,
+    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state,
     const std::vector<GradientRow>& rows) const {
   std::vector<Row> result;
   for (const GradientRow& terms : rows) {
@@ -210,7 +210,7 @@ void Pipeline<Dim>::restore(const CheckpointState& state) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::add_explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                              const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::responses);
   setup_.groups.run([&] {

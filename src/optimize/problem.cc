@@ -10,6 +10,12 @@ namespace fabseq {
 
 namespace {
 
+/// A functional whose square is a smaller share of the term stays in the rest: it vanishes by symmetry, as a rule, and
+/// would cost an adjoint for nothing.
+constexpr double least_share = 1e-6;
+
+bool counts(double functional, double term) { return functional * functional > least_share * term; }
+
 double normalized(double normalize, double value) { return value > 0.0 ? normalize / value : 1.0; }
 
 }  // namespace
@@ -21,6 +27,29 @@ Problem<Dim>::Problem(const Setup<Dim>& setup)
   for (const ObjectiveTerm& term : terms_) responses_.push_back(make_objective<Dim>(term, context));
   for (const ConstraintTerm& term : setup.config.constraints)
     responses_.push_back(make_constraint<Dim>(term, context));
+  configured_ = responses_.size();
+  add_functionals(context);
+}
+
+/// Of terms without weight they would be rows without meaning.
+template <int Dim>
+void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (!terms_[i].least_squares.value_or(true) || terms_[i].weight == 0.0) continue;
+    auto functionals = make_functionals<Dim>(terms_[i], context);
+    if (!functionals || functionals->count() == 0) continue;
+    if (!terms_[i].least_squares && functionals->count() > most_automatic_functionals) continue;
+    functional_count_ += functionals->count();
+    squares_.push_back({i, responses_.size(), functionals->complete()});
+    responses_.push_back(std::move(functionals));
+  }
+}
+
+template <int Dim>
+const typename Problem<Dim>::Squares* Problem<Dim>::squares_of(std::size_t term) const {
+  const auto same = [term](const Squares& squares) { return squares.term == term; };
+  const auto found = std::find_if(squares_.begin(), squares_.end(), same);
+  return found == squares_.end() ? nullptr : &*found;
 }
 
 /// Factor of each term: its value becomes `normalize` at the first iteration, or at every one.
@@ -35,7 +64,7 @@ std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<dou
 
 template <int Dim>
 ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
-  auto all = pipeline.values(responses_, state);
+  auto all = pipeline.values(responses_and_functionals(), state);
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
       if (!std::isfinite(all[r][c]))
@@ -43,7 +72,10 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   ProblemValues result;
   const auto split = all.begin() + static_cast<std::ptrdiff_t>(terms_.size());
   result.objective.assign(all.begin(), split);
-  result.constraints.assign(split, all.end());
+  const auto end = all.begin() + static_cast<std::ptrdiff_t>(configured_);
+  result.constraints.assign(split, end);
+  result.functionals.resize(terms_.size());
+  for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
   if (first_values_.empty())
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
 
@@ -65,24 +97,49 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   return result;
 }
 
+/// The weighted terms; of a sum of squares what is not in the residuals, J - sum r_k^2.
+template <int Dim>
+GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
+                                        const std::vector<double>& factors) const {
+  GradientRow row;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Squares* squares = squares_of(i);
+    if (squares != nullptr && squares->complete) continue;
+    const double weight = terms_[i].weight * factors[i];
+    row.push_back({static_cast<int>(i), 0, weight});
+    for (std::size_t k = 0; k < values.functionals[i].size(); ++k)
+      if (const double value = values.functionals[i][k]; counts(value, values.objective[i][0]))
+        row.push_back({static_cast<int>(squares->response), static_cast<int>(k), -2.0 * weight * value});
+  }
+  return row;
+}
+
 template <int Dim>
 ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                                          const ProblemValues& values) const {
-  // One row for the whole objective and one for each constrained component, which its upper and lower bound
-  // share.
+  // One row for the whole objective, one for each constrained component, which its upper and lower bound share, and
+  // one for each residual.
   const std::vector<double> factors = term_factors(values.objective);
-  std::vector<GradientRow> rows(1);
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    rows[0].push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  std::vector<GradientRow> rows = {objective_row(values, factors)};
   std::vector<std::size_t> first_row;
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
     first_row.push_back(rows.size());
     for (std::size_t c = 0; c < values.constraints[i].size(); ++c)
       rows.push_back({{static_cast<int>(terms_.size() + i), static_cast<int>(c), 1.0}});
   }
-  auto gradients = pipeline.gradients(responses_, state, rows);
-
   ProblemGradients result;
+  const std::size_t first_residual = rows.size();
+  for (const Squares& squares : squares_) {
+    const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
+    for (std::size_t k = 0; k < values.functionals[squares.term].size(); ++k) {
+      const double value = values.functionals[squares.term][k];
+      if (!squares.complete && !counts(value, values.objective[squares.term][0])) continue;
+      result.residual_values.push_back(scale * value);
+      rows.push_back({{static_cast<int>(squares.response), static_cast<int>(k), scale}});
+    }
+  }
+  auto gradients = pipeline.gradients(responses_and_functionals(), state, rows);
+
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
     const auto& components = values.constraints[i];
@@ -94,7 +151,16 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
         for (double& entry : *entries) entry *= row.sign / row.scale;
     }
   }
+  for (std::size_t row = first_residual; row < rows.size(); ++row)
+    result.residuals.push_back(std::move(gradients[row]));
   return result;
+}
+
+template <int Dim>
+double Problem<Dim>::merit_unit() const {
+  double unit = 0.0;
+  for (const ObjectiveTerm& term : terms_) unit += term.weight * term.normalize;
+  return unit;
 }
 
 template <int Dim>
@@ -110,6 +176,9 @@ void Problem<Dim>::restore(const CheckpointState& state) {
 template <int Dim>
 std::string Problem<Dim>::component_name(std::size_t response, std::size_t component) const {
   if (response < terms_.size()) return "objective_" + std::to_string(response);
+  for (const Squares& squares : squares_)
+    if (squares.response == response)
+      return "objective_" + std::to_string(squares.term) + "_functional_" + std::to_string(component);
   return "constraint_" + std::to_string(response - terms_.size()) + "_" + std::to_string(component);
 }
 

@@ -16,7 +16,7 @@ namespace fabseq {
 namespace {
 
 /// Changes with the layout of checkpoints.
-constexpr int format = 1;
+constexpr int format = 2;
 
 /// Of the densities and their places; a sum, so that it does not matter which rank has which elements.
 template <int Dim>
@@ -37,7 +37,7 @@ std::string part_checksum(const Part<Dim>& part) {
 [[noreturn]] void refuse_other_problem(const std::string& what, const std::string& difference) {
   throw InputError("-restart: " + what + " is of another problem: " + difference +
                    "; allowed to change: name, output, solver, optimizer.max_iterations, "
-                   "optimizer.change_tolerance");
+                   "optimizer.change_tolerance, optimizer.objective_tolerance, optimizer.window");
 }
 
 template <int Dim>

@@ -77,6 +77,17 @@ double halo_nodes(const Index<Dim>& elements, int ranks) {
   return std::isfinite(least) ? least : 0.0;
 }
 
+/// Least-squares residuals of a config at most: constant and linear parts, of each component.
+int most_functionals(const Config& config) {
+  int result = 0;
+  for (const ObjectiveTerm& term : config.objective) {
+    if (!term.least_squares.value_or(true)) continue;
+    if (term.measure == "displacement") result += config.dimension * (config.dimension + 1);
+    if (term.measure == "flatness") result += config.dimension;
+  }
+  return result;
+}
+
 std::string groups_text(int groups, int ranks) {
   return std::to_string(groups) + " x " + std::to_string(ranks / groups);
 }
@@ -159,6 +170,7 @@ RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ra
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
+  size.functionals = most_functionals(config);
   return size;
 }
 
@@ -187,7 +199,8 @@ BlockSolver block_solver(SolverPath path) {
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
   // Each group has the heat problem and all densities; displacements and derivatives are shared out.
   const double of_nodes = size.nodes * (200.0 * groups + 8.0 * size.dimension * size.layers);
-  const double of_elements = size.part_elements * size.layers * (16.0 * groups + 70.0);
+  const double of_elements =
+      size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
   const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
   if (path == SolverPath::reference) {
     const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
@@ -212,7 +225,8 @@ int resolved_lanes(MPI_Comm world, const Config& config, const RunSize& size, in
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
-  return 2.0 * size.layers * size.unknowns * cost_of(path).seconds_per_unknown / size.ranks;
+  return (2.0 + size.functionals) * size.layers * size.unknowns * cost_of(path).seconds_per_unknown /
+         size.ranks;
 }
 
 template <int Dim>

@@ -8,6 +8,7 @@
 #include "fabseq/io/hdf5_writer.h"
 #include "fabseq/sequence/given_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -19,6 +20,11 @@ Json lists(const std::vector<std::vector<double>>& values) {
   Json result = Json::array();
   for (const auto& list : values) result.append(list);
   return result;
+}
+
+bool has_functionals(const ProblemValues& values) {
+  return std::any_of(values.functionals.begin(), values.functionals.end(),
+                     [](const std::vector<double>& list) { return !list.empty(); });
 }
 
 }  // namespace
@@ -105,6 +111,7 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
     line.set("temperature_range",
              std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
   if (!design.time_points.empty()) line.set("time_points", design.time_points);
+  if (has_functionals(values)) line.set("functionals", lists(values.functionals));
   history_.append(line);
 }
 

@@ -10,24 +10,28 @@ RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, 
       continuation(setup.config.projection, setup.first_beta(), setup.last_beta(), setup.config.optimizer),
       optimizer(setup.world(), sequence.space(), design, setup.config.optimizer),
       settings_(setup.config.optimizer),
-      design_(std::move(design)) {}
+      design_(std::move(design)),
+      convergence_(setup.config.optimizer, problem.merit_unit()) {}
 
 template <int Dim>
-void RunState<Dim>::complete(Design next, double change) {
+void RunState<Dim>::complete(Design next, double change, const ProblemValues& values) {
   design_ = std::move(next);
-  change_ = change;
   ++completed_;
+  convergence_.add(continuation.beta(completed_), change, values.merit);
 }
 
 template <int Dim>
-bool RunState<Dim>::converged() const {
-  return completed_ > 0 && change_ < settings_.change_tolerance && continuation.at_last_beta(completed_);
+std::string RunState<Dim>::convergence() const {
+  if (completed_ == 0 || !continuation.at_last_beta(completed_)) return "";
+  return convergence_.reason(best.feasible());
 }
 
 template <int Dim>
 RunEnd RunState<Dim>::end() const {
-  if (converged()) return {"converged", "the design's change fell below change_tolerance", completed_};
-  return {"iteration_limit", "max_iterations reached", completed_};
+  const std::string reason = convergence();
+  if (!reason.empty()) return {"converged", reason, completed_};
+  const char* too_short = continuation.reaches_the_end() ? "" : " before the sharpness reached its maximum";
+  return {"iteration_limit", std::string("max_iterations reached") + too_short, completed_};
 }
 
 template <int Dim>
@@ -35,26 +39,26 @@ CheckpointState RunState<Dim>::save() const {
   CheckpointState state;
   state.set_scalar("iteration", completed_);
   state.set_scalar("beta", continuation.beta(completed_ + 1));
-  state.set_scalar("change", change_);
   state.set_field("design", design_.field);
   if (!design_.time_points.empty()) state.set_array("time_points", design_.time_points);
   problem.save(state);
   continuation.save(state);
   optimizer.save(state);
   best.save(state);
+  convergence_.save(state);
   return state;
 }
 
 template <int Dim>
 void RunState<Dim>::restore(const CheckpointState& state) {
   completed_ = state.integer("iteration");
-  change_ = state.number("change");
   design_.field = state.field("design");
   if (!design_.time_points.empty()) design_.time_points = state.array("time_points");
   problem.restore(state);
   continuation.restore(state);
   optimizer.restore(state);
   best.restore(state);
+  convergence_.restore(state);
 }
 
 template class RunState<2>;

@@ -174,7 +174,7 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
   for (const ProcessDerivatives& row : derivatives)
     if (row.strains != nullptr) row.strains->resize(elements_.strains().size(), 0.0);
   groups_.run([&] {
-    std::vector<LaneVector> loads(rows.size()), adjoints(rows.size());
+    std::vector<LaneVector> loads, adjoints;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, rows, derivatives, motions, loads, adjoints);
   });
@@ -184,12 +184,32 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::spa
     expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];
 }
 
+/// The block's operators are set up once for all rows, which come as many at a time as the solver can use.
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
                                              std::span<const ProcessAdjoint> rows,
                                              std::span<const ProcessDerivatives> derivatives,
                                              std::span<const std::vector<double>> motions,
-                                             std::span<LaneVector> loads, std::span<LaneVector> adjoints) {
+                                             std::vector<LaneVector>& loads,
+                                             std::vector<LaneVector>& adjoints) {
+  set_operators(densities, result_.blocks[number], false);
+  const std::size_t at_once = std::min(rows.size(), solver_->sets_at_once());
+  loads.resize(at_once);
+  adjoints.resize(at_once);
+  for (std::size_t first = 0; first < rows.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, rows.size() - first);
+    pull_back_rows(densities, number, rows.subspan(first, count), derivatives.subspan(first, count),
+                   motions.subspan(first, count), std::span(loads).first(count),
+                   std::span(adjoints).first(count));
+  }
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::pull_back_rows(const LayerDensities& densities, std::size_t number,
+                                            std::span<const ProcessAdjoint> rows,
+                                            std::span<const ProcessDerivatives> derivatives,
+                                            std::span<const std::vector<double>> motions,
+                                            std::span<LaneVector> loads, std::span<LaneVector> adjoints) {
   const LayerBlock& block = result_.blocks[number];
   const LaneVector& increments = result_.increments[number];
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -198,7 +218,6 @@ void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, st
     set_adjoint_load(rows[row], number, loads[row]);
     if (!motions[row].empty()) supports_.subtract_motion(densities, block.first, motions[row], loads[row]);
   }
-  set_operators(densities, block, false);
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (int lane = 0; lane < block.lanes; ++lane) {

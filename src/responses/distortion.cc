@@ -1,47 +1,11 @@
 #include "fabseq/responses/distortion.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/responses/set_displacement.h"
 
 namespace fabseq {
 
 namespace {
-
-/// Displacements of a set of nodes on the plate or, where that is asked for, after the release.
-template <int Dim>
-class SetDisplacement {
- public:
-  SetDisplacement(const Part<Dim>& part, const NodeSet& nodes, bool after_release)
-      : comm_(part.grid().comm()), nodes_(nodes), after_release_(after_release) {}
-
-  MPI_Comm comm() const { return comm_; }
-  const NodeSet& nodes() const { return nodes_; }
-  double at(const PipelineState<Dim>& state, int node, int axis) const {
-    const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
-    return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
-  }
-  /// Adds a derivative of at(): what is released moves with both.
-  void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const {
-    const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
-    touch(adjoint.process.displacement, state)[i] += value;
-    if (after_release_) touch(adjoint.process.release, state)[i] += value;
-  }
-  /// Makes room for derivatives: on all ranks, those without a node of the set, too.
-  void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {
-    touch(adjoint.process.displacement, state);
-    if (after_release_) touch(adjoint.process.release, state);
-  }
-
- private:
-  static std::vector<double>& touch(std::vector<double>& derivative, const PipelineState<Dim>& state) {
-    if (derivative.empty()) derivative.assign(state.process.displacement.size(), 0.0);
-    return derivative;
-  }
-
-  MPI_Comm comm_;
-  const NodeSet& nodes_;
-  bool after_release_;
-};
 
 template <int Dim>
 class Displacement : public Response<Dim> {

@@ -2,6 +2,7 @@
 #include "fabseq/responses/continuity.h"
 #include "fabseq/responses/deposition_speed.h"
 #include "fabseq/responses/distortion.h"
+#include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/responses/layer_thickness.h"
 #include "fabseq/responses/layer_uniformity.h"
 #include "fabseq/responses/minimum_layer_volume.h"
@@ -75,10 +76,24 @@ std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term,
   return look_up(constraints<Dim>(), term.type)(term, context);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                             \
-  template std::unique_ptr<Response<Dim>> make_objective<Dim>(const ObjectiveTerm&,         \
-                                                              const ResponseContext<Dim>&); \
-  template std::unique_ptr<Response<Dim>> make_constraint<Dim>(const ConstraintTerm&,       \
+template <int Dim>
+std::unique_ptr<DistortionFunctionals<Dim>> make_functionals(const ObjectiveTerm& term,
+                                                             const ResponseContext<Dim>& context) {
+  if (term.measure == "displacement")
+    return make_displacement_functionals(context.part, context.node_sets.at(term.nodes), term.mean,
+                                         term.after_release);
+  if (term.measure == "flatness")
+    return make_flatness_functionals(context.part, context.node_sets.at(term.nodes), term.axis,
+                                     term.after_release);
+  return nullptr;
+}
+
+#define FABSEQ_INSTANTIATE(Dim)                                                                            \
+  template std::unique_ptr<DistortionFunctionals<Dim>> make_functionals<Dim>(const ObjectiveTerm&,         \
+                                                                             const ResponseContext<Dim>&); \
+  template std::unique_ptr<Response<Dim>> make_objective<Dim>(const ObjectiveTerm&,                        \
+                                                              const ResponseContext<Dim>&);                \
+  template std::unique_ptr<Response<Dim>> make_constraint<Dim>(const ConstraintTerm&,                      \
                                                                const ResponseContext<Dim>&);
 FABSEQ_INSTANTIATE(2)
 FABSEQ_INSTANTIATE(3)

@@ -4,6 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -40,7 +41,9 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
   for (std::size_t i = 0; i < stiffness.size(); ++i)
     if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
   sum_in_place(grid_.comm(), not_finite_);
+  sets_ = 1;
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
+    width_ = Width;
     LaneArray& coefficients = solver.matrix().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
       for (int lane = 0; lane < Width; ++lane)
@@ -50,26 +53,79 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
 }
 
 template <int Dim>
+std::size_t LaneElasticity<Dim>::sets_at_once() const {
+  std::size_t sets = sets_;
+  for (int width = 2 * width_; width <= most_lanes_; width *= 2) sets *= 2;
+  return sets;
+}
+
+template <int Dim>
 std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const LaneVector> loads,
                                                                  std::span<LaneVector> displacements) {
   static const LogEvent event("fabseq lane solve");
   const auto scope = event.enter();
   std::vector<std::vector<SolveReport>> reports(loads.size());
-  for (std::size_t set = 0; set < loads.size(); ++set) {
-    with_narrowest(solver_, lanes_, [&]<int Width>(auto& solver) {
-      layout_.to_mesh(loads[set], Width, load_);
-      for (const LaneOutcome& outcome : solver.solve(load_, displacement_, lanes_, stop_)) {
-        const bool finite = outcome.finite && not_finite_[reports[set].size()] == 0.0;
-        reports[set].push_back({outcome.iterations,
-                                finite ? outcome.residual : std::numeric_limits<double>::quiet_NaN(),
-                                outcome.converged, finite ? "iteration limit" : "not a number"});
-      }
-      layout_.to_owned(displacement_, Width, displacements[set]);
-    });
+  const std::size_t at_once = sets_at_once();
+  for (std::size_t first = 0; first < loads.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, loads.size() - first);
+    solve_sets(loads.subspan(first, count), displacements.subspan(first, count),
+               std::span(reports).subspan(first, count));
+  }
+  for (std::size_t set = 0; set < loads.size(); ++set)
     for (int lane = 0; lane < lanes_; ++lane)
       if (!reports[set][lane].converged && std::isfinite(reports[set][lane].residual))
         solve_again(loads[set], displacements[set], lane, reports[set][lane]);
+  return reports;
+}
+
+/// Several sets fill lanes that the layers leave free.
+template <int Dim>
+void LaneElasticity<Dim>::solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
+                                     std::span<std::vector<SolveReport>> reports) {
+  const auto count = static_cast<int>(loads.size());
+  if (count == 1) {
+    reports[0] = solve_lanes(loads[0], displacements[0]);
+    return;
   }
+  widen(loads.size());
+  LaneVector load(loads[0].nodes, loads[0].components, count * lanes_), displacement = load;
+  for (std::size_t i = 0; i < load.unknowns(); ++i)
+    for (int set = 0; set < count; ++set)
+      std::copy_n(&loads[set].values[i * lanes_], lanes_, &load.values[(i * count + set) * lanes_]);
+  const std::vector<SolveReport> all = solve_lanes(load, displacement);
+  for (std::size_t i = 0; i < load.unknowns(); ++i)
+    for (int set = 0; set < count; ++set)
+      std::copy_n(&displacement.values[(i * count + set) * lanes_], lanes_,
+                  &displacements[set].values[i * lanes_]);
+  for (int set = 0; set < count; ++set)
+    reports[set].assign(all.begin() + set * lanes_, all.begin() + (set + 1) * lanes_);
+}
+
+/// Sets up a wider solver, with the batch's systems as often as there are sets, from the one that is.
+template <int Dim>
+void LaneElasticity<Dim>::widen(std::size_t sets) {
+  while (static_cast<std::size_t>(sets_) < sets) {
+    width_ *= 2;
+    with_narrowest(solver_, width_,
+                   [&]<int Width>(auto& solver) { solver.set_up_from_half(sets_ * lanes_); });
+    sets_ *= 2;
+  }
+}
+
+/// Solves side by side; lane i is one of layer i % lanes_.
+template <int Dim>
+std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load, LaneVector& displacement) {
+  std::vector<SolveReport> reports;
+  with_narrowest(solver_, width_, [&]<int Width>(auto& solver) {
+    layout_.to_mesh(load, Width, load_);
+    for (const LaneOutcome& outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
+      const bool finite = outcome.finite && not_finite_[reports.size() % lanes_] == 0.0;
+      reports.push_back({outcome.iterations,
+                         finite ? outcome.residual : std::numeric_limits<double>::quiet_NaN(),
+                         outcome.converged, finite ? "iteration limit" : "not a number"});
+    }
+    layout_.to_owned(displacement_, Width, displacement);
+  });
   return reports;
 }
 

@@ -97,6 +97,13 @@ class ConfigErrorsTest(BadInputTest):
 
     def test_features_of_later_versions_are_not_ignored(self):
         config = plate_2d()
+        config["layers"]["type"] = "multi_planar"
+        self.assert_refused(config, words=["/layers/type"])
+
+    def test_a_measure_that_is_no_sum_of_squares(self):
+        config = plate_2d()
+        config["objective"][0]["measure"] = "layerwise"
+        del config["objective"][0]["nodes"]
         config["objective"][0]["least_squares"] = True
         self.assert_refused(config, words=["/objective/0/least_squares"])
 

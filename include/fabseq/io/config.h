@@ -88,12 +88,13 @@ struct ObjectiveTerm {
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
-  std::string measure;         ///< distortion: displacement, flatness, layerwise
-  std::string nodes;           ///< distortion: name of a node set
-  int axis = -1;               ///< flatness
-  bool after_release = false;  ///< displacement, flatness: of the part cut from the plate
-  bool mean = false;           ///< displacement: divide by the number of nodes
-  std::string form;            ///< layer_uniformity: sum_of_squares, variance
+  std::string measure;                        ///< distortion: displacement, flatness, layerwise
+  std::string nodes;                          ///< distortion: name of a node set
+  int axis = -1;                              ///< flatness
+  bool after_release = false;                 ///< displacement, flatness: of the part cut from the plate
+  bool mean = false;                          ///< displacement: divide by the number of nodes
+  std::optional<bool> least_squares = false;  ///< displacement, flatness; none: where it pays
+  std::string form;                           ///< layer_uniformity: sum_of_squares, variance
 };
 
 struct ConstraintTerm {
@@ -113,6 +114,8 @@ struct BaselineSettings {
 struct OptimizerSettings {
   int max_iterations = 400;
   double change_tolerance = 0.0;
+  double objective_tolerance = 0.0;
+  int window = 5;  ///< iterations over which both are looked at
   double move_limit = 0.05,
          final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
   double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;

@@ -19,6 +19,10 @@ class Continuation {
   double beta(int iteration) const;
   /// Whether the sharpness will not change any more, in this run of `max_iterations`.
   bool at_last_beta(int iteration) const;
+  /// Whether this run of `max_iterations` gets to where the sharpness ends.
+  bool reaches_the_end() const {
+    return beta(optimizer_.max_iterations + projection_.interval) == beta(optimizer_.max_iterations);
+  }
   /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling
   /// geometrically.
   double move_limit(int iteration) const;

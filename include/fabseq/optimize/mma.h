@@ -28,6 +28,8 @@ struct MmaRows {
   std::vector<double> a, c, d;  ///< one entry a row
   /// m ordinary constraints: a = 0, c = 1000, d = 1.
   static MmaRows constraints(int m);
+  /// Adds the pairs of so many least-squares residuals: a = 0, c = 0, d = 2.
+  void add_residuals(int count);
 };
 
 /// What an update found out.
@@ -35,7 +37,8 @@ struct MmaReport {
   int newton_steps = 0;
   double kkt_residual = 0.0;        ///< largest residual of the subproblem's optimality conditions
   std::vector<double> multipliers;  ///< lambda of each row
-  double largest_violation = 0.0;   ///< largest y_i: how much the convex subproblem had to relax a row
+  double largest_violation =
+      0.0;  ///< largest y_i of the rows with c > 0: how much the convex subproblem had to relax one
 };
 
 /// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's

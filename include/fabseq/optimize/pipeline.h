@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -56,10 +57,10 @@ class Pipeline {
   /// T_0 ... T_N of the last run.
   const std::vector<double>& last_time_points() const { return densities_.time_points; }
   /// Values of all components of each of `responses`.
-  std::vector<std::vector<double>> values(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<std::vector<double>> values(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                           const PipelineState<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run.
-  std::vector<Design> gradients(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<Design> gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
@@ -79,9 +80,9 @@ class Pipeline {
     std::vector<double> time_points;  ///< dJ/dT_0 ... dJ/dT_N where these vary, this rank's part
     std::vector<double> strains;      ///< dJ/d(inherent strain) where that turns, this group's part
   };
-  std::vector<Row> deal_out_rows(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  std::vector<Row> deal_out_rows(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
-  void add_explicit_derivatives(const std::vector<std::unique_ptr<Response<Dim>>>& responses,
+  void add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, std::vector<Row>& rows);
   void pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);

@@ -5,8 +5,10 @@
 #include "fabseq/io/checkpoint_state.h"
 #include "fabseq/io/json.h"
 #include "fabseq/optimize/pipeline.h"
+#include "fabseq/responses/distortion_functionals.h"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,17 +16,22 @@ namespace fabseq {
 
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  Design objective;                       ///< gradient of the scaled objective
+  Design objective;                       ///< gradient of the scaled objective less the residuals' squares
   std::vector<double> constraint_values;  ///< f_i <= 0, one a row
   std::vector<Design> constraints;        ///< gradient of each row
+  std::vector<double>
+      residual_values;            ///< s r_k of what counts: their squares are part of the scaled objective
+  std::vector<Design> residuals;  ///< gradient of each
 };
 
 /// Values of all responses at a design; the same on all ranks.
 struct ProblemValues {
   std::vector<std::vector<double>> objective;    ///< raw value of each term (one component)
   std::vector<std::vector<double>> constraints;  ///< left-hand sides, as the user reads them
-  std::vector<double> scaled;                    ///< weight * factor * raw value of each term
-  double merit = 0.0;  ///< what the optimizer descends: comparable between iterations
+  std::vector<std::vector<double>>
+      functionals;             ///< r_k of each term handed over as a sum of squares, else none
+  std::vector<double> scaled;  ///< weight * factor * raw value of each term
+  double merit = 0.0;          ///< what the optimizer descends: comparable between iterations
   double worst_constraint =
       0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
 };
@@ -36,7 +43,12 @@ class Problem {
  public:
   explicit Problem(const Setup<Dim>& setup);
 
-  const std::vector<std::unique_ptr<Response<Dim>>>& responses() const { return responses_; }
+  /// What the config lists.
+  std::span<const std::unique_ptr<Response<Dim>>> responses() const {
+    return std::span(responses_).first(configured_);
+  }
+  /// The same and after them, for each term that the optimizer gets as a sum of squares, its functionals.
+  std::span<const std::unique_ptr<Response<Dim>>> responses_and_functionals() const { return responses_; }
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
 
@@ -47,21 +59,39 @@ class Problem {
   ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                              const ProblemValues& values) const;
 
+  /// Residuals of least squares, of all terms.
+  int functional_count() const { return functional_count_; }
+  /// What the terms' contributions to the merit are scaled to, all together.
+  double merit_unit() const;
+
   /// The values of the first evaluate(), by which terms are scaled.
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
 
   /// Name, type and value of every component, as in evaluation.json: objective_0, constraint_0_0, ...
   Json describe(const std::vector<std::vector<double>>& values) const;
-  /// The same name for a component of a response.
+  /// The same name for a component of responses_and_functionals(); functionals are objective_0_functional_0, ...
   std::string component_name(std::size_t response, std::size_t component) const;
 
  private:
+  /// The functionals of a term that the optimizer gets as a sum of squares.
+  struct Squares {
+    std::size_t term = 0;      ///< index in terms_
+    std::size_t response = 0;  ///< of the functionals, index in responses_
+    bool complete = false;     ///< there is no rest
+  };
+
+  void add_functionals(const ResponseContext<Dim>& context);
+  const Squares* squares_of(std::size_t term) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
+  GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 
   std::vector<ObjectiveTerm> terms_;
   double margin_;
-  std::vector<std::unique_ptr<Response<Dim>>> responses_;
+  std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
+  std::size_t configured_ = 0;                             ///< terms and constraints
+  std::vector<Squares> squares_;
+  int functional_count_ = 0;
   std::vector<double> first_values_;
 };
 

@@ -19,9 +19,13 @@ struct RunSize {
   int dimension = 3;
   int layers = 0;
   int ranks = 1;
+  int functionals = 0;  ///< residuals of least squares: an elastic adjoint each
 };
 
-/// Of a part with this many layers. Collective on the grid's communicator.
+/// Functionals of a term that pay for their adjoints: with more, `least_squares: auto` is false (docs/formulation.md 9).
+constexpr int most_automatic_functionals = 12;
+
+/// Of a part with this many layers; with as many functionals as there can be. Collective on the grid's communicator.
 template <int Dim>
 RunSize run_size(const Config& config, const Part<Dim>& part, int layers, int ranks);
 

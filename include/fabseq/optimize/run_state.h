@@ -4,6 +4,7 @@
 
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/optimize/continuation.h"
+#include "fabseq/optimize/convergence.h"
 #include "fabseq/optimize/design_update.h"
 
 #include <string>
@@ -34,10 +35,11 @@ class RunState {
   const Design& design() const { return design_; }
   /// Iterations done.
   int completed() const { return completed_; }
-  /// Ends an iteration, whose step to the `next` design was `change` (StepReport::change).
-  void complete(Design next, double change);
+  /// Ends an iteration, whose design had these values and whose step to the `next` one was `change`
+  /// (StepReport::change).
+  void complete(Design next, double change, const ProblemValues& values);
   /// Whether there is nothing left to do: converged, or as many iterations as were asked for.
-  bool ended() const { return converged() || completed_ >= settings_.max_iterations; }
+  bool ended() const { return !convergence().empty() || completed_ >= settings_.max_iterations; }
   /// How, once it has.
   RunEnd end() const;
 
@@ -46,12 +48,13 @@ class RunState {
   void restore(const CheckpointState& state);
 
  private:
-  bool converged() const;
+  /// Why the run could end before its last iteration, empty while it should go on.
+  std::string convergence() const;
 
   const OptimizerSettings& settings_;
   Design design_;
+  Convergence convergence_;
   int completed_ = 0;
-  double change_ = 1.0;  ///< of the last iteration; no step is larger than the range
 };
 
 extern template class RunState<2>;

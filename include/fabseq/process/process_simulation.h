@@ -101,8 +101,12 @@ class ProcessSimulation {
   void solve_block(const LayerDensities& densities, std::size_t number, LaneVector& load);
   void pull_back_block(const LayerDensities& densities, std::size_t number,
                        std::span<const ProcessAdjoint> rows, std::span<const ProcessDerivatives> derivatives,
-                       std::span<const std::vector<double>> motions, std::span<LaneVector> loads,
-                       std::span<LaneVector> adjoints);
+                       std::span<const std::vector<double>> motions, std::vector<LaneVector>& loads,
+                       std::vector<LaneVector>& adjoints);
+  void pull_back_rows(const LayerDensities& densities, std::size_t number,
+                      std::span<const ProcessAdjoint> rows, std::span<const ProcessDerivatives> derivatives,
+                      std::span<const std::vector<double>> motions, std::span<LaneVector> loads,
+                      std::span<LaneVector> adjoints);
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 

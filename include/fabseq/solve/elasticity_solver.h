@@ -6,6 +6,8 @@
 #include "fabseq/solve/assembled_system.h"
 #include "fabseq/solve/lane_vector.h"
 
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -27,6 +29,10 @@ class ElasticitySolver {
   /// converge.
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
+
+  /// Of how many sets of loads a call makes the most: those beyond would wait for their turn and take memory. The same on
+  /// all ranks.
+  virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
   /// Forgets what earlier solves have left for later ones: from here on everything goes as in a new solver,
   /// to the last bit. Collective.

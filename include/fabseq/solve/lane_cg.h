@@ -56,6 +56,9 @@ class LaneCg {
   void release();
   /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
+  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the same again,
+  /// for further right-hand sides of these systems.
+  void set_up_from_half(int count);
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
   /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
   std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
@@ -77,6 +80,8 @@ class LaneCg {
     std::array<LaneOutcome, Width> outcome{};
   };
   void allocate();
+  template <int Other>
+  void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
   void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
   void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
   void find_islands();

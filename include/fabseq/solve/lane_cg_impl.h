@@ -220,6 +220,27 @@ typename LaneCg<Problem, Width>::Half& LaneCg<Problem, Width>::half() {
   return *half_;
 }
 
+/// Lane i becomes lane lanes[i] of another solver.
+template <class Problem, int Width>
+template <int Other>
+void LaneCg<Problem, Width>::copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes) {
+  allocate();
+  multigrid_->template select<Other>(*other.multigrid_, lanes);
+  matrix_->template select<Other>(*other.matrix_, lanes);
+  if constexpr (Problem::own_operators) islands_.template select<Other>(other.islands_, lanes);
+  for (int lane = 0; lane < Width; ++lane)
+    positive_[lane] = other.positive_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up_from_half(int count) {
+  if constexpr (Width > 1) {
+    std::array<int, Width> lanes{};
+    for (int i = 0; i < 2 * count; ++i) lanes[i] = i % count;
+    copy_set_up(half(), std::span<const int>(lanes.data(), 2 * count));
+  }
+}
+
 /// Lets the lanes that are left go on in a solver half as wide; false if there are too many.
 template <class Problem, int Width>
 bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& solution,
@@ -237,10 +258,7 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
     }
     if (count == 0) return false;
     const std::span<const int> lanes(left.data(), count);
-    half().allocate();
-    half_->multigrid_->template select<Width>(*multigrid_, lanes);
-    half_->matrix_->template select<Width>(*matrix_, lanes);
-    if constexpr (Problem::own_operators) half_->islands_.template select<Width>(islands_, lanes);
+    half().copy_set_up(*this, lanes);
     typename LaneCg<Problem, half_width>::State narrower;
     narrower.iteration = state.iteration;
     for (int i = 0; i < std::min(count, half_width); ++i) {

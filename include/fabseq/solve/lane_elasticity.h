@@ -31,11 +31,17 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
+  /// As many as there are lanes for, beside the layers of the batch.
+  std::size_t sets_at_once() const override;
   void start_cold() override;
   void rest() override;
   std::string description() const override;
 
  private:
+  void solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
+                  std::span<std::vector<SolveReport>> reports);
+  void widen(std::size_t sets);
+  std::vector<SolveReport> solve_lanes(const LaneVector& load, LaneVector& displacement);
   void solve_again(const LaneVector& load, LaneVector& displacement, int lane, SolveReport& report);
 
   const Grid<Dim>& grid_;
@@ -50,6 +56,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   int most_lanes_;
   std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
   int first_layer_ = 0, lanes_ = 0;
+  int width_ = widest;              ///< of the solver that is set up for the batch
+  int sets_ = 0;                    ///< as often it has the batch's systems side by side
   std::vector<double> not_finite_;  ///< stiffness values of each lane of the batch that are no numbers
   std::vector<double> stiffness_;   ///< of the current batch, [element][lane], for the fallback
   LaneArray load_, displacement_;
