@@ -17,6 +17,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/io/command_line.h"
+#include "fabseq/optimize/coarse_grid.h"
 #include "fabseq/optimize/restart.h"
 #include "fabseq/optimize/run_output.h"
 #include "fabseq/optimize/run_state.h"
@@ -36,6 +37,15 @@ SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>&
   return report_sequence(setup, problem, pipeline, state);
 }
 
+/// Terms that are scaled by their first values are so by those of the initial design, as without a coarse grid.
+template <int Dim>
+void scale_by_initial_design(const Setup<Dim>& setup, const CommandLine& command_line,
+                             Pipeline<Dim>& pipeline, Problem<Dim>& problem) {
+  const Design initial = starting_design(setup, pipeline.sequence(), command_line);
+  problem.evaluate(pipeline, pipeline.run(initial, setup.layer_count, setup.first_beta(), false));
+  pipeline.start_cold();
+}
+
 template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                 const BestIterate& best) {
@@ -49,18 +59,44 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
 }
 
 template <int Dim>
+void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// The first iterations, on a grid of half the resolution if the config asks for that; returns the command line of the others,
+/// whose -design they come to.
+template <int Dim>
+CommandLine begin_on_coarse_grid(const CoarseGrid<Dim>& coarse, const CommandLine& command_line,
+                                 const Setup<Dim>& setup, const std::string& directory) {
+  const auto grid_text = [](const Setup<Dim>& of) {
+    return to_text<Dim>(of.grid.domain().elements) + " elements";
+  };
+  print("begins with " + std::to_string(coarse.setup().config.optimizer.max_iterations) + " iterations on " +
+        grid_text(coarse.setup()));
+  PhaseTimer timer;
+  optimize(coarse.command_line(command_line, directory), coarse.setup(), timer);
+  CommandLine others = command_line;
+  others.design_file = CoarseGrid<Dim>::refine(setup, directory);
+  print("goes on with " + std::to_string(setup.config.optimizer.max_iterations) + " iterations on " +
+        grid_text(setup));
+  return others;
+}
+
+template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const Config& config = setup.config;
   const std::optional<Restart> restart = find_restart(setup, command_line);
+  const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
+  RunOutput<Dim> output(setup, command_line, restart, timer);
+  const CommandLine start =
+      coarse ? begin_on_coarse_grid(*coarse, command_line, setup, output.path()) : command_line;
   const double tolerance = config.solver.tolerance;
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
                          timer);
-  RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), command_line));
+  RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), start));
+  if (coarse) scale_by_initial_design(setup, command_line, pipeline, run.problem);
   if (restart) {
     run.restore(restart->state);
     pipeline.restore(restart->state);
   }
-  RunOutput<Dim> output(setup, command_line, restart, timer);
   try {
     output.keep(run, pipeline);
     output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());

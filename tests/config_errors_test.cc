@@ -356,8 +356,6 @@ TEST(ConfigErrorsTest, LeastSquaresNeedAMeasureWithFunctionals) {
 
 TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
   const std::string later = " is not available in this version; allowed: ";
-  EXPECT_EQ(solid_error("optimizer.coarse_iterations", "5"), "/optimizer/coarse_iterations: 5" + later + "0");
-  EXPECT_EQ(solid_error("optimizer.coarse_iterations", "0"), "no error");
   EXPECT_EQ(solid_error("part", R"({"stl": {"file": "a.stl"}})")
                 .rfind("/part/stl: not available in this version; allowed here: box, ", 0),
             0U);

@@ -51,6 +51,20 @@ TEST(Continuation, SharpnessStopsAtTheMaximumEvenBetweenSteps) {
   EXPECT_DOUBLE_EQ(continuation.beta(1000), 65.0);
 }
 
+/// A run in three pieces has the schedules of the whole.
+TEST(Continuation, EarlierAndLaterIterationsAreOfTheSameSchedule) {
+  const Continuation whole({}, 96.0, 324.0, run_of(120));
+  OptimizerSettings piece = run_of(40);
+  piece.later_iterations = 60;
+  piece.earlier_iterations = 5;
+  piece.coarse_iterations = 15;
+  const Continuation middle({}, 96.0, 324.0, piece);
+  for (int iteration = 1; iteration <= 40; ++iteration) {
+    EXPECT_DOUBLE_EQ(middle.beta(iteration), whole.beta(20 + iteration));
+    EXPECT_DOUBLE_EQ(middle.move_limit(iteration), whole.move_limit(20 + iteration));
+  }
+}
+
 TEST(Continuation, AMaximumBelowTheStartKeepsTheStart) {
   const Continuation continuation({}, 100.0, 50.0, run_of(100));
   EXPECT_DOUBLE_EQ(continuation.beta(1), 100.0);

@@ -130,6 +130,35 @@ TEST_F(ReadDensity, AppliesTheThreshold) {
   for (int i = 0; i < total; ++i) EXPECT_EQ(solid[i], i % 3 == 0 ? 1.0 : 0.0) << i;
 }
 
+/// 4 x 2 x 3 elements over 7 x 3 x 5 voxels: the last element of each axis is half empty.
+TEST_F(ReadDensity, AveragesFinerVoxels) {
+  const Domain<3> coarse{{1.6, 1.2, 3.0}, {4, 2, 3}, 1.0};
+  PartDescription description = voxels("density");
+  description.sampling = 2;
+  const Grid<3> grid(PETSC_COMM_WORLD, coarse, nullptr);
+  const auto own = read_density<3>(grid.comm(), coarse, description, grid.owned_elements());
+  const std::vector<double> found = test::whole_element_field<3>(grid, own);
+  std::vector<double> expected(24, 0.0);
+  const IndexBox<3> voxel_box{{}, {7, 3, 5}}, coarse_box{{}, {4, 2, 3}};
+  voxel_box.for_each([&](const Index<3>& voxel, std::int64_t number) {
+    const Index<3> element = {voxel[0] / 2, voxel[1] / 2, voxel[2] / 2};
+    expected[coarse_box.offset(element)] += density_of(static_cast<int>(number)) / 8.0;
+  });
+  for (int i = 0; i < 24; ++i) EXPECT_NEAR(found[i], expected[i], 1e-14) << i;
+}
+
+TEST_F(ReadDensity, SamplesShapes) {
+  // A disc of radius 1 in a square of 2 x 2 on 2 x 2 elements of 40 x 40 points: its area.
+  const Domain<2> square{{2.0, 2.0}, {2, 2}, 1.0};
+  Shape disc;
+  disc.kind = Shape::Kind::sphere;
+  disc.first = {1.0, 1.0};
+  disc.radius = 1.0;
+  const PartDescription description{.source = disc, .sampling = 40};
+  const auto density = read_density<2>(PETSC_COMM_SELF, square, description, {{}, {2, 2}});
+  for (const double value : density) EXPECT_NEAR(value, std::acos(-1.0) / 4.0, 2e-3);
+}
+
 TEST_F(ReadDensity, ReadsPlanes) {
   const Domain<2> plane{{1.4, 0.9}, {7, 3}, 1.0};
   const Grid<2> grid(PETSC_COMM_WORLD, plane, nullptr);

@@ -78,15 +78,15 @@ TEST(Stop, TimeLimit) {
 TEST(Stop, AFile) {
   const test::ScratchDirectory scratch;
   const StopRequests requests(std::nullopt);
-  watch_stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
+  const StopFile stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
   note_iterations(0);
   EXPECT_NO_THROW(stop_if_requested(PETSC_COMM_WORLD));
-  remove_stop_file();
+  remove_stop_files();
   if (is_first()) std::ofstream(scratch.file("stop")) << "";
   note_iterations(1);
   EXPECT_EQ(stop_requested(), is_first());
   EXPECT_EQ(reason(), "stopped by the file 'stop' in the output directory");
-  remove_stop_file();
+  remove_stop_files();
   MPI_Barrier(PETSC_COMM_WORLD);
   EXPECT_FALSE(std::filesystem::exists(scratch.file("stop")));
 }
@@ -94,7 +94,7 @@ TEST(Stop, AFile) {
 TEST(Stop, AFileIsSeenWithoutANewIteration) {
   const test::ScratchDirectory scratch;
   const StopRequests requests(std::nullopt);
-  watch_stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
+  const StopFile stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
   note_iterations(3);
   if (is_first()) std::ofstream(scratch.file("stop")) << "now\n";
   wait(1.1);
@@ -104,7 +104,7 @@ TEST(Stop, AFileIsSeenWithoutANewIteration) {
 TEST(Stop, AFileThatWaitsForAnIteration) {
   const test::ScratchDirectory scratch;
   const StopRequests requests(std::nullopt);
-  watch_stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
+  const StopFile stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
   if (is_first()) std::ofstream(scratch.file("stop")) << "12\n";
   for (int done = 9; done < 12; ++done) {
     note_iterations(done);

@@ -3,6 +3,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -39,12 +40,17 @@ constexpr long nanoseconds = 1000000000L;
 volatile std::sig_atomic_t caught_signal = 0;
 volatile std::sig_atomic_t caught_seconds = 0, caught_nanoseconds = 0;
 
+/// A file that may ask; without a name on ranks that leave that to another.
+struct WatchedFile {
+  std::string path;
+  int iterations = 0;  ///< that its run has done
+  bool asked = false;
+};
+
 /// What the process is to look for beside signals.
 struct Watch {
   std::optional<double> max_wall_time;
-  std::string file;
-  int iterations = 0;
-  bool file_asked = false;
+  std::vector<WatchedFile> files;  ///< the innermost last
   Clock::time_point last_look;
 };
 
@@ -70,19 +76,24 @@ extern "C" void on_stop_signal(int signal) {
 }
 
 /// A file that cannot be read, other than one that is not there, is taken for a request as well.
-bool file_asks(const Watch& seen) {
-  if (seen.file.empty() || ::access(seen.file.c_str(), F_OK) != 0) return false;
+bool file_asks(const WatchedFile& seen) {
+  if (seen.path.empty() || ::access(seen.path.c_str(), F_OK) != 0) return false;
   std::string word;
-  if (!(std::ifstream(seen.file) >> word)) return true;
+  if (!(std::ifstream(seen.path) >> word)) return true;
   int wanted = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), wanted);
   const bool is_number = error == std::errc() && end == word.data() + word.size();
   return !is_number || seen.iterations >= wanted;
 }
 
-void look_for_file(Watch& seen) {
+void look_for_files(Watch& seen) {
   seen.last_look = Clock::now();
-  seen.file_asked = seen.file_asked || file_asks(seen);
+  for (WatchedFile& file : seen.files) file.asked = file.asked || file_asks(file);
+}
+
+bool any_file_asks(const Watch& seen) {
+  return std::any_of(seen.files.begin(), seen.files.end(),
+                     [](const WatchedFile& file) { return file.asked; });
 }
 
 bool time_is_up(const Watch& seen) {
@@ -94,7 +105,7 @@ int own_reason() {
   const Watch& seen = watch();
   if (caught_signal != 0) return caught_signal;
   if (time_is_up(seen)) return time_reason;
-  return seen.file_asked ? file_reason : no_reason;
+  return any_file_asks(seen) ? file_reason : no_reason;
 }
 
 std::string reason_text(int reason) {
@@ -128,24 +139,29 @@ StopRequests::~StopRequests() {
   watch() = Watch();
 }
 
-void watch_stop_file(MPI_Comm comm, const std::string& path) {
-  if (rank_of(comm) == 0) watch().file = path;
+StopFile::StopFile(MPI_Comm comm, const std::string& path) {
+  watch().files.push_back({rank_of(comm) == 0 ? path : ""});
+}
+
+StopFile::~StopFile() {
+  if (!watch().files.empty()) watch().files.pop_back();
 }
 
 void note_iterations(int done) {
   Watch& seen = watch();
-  seen.iterations = done;
-  look_for_file(seen);
+  if (!seen.files.empty()) seen.files.back().iterations = done;
+  look_for_files(seen);
 }
 
-void remove_stop_file() noexcept {
-  if (watch().file_asked) (void)::unlink(watch().file.c_str());
+void remove_stop_files() noexcept {
+  for (const WatchedFile& file : watch().files)
+    if (file.asked) (void)::unlink(file.path.c_str());
 }
 
 bool stop_requested() {
   Watch& seen = watch();
-  if (!seen.file.empty() && !seen.file_asked && Clock::now() - seen.last_look >= std::chrono::seconds(1))
-    look_for_file(seen);
+  if (!seen.files.empty() && !any_file_asks(seen) && Clock::now() - seen.last_look >= std::chrono::seconds(1))
+    look_for_files(seen);
   return own_reason() != no_reason;
 }
 

@@ -13,13 +13,13 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-std::vector<int> find_owned_nodes(const Part<Dim>& part, const Shape& shape) {
+std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description) {
   const Grid<Dim>& grid = part.grid();
-  const double tolerance = shape_tolerance * grid.smallest_spacing();
+  const double tolerance = std::max(description.within, shape_tolerance * grid.smallest_spacing());
   std::vector<int> owned;
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     const bool there = part.touched_nodes()[offset] != 0 || part.substrate().nodes()[offset] != 0;
-    if (there && shape.contains(grid.node_position(node), tolerance))
+    if (there && description.shape.contains(grid.node_position(node), tolerance))
       owned.push_back(static_cast<int>(offset));
   });
   return owned;
@@ -86,7 +86,7 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   const std::string key = "/node_sets/" + name;
   NodeSet set;
   set.name = name;
-  set.owned = find_owned_nodes<Dim>(part, description.shape);
+  set.owned = find_owned_nodes<Dim>(part, description);
   set.count = sum(comm, static_cast<std::int64_t>(set.owned.size()));
   if (set.count == 0)
     throw InputError(

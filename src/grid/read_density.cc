@@ -29,6 +29,20 @@ std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape
   return density;
 }
 
+/// Of the samples of each element of `box`.
+template <int Dim>
+std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim>& of_samples,
+                          const IndexBox<Dim>& box, int sampling) {
+  std::vector<double> sums(static_cast<std::size_t>(box.count()), 0.0);
+  of_samples.for_each([&](const Index<Dim>& sample, std::int64_t offset) {
+    Index<Dim> element = sample;
+    for (int& index : element) index /= sampling;
+    sums[box.offset(element)] += samples[offset];
+  });
+  for (double& value : sums) value /= std::pow(sampling, Dim);
+  return sums;
+}
+
 /// Throws InputError, on all ranks, unless all densities lie between 0 and 1.
 void require_densities(MPI_Comm comm, const std::vector<double>& density, const VoxelFile& voxels) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -52,20 +66,50 @@ void require_densities(MPI_Comm comm, const std::vector<double>& density, const 
   throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
 }
 
+/// The elements that a file has; throws InputError if these are not all of `domain`, or `sampling` - 1 planes fewer.
+template <int Dim>
+Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& domain, int sampling) {
+  Index<Dim> found = domain.elements;
+  std::array<hsize_t, Dim> shape;  // axes of the file run the other way: [z][y][x]
+  for (int axis = 0; axis < Dim; ++axis) {
+    hsize_t& extent = shape[Dim - 1 - axis];
+    extent = static_cast<hsize_t>(domain.elements[axis]);
+    if (dataset.shape().size() != Dim) continue;
+    const hsize_t missing = extent - dataset.shape()[Dim - 1 - axis];  // huge where the file has more
+    if (missing < static_cast<hsize_t>(sampling)) extent -= missing;
+    found[axis] = static_cast<int>(extent);
+  }
+  dataset.require_shape(shape, sampling == 1
+                                   ? "domain.elements reversed"
+                                   : "domain.elements times part.sampling reversed, or planes fewer");
+  return found;
+}
+
+/// Densities of the elements of `box`, 0 of those that the file lacks.
+template <int Dim>
+std::vector<double> read_box(const Hdf5ParallelDataset& dataset, const Index<Dim>& there,
+                             const IndexBox<Dim>& box) {
+  IndexBox<Dim> read = box;
+  std::array<hsize_t, Dim> start, count;
+  for (int axis = 0; axis < Dim; ++axis) {
+    read.size[axis] = std::clamp(there[axis] - box.start[axis], 0, box.size[axis]);
+    start[Dim - 1 - axis] = static_cast<hsize_t>(read.size[axis] > 0 ? box.start[axis] : 0);
+    count[Dim - 1 - axis] = static_cast<hsize_t>(read.size[axis]);
+  }
+  std::vector<double> values = dataset.read(start, count);
+  if (read.size == box.size) return values;
+  std::vector<double> density(static_cast<std::size_t>(box.count()), 0.0);
+  read.for_each(
+      [&](const Index<Dim>& element, std::int64_t offset) { density[box.offset(element)] = values[offset]; });
+  return density;
+}
+
 template <int Dim>
 std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const VoxelFile& voxels,
-                                const IndexBox<Dim>& box) {
-  // Axes of the file run the other way: [z][y][x].
-  std::array<hsize_t, Dim> shape, start, count;
-  for (int axis = 0; axis < Dim; ++axis) {
-    shape[Dim - 1 - axis] = static_cast<hsize_t>(domain.elements[axis]);
-    start[Dim - 1 - axis] = static_cast<hsize_t>(box.start[axis]);
-    count[Dim - 1 - axis] = static_cast<hsize_t>(box.size[axis]);
-  }
+                                int sampling, const IndexBox<Dim>& box) {
   const Hdf5ParallelDataset dataset(comm, voxels.file, voxels.dataset, "/part/voxels/file",
                                     "/part/voxels/dataset");
-  dataset.require_shape(shape, "domain.elements reversed");
-  std::vector<double> density = dataset.read(start, count);
+  std::vector<double> density = read_box<Dim>(dataset, elements_of<Dim>(dataset, domain, sampling), box);
   require_densities(comm, density, voxels);
   if (voxels.threshold)
     for (double& value : density) value = value >= *voxels.threshold ? 1.0 : 0.0;
@@ -77,9 +121,19 @@ std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const 
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box) {
-  if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
-    return read_voxels<Dim>(comm, domain, *voxels, box);
-  return evaluate_shape<Dim>(domain, std::get<Shape>(description.source), box);
+  const int sampling = description.sampling;
+  Domain<Dim> finer = domain;
+  IndexBox<Dim> of_samples = box;
+  for (int axis = 0; axis < Dim; ++axis) {
+    finer.elements[axis] *= sampling;
+    of_samples.start[axis] *= sampling;
+    of_samples.size[axis] *= sampling;
+  }
+  const auto* voxels = std::get_if<VoxelFile>(&description.source);
+  std::vector<double> samples =
+      voxels != nullptr ? read_voxels<Dim>(comm, finer, *voxels, sampling, of_samples)
+                        : evaluate_shape<Dim>(finer, std::get<Shape>(description.source), of_samples);
+  return sampling == 1 ? samples : means<Dim>(samples, of_samples, box, sampling);
 }
 
 template <int Dim>

@@ -34,6 +34,7 @@ std::vector<double> optional_vector(const Json& value) {
 PartDescription make_part(const Json& value) {
   PartDescription part;
   part.keep_connected = is(value, "keep", "connected");
+  part.sampling = integer(value, "sampling");
   if (const Json* voxels = value.find("voxels")) {
     part.source = VoxelFile{voxels->at("file").string(), voxels->at("dataset").string(),
                             optional_number(voxels->at("threshold"))};
@@ -48,7 +49,8 @@ BuildPlate make_plate(const std::string& face) { return {face[0] - 'x', face[1] 
 std::map<std::string, NodeSetDescription> make_node_sets(const Json& value) {
   std::map<std::string, NodeSetDescription> result;
   for (const auto& [name, member] : value.members()) {
-    result[name] = {make_shape(member, pointer_to("/node_sets", name)), integer(member, "samples")};
+    result[name] = {make_shape(member, pointer_to("/node_sets", name)), member.at("within").number(),
+                    integer(member, "samples")};
   }
   return result;
 }
@@ -189,6 +191,10 @@ OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequ
   optimizer.asymptote_decrease = asymptotes.at("decrease").number();
   optimizer.asymptote_floor = asymptotes.at("floor").number();
   optimizer.constraint_margin = value.at("constraint_margin").number();
+  optimizer.coarse_iterations = integer(value, "coarse_iterations");
+  optimizer.coarse_grids = integer(value, "coarse_grids");
+  optimizer.earlier_iterations = integer(value, "earlier_iterations");
+  optimizer.later_iterations = integer(value, "later_iterations");
   return optimizer;
 }
 

@@ -11,15 +11,16 @@ namespace fabseq {
 namespace {
 
 /// Keys that may change, with all below them.
-constexpr std::array<std::string_view, 9> free_keys = {"/name",
-                                                       "/output",
-                                                       "/run",
-                                                       "/solver",
-                                                       "/optimizer/max_iterations",
-                                                       "/optimizer/change_tolerance",
-                                                       "/optimizer/objective_tolerance",
-                                                       "/optimizer/window",
-                                                       "/part/voxels/file"};
+constexpr std::array<std::string_view, 10> free_keys = {"/name",
+                                                        "/output",
+                                                        "/run",
+                                                        "/solver",
+                                                        "/optimizer/max_iterations",
+                                                        "/optimizer/change_tolerance",
+                                                        "/optimizer/objective_tolerance",
+                                                        "/optimizer/window",
+                                                        "/optimizer/later_iterations",
+                                                        "/part/voxels/file"};
 
 bool same_value(const Json& a, const Json& b) {
   if (a.is_number() && b.is_number()) return a.number() == b.number();

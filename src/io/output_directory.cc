@@ -22,13 +22,21 @@ namespace fs = std::filesystem;
 constexpr std::string_view mark_of_a_run = "config.json";
 /// What else a run writes (docs/users-guide.md, output directory), and the two files by which a user talks to
 /// it.
-constexpr std::array<std::string_view, 15> files_of_a_run = {"history.jsonl",        "result.h5",
-                                                             "result.xdmf",          "summary.json",
-                                                             "evaluation.json",      "gradients.h5",
-                                                             "checkpoint/slot_0.h5", "checkpoint/slot_1.h5",
-                                                             "checkpoint/newest",    "stop",
-                                                             "output_now",           "gradient_check.csv",
-                                                             "gradient_check.json",  "gradient_check.svg",
+constexpr std::array<std::string_view, 16> files_of_a_run = {"refined.h5",
+                                                             "history.jsonl",
+                                                             "result.h5",
+                                                             "result.xdmf",
+                                                             "summary.json",
+                                                             "evaluation.json",
+                                                             "gradients.h5",
+                                                             "checkpoint/slot_0.h5",
+                                                             "checkpoint/slot_1.h5",
+                                                             "checkpoint/newest",
+                                                             "stop",
+                                                             "output_now",
+                                                             "gradient_check.csv",
+                                                             "gradient_check.json",
+                                                             "gradient_check.svg",
                                                              mark_of_a_run};
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
@@ -62,6 +70,16 @@ void remove_run(const fs::path& directory) {
   }
   for (const char* folder : {"fields", "checkpoint"})
     fs::remove(directory / folder, error);  // left if not empty
+}
+
+/// Runs on coarse grids are within each other.
+void remove_coarse_runs(const fs::path& directory) {
+  std::error_code error;
+  const fs::path coarse = directory / coarse_folder;
+  if (!fs::exists(coarse / mark_of_a_run, error)) return;
+  remove_coarse_runs(coarse);
+  remove_run(coarse);
+  fs::remove(coarse, error);
 }
 
 /// Permissions say little (root, read-only mounts, network file systems): try it.
@@ -103,6 +121,10 @@ OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool ov
 OutputDirectory OutputDirectory::continued(MPI_Comm comm, const std::string& path) {
   run_on_first(comm, [&] { prepare_to_continue(path); });
   return {comm, path};
+}
+
+void OutputDirectory::remove_coarse_runs() const {
+  run_on_first(comm_, [&] { fabseq::remove_coarse_runs(path_); });
 }
 
 void OutputDirectory::make_folder(const std::string& name) const {

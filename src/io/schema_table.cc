@@ -63,8 +63,9 @@ constexpr ConfigKey keys_table[] = {
     {.section = "part", .name = "voxels", .type = section, .meaning = "In place of a shape: density from a file"},
     {.section = "part", .name = "stl", .type = unavailable, .meaning = "In place of a shape: surface from a file"},
     {.section = "part", .name = "keep", .type = choice, .default_value = "\"all\"", .words = "all connected", .meaning = "Pieces without a path of element faces to the plate are refused (all) or dropped with a warning (connected)"},
+    {.section = "part", .name = "sampling", .type = integer, .default_value = "1", .range = "[1, 16]", .meaning = "An element's density is the mean over so many points along each axis; voxel files are as many times finer"},
     {.section = "part.voxels", .name = "file", .type = path, .required = true, .meaning = "HDF5 file"},
-    {.section = "part.voxels", .name = "dataset", .type = text, .default_value = "\"density\"", .meaning = "Dataset whose shape is domain.elements reversed"},
+    {.section = "part.voxels", .name = "dataset", .type = text, .default_value = "\"density\"", .meaning = "Dataset whose shape is domain.elements reversed, times sampling"},
     {.section = "part.voxels", .name = "threshold", .type = number, .default_value = "\"none\"", .range = "(0, 1]", .words = "none", .meaning = "Densities from here on count as 1, others as 0; none: the grey density as it is"},
 
     {.section = "shape", .name = "box", .type = section, .meaning = "Box along the axes"},
@@ -87,6 +88,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "shape.polygon", .name = "points", .type = points, .required = true, .unit = "length", .meaning = "Corners, in three dimensions in the two other axes in ascending order"},
     {.section = "shape.polygon", .name = "axis", .type = axis, .required = true, .dimension = 3, .meaning = "Axis along which it is extruded"},
 
+    {.section = "node_sets.NAME", .name = "within", .type = number, .default_value = "0.0", .range = "[0, inf)", .unit = "length", .meaning = "Nodes up to so far outside the shape count, too"},
     {.section = "node_sets.NAME", .name = "samples", .type = integer, .default_value = "0", .range = "[0, inf)", .meaning = "Only so many nodes (at least 2), equally spaced along the longest edge of the set's bounding box; 0: all"},
 
     {.section = "material", .name = "young", .type = number, .default_value = "1.0", .range = "(0, inf)", .unit = "stress", .option = "-young", .meaning = "Young's modulus"},
@@ -171,7 +173,10 @@ constexpr ConfigKey keys_table[] = {
     {.section = "optimizer", .name = "final_move_limit", .type = number, .default_value = "\"auto\"", .range = "(0, 1]", .words = "auto", .option = "-final_move_limit", .meaning = "The same at the end of the run; auto: 0.004 on the log scale, else move_limit"},
     {.section = "optimizer", .name = "asymptotes", .type = section, .default_value = "{}", .meaning = "Asymptotes"},
     {.section = "optimizer", .name = "constraint_margin", .type = number, .default_value = "0.95", .range = "(0, 1]", .option = "-constraint_margin", .meaning = "Share of the constraints' tolerance handed to the optimizer"},
-    {.section = "optimizer", .name = "coarse_iterations", .type = integer, .default_value = "0", .range = "[0, inf)", .later = "> 0", .meaning = "Iterations on a grid of half the resolution before the run proper"},
+    {.section = "optimizer", .name = "coarse_iterations", .type = integer, .default_value = "0", .range = "[0, inf)", .option = "-coarse_iterations", .meaning = "Iterations at half the resolution before the others; the schedules of sharpness and move limit go over all of them"},
+    {.section = "optimizer", .name = "coarse_grids", .type = integer, .default_value = "1", .range = "[1, 4]", .option = "-coarse_grids", .meaning = "Grids that share the coarse iterations in equal parts, each of half the resolution of the next: 2 begins at a quarter"},
+    {.section = "optimizer", .name = "earlier_iterations", .type = integer, .default_value = "0", .range = "[0, inf)", .meaning = "Iterations by which the schedules are ahead, where -design comes from an earlier run"},
+    {.section = "optimizer", .name = "later_iterations", .type = integer, .default_value = "0", .range = "[0, inf)", .meaning = "Iterations of a later run that the move limit is planned for"},
     {.section = "optimizer.asymptotes", .name = "initial", .type = number, .default_value = "0.5", .range = "(0, 10]", .meaning = "First distance, relative to the variable's range"},
     {.section = "optimizer.asymptotes", .name = "increase", .type = number, .default_value = "1.2", .range = "[1, inf)", .meaning = "Factor while a variable moves on in one direction"},
     {.section = "optimizer.asymptotes", .name = "decrease", .type = number, .default_value = "0.7", .range = "(0, 1]", .meaning = "Factor when a variable turns"},

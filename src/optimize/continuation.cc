@@ -18,11 +18,12 @@ Continuation::Continuation(const ProjectionSettings& projection, double first_be
       first_beta_(first_beta),
       last_beta_(std::max(first_beta, last_beta)),
       optimizer_(optimizer),
-      planned_iterations_(optimizer.max_iterations) {}
+      earlier_iterations_(optimizer.earlier_iterations + optimizer.coarse_iterations),
+      planned_iterations_(earlier_iterations_ + optimizer.max_iterations + optimizer.later_iterations) {}
 
 double Continuation::beta(int iteration) const {
   double beta = first_beta_;
-  for (int step = projection_.interval; step < iteration; step += projection_.interval)
+  for (int step = projection_.interval; step < earlier_iterations_ + iteration; step += projection_.interval)
     beta = std::min(last_beta_, beta * projection_.factor + projection_.increment);
   return beta;
 }
@@ -32,7 +33,7 @@ bool Continuation::at_last_beta(int iteration) const {
 }
 
 double Continuation::move_limit(int iteration) const {
-  const double progress = static_cast<double>(iteration) / planned_iterations_;
+  const double progress = static_cast<double>(earlier_iterations_ + iteration) / planned_iterations_;
   if (progress <= free_share) return optimizer_.move_limit;
   const double share = std::min(1.0, (progress - free_share) / (1.0 - free_share));
   return optimizer_.move_limit * std::pow(optimizer_.final_move_limit / optimizer_.move_limit, share);

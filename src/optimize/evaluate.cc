@@ -1,4 +1,5 @@
 #include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/io/hdf5_writer.h"
 #include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/optimize/run_output.h"
@@ -47,6 +48,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Problem<Dim> problem(setup);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
+  const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);

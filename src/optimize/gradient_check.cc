@@ -2,6 +2,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/optimize/run_output.h"
 #include "fabseq/optimize/tasks.h"
 
@@ -184,6 +185,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   Design design = starting_design(setup, pipeline.sequence(), command_line);
   keep_off_the_bounds(design, pipeline.sequence().space(), setup.layer_variables);
   const OutputDirectory directory = make_output_directory(setup, command_line);
+  const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", check.json().dump(2) + "\n");

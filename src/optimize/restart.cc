@@ -6,6 +6,7 @@
 #include "fabseq/io/checkpoint_reader.h"
 #include "fabseq/io/checksum.h"
 #include "fabseq/io/config_difference.h"
+#include "fabseq/io/output_directory.h"
 #include "fabseq/io/posix_file.h"
 
 #include <cstdint>
@@ -85,11 +86,14 @@ std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& 
   const bool automatic = *command_line.restart == "auto";
   const std::string directory = automatic ? output : *command_line.restart;
   const std::string path = find_checkpoint(comm, directory);
-  if (path.empty() && !automatic)
+  const bool coarse = path.empty() && setup.config.optimizer.coarse_iterations > 0 &&
+                      !find_checkpoint(comm, directory + "/" + coarse_folder).empty();
+  if (path.empty() && !automatic && !coarse)
     throw InputError("-restart: no checkpoint in '" + directory +
                      "'; allowed: the output directory of a run that has left one, or auto");
   if (path.empty()) {
     require_same_config(comm, directory, setup.config.effective);
+    if (coarse) return std::nullopt;  // which is where it goes on
     print("-restart auto: no checkpoint in '" + directory + "' yet, a new run begins");
     return std::nullopt;
   }

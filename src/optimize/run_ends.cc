@@ -55,7 +55,7 @@ void RunOutput<Dim>::stop(const Stopped& reason) {
   progress_.finish();
   if (checkpointed_ != kept_.integer("iteration")) write_checkpoint();
   write_end({"stopped", reason.what(), kept_.integer("iteration")});
-  remove_stop_file();
+  remove_stop_files();
   print("checkpoint after iteration " + std::to_string(*checkpointed_) + " in '" + directory_.path() +
         "'; -restart continues");
 }

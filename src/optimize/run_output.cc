@@ -36,6 +36,8 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
     : setup_(setup),
       timer_(timer),
       directory_(make_output_directory(setup, command_line, restart && restart->in_place)),
+      // Each layer group looks for itself: those that are still at work then leave it, too.
+      stop_file_(setup.groups.domain(), directory_.file("stop")),
       history_(directory_),
       progress_(setup.world()),
       start_(MPI_Wtime()),

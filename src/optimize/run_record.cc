@@ -1,5 +1,4 @@
 #include "fabseq/base/mpi.h"
-#include "fabseq/base/stop.h"
 #include "fabseq/optimize/run_output.h"
 
 #include <hdf5.h>
@@ -32,12 +31,12 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
                                       bool continues) {
   const MPI_Comm comm = setup.world();
   const std::string path = output_path(setup.config, command_line);
-  const bool replaces = command_line.overwrite || command_line.restart == "auto";
+  const bool replaces =
+      command_line.overwrite || command_line.restart == "auto" || command_line.restart == path;
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
+  if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
   directory.write("config.json", config_record(setup.config, command_line, comm).dump(2) + "\n");
-  // Each layer group looks for itself: those that are still at work then leave it, too.
-  watch_stop_file(setup.groups.domain(), directory.file("stop"));
   return directory;
 }
 

@@ -2,6 +2,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/io/hdf5_writer.h"
 #include "fabseq/optimize/layer_variable_output.h"
 #include "fabseq/optimize/run_output.h"
@@ -97,6 +98,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const Problem<Dim> problem(setup);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
+  const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
   const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);

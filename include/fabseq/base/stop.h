@@ -21,13 +21,21 @@ class StopRequests {
   ~StopRequests();
 };
 
-/// From now on a file is a request, too: at once, or, if it holds an integer, when that many iterations are
-/// done. Rank 0 of `comm` looks.
-void watch_stop_file(MPI_Comm comm, const std::string& path);
-/// Says how many iterations are done, for stop files that wait for one, and looks for the file without delay.
+/// As long as it lives a file is a request, too: at once, or, if it holds an integer, when that many iterations are done.
+/// Those of runs within runs are nested.
+class StopFile {
+ public:
+  /// Rank 0 of `comm` looks.
+  StopFile(MPI_Comm comm, const std::string& path);
+  StopFile(const StopFile&) = delete;
+  StopFile& operator=(const StopFile&) = delete;
+  ~StopFile();
+};
+
+/// Says how many iterations are done, for stop files (the innermost) that wait for one, and looks for the files without delay.
 void note_iterations(int done);
-/// Removes the file if it asks for the stop. Rank 0 of watch_stop_file(); does not fail.
-void remove_stop_file() noexcept;
+/// Removes the files that ask for the stop. Rank 0 of StopFile; does not fail.
+void remove_stop_files() noexcept;
 
 /// Whether this rank has been asked to stop; once true, always true. Cheap: looks for the file once a second.
 bool stop_requested();

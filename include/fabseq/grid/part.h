@@ -17,7 +17,7 @@
 namespace fabseq {
 
 /// Density read from an HDF5 dataset with axes [z][y][x] (2D [y][x]), shape equal to the domain's elements
-/// reversed.
+/// reversed, times PartDescription::sampling; planes that the file lacks to that at the upper ends are empty.
 struct VoxelFile {
   std::string file;  ///< absolute path
   std::string dataset = "density";
@@ -30,6 +30,7 @@ struct PartDescription {
   std::variant<Shape, VoxelFile> source;
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing them
   bool announce = true;         ///< warn of what was dropped
+  int sampling = 1;  ///< an element's density is the mean over so many points along each axis, equally spaced
   std::optional<Shape> substrate = std::nullopt;  ///< what stands from the start; not part where both are
   std::optional<Shape> clamps = std::nullopt;     ///< nodes held in place of the plate's
 };

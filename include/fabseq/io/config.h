@@ -134,6 +134,9 @@ struct OptimizerSettings {
          final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
   double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;
   double constraint_margin = 0.95;
+  int coarse_iterations = 0;                         ///< before the others, at half the resolution
+  int coarse_grids = 1;                              ///< among which they are shared out
+  int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one
 };
 
 enum class SolverPath { lanes, reference };

@@ -11,6 +11,9 @@
 
 namespace fabseq {
 
+/// Folder in a run's directory for the run on half the resolution with which it began.
+constexpr const char* coarse_folder = "coarse";
+
 /// Creates (collectively, rank 0 does the work) the directory of a run and writes small text files into it.
 class OutputDirectory {
  public:
@@ -21,6 +24,9 @@ class OutputDirectory {
   /// The directory of a run that goes on there: what it left stays, but for its summary.json and for files
   /// that it did not complete. Throws OutputError if it cannot be written to. Collective.
   static OutputDirectory continued(MPI_Comm comm, const std::string& path);
+
+  /// Removes what runs on coarser grids have left in it, as the constructor does with what the run itself left. Collective.
+  void remove_coarse_runs() const;
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }

@@ -8,7 +8,7 @@
 
 namespace fabseq {
 
-/// Schedules of a run. Iterations count from 1.
+/// Schedules of a run. Iterations count from 1; those that were done before it, such as on a coarse grid, are added here.
 class Continuation {
  public:
   /// \param first_beta, last_beta sharpness at the start and the most it grows to
@@ -27,7 +27,7 @@ class Continuation {
   /// geometrically.
   double move_limit(int iteration) const;
 
-  /// The length of the run the move limit was planned for: a run that continues with another number of
+  /// The number of iterations, earlier and later ones included, that the move limit was planned for: a run that continues with another number of
   /// iterations goes on as planned.
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
@@ -36,7 +36,7 @@ class Continuation {
   ProjectionSettings projection_;
   double first_beta_, last_beta_;
   OptimizerSettings optimizer_;
-  int planned_iterations_;
+  int earlier_iterations_, planned_iterations_;
 };
 
 }  // namespace fabseq

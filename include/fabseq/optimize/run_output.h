@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/stop.h"
 #include "fabseq/io/command_line.h"
 #include "fabseq/io/history.h"
 #include "fabseq/io/output_directory.h"
@@ -18,7 +19,7 @@
 namespace fabseq {
 
 /// Makes the directory of output_path(), writes config.json: the effective config with the key `run` (command
-/// line, versions, ranks), and begins to watch for a file `stop` there. `continues`: a run that is there goes
+/// line, versions, ranks). `continues`: a run that is there goes
 /// on. Collective.
 template <int Dim>
 OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
@@ -81,6 +82,7 @@ class RunOutput {
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
   OutputDirectory directory_;
+  StopFile stop_file_;
   History history_;
   Progress progress_;
   SequenceReport<Dim> baseline_;
