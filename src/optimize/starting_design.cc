@@ -6,6 +6,7 @@
 #include "fabseq/optimize/tasks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace fabseq {
@@ -49,6 +50,23 @@ std::vector<double> read_time_points(MPI_Comm comm, std::size_t count, const std
   return result;
 }
 
+/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps between them.
+/// The same ones for the same number; uniform ones where the file has none.
+std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
+  std::vector<double> points = uniform_time_points(layers);
+  if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return points;
+  std::vector<double> given = {0.0};
+  for (const double point : read_list(comm, file, "time_points", "-sequence", "-sequence"))
+    given.push_back(point);
+  given.push_back(1.0);
+  for (double& point : points) {
+    const double place = point * static_cast<double>(given.size() - 1);
+    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), given.size() - 2);
+    point = std::lerp(given[last], given[last + 1], place - static_cast<double>(last));
+  }
+  return points;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -66,7 +84,10 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
   if (time_points > 0 && has("time_points")) {
     design.time_points = read_time_points(setup.world(), time_points, *command_line.design_file);
   } else if (time_points > 0) {
-    const std::vector<double> all = uniform_time_points(setup.layer_count);
+    const std::vector<double> all =
+        command_line.sequence_file
+            ? resliced_time_points(setup.world(), setup.layer_count, *command_line.sequence_file)
+            : uniform_time_points(setup.layer_count);
     design.time_points.assign(all.begin() + 1, all.end() - 1);
   }
   return design;
