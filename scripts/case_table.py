@@ -1,5 +1,7 @@
 """The table of cases in docs/results.md: a row a case, rewritten one by one (scripts/reproduce.py)."""
 
+import fcntl
+
 from read_run import Run, RunError, read_json
 
 BEGIN, END = "<!-- cases -->", "<!-- end of cases -->"
@@ -9,9 +11,17 @@ RULE = "| --- " * (HEAD.count("|") - 1) + "|"
 
 
 def rewrite(path, order, name, row):
-    """Puts a case's row into the document, in place of the one that is there; `order`: names of all cases."""
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
+    """Puts a case's row into the document, in place of the one that is there; `order`: names of all cases. Several programs
+    may do so at a time."""
+    with open(path, "r+", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        text = with_row(path, file.read(), order, name, row)
+        file.seek(0)
+        file.write(text)
+        file.truncate()
+
+
+def with_row(path, text, order, name, row):
     if text.count(BEGIN) != 1 or text.count(END) != 1:
         raise RunError(f"{path}: needs one line '{BEGIN}' and one '{END}', with the table between them")
     before, rest = text.split(BEGIN)
@@ -21,8 +31,7 @@ def rewrite(path, order, name, row):
     known = {key: number for number, key in enumerate(order)}
     lines = sorted(rows.items(), key=lambda item: known.get(item[0], len(known)))
     table = "\n".join([HEAD, RULE, *(line for _, line in lines)])
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f"{before}{BEGIN}\n{table}\n{END}{after}")
+    return f"{before}{BEGIN}\n{table}\n{END}{after}"
 
 
 def name_of(row):
@@ -108,7 +117,7 @@ def number(value):
 
 
 def factor(value):
-    return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
+    return f"{value:.1f}" if value < 9.95 else f"{value:.0f}" if value < 99950 else f"{value:.1e}".replace("e+0", "e")
 
 
 def duration(seconds):
