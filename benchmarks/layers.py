@@ -98,17 +98,13 @@ def plot(path, title, rows):
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     program_run.add_common_options(parser)
-    program_run.add_iteration_options(parser)
     parser.add_argument("--phases", action="store_true", help="all phases of an iteration, a layer")
     parser.add_argument("--layers", type=int, nargs="+", metavar="N",
                         help=f"default: {' '.join(map(str, LAYERS))}; with --phases: {' '.join(map(str, LAYERS_BY_PHASE))}")
     parser.add_argument("--ranks", type=int, nargs="+", metavar="P", help="default: 1 2; with --phases: 2")
     parser.add_argument("--method", default=LANES, choices=METHODS, help="default: %(default)s")
     parser.add_argument("--tolerance", type=float, default=1e-5, metavar="T", help="default: %(default)s")
-    parser.add_argument("--csv", metavar="FILE", help="with --phases: a line a run and phase")
-    parser.add_argument("--plot", metavar="FILE", help="with --phases: a picture")
-    options = program_run.parse(parser)
-    program_run.check_iteration_options(parser, options)
+    options = program_run.parse_iterations(parser, "with --phases: ", "run and phase")
     if not options.phases and (options.csv or options.plot):
         parser.error("--csv, --plot: only with --phases")
     options.layers = options.layers or (LAYERS_BY_PHASE if options.phases else LAYERS)

@@ -88,14 +88,17 @@ def problem_size(options, directory, arguments=()):
             "layer_count": int(re.search(r"layers: (\d+) curved", printed)[1])}
 
 
-def add_iteration_options(parser):
-    parser.add_argument("--iterations", type=int, default=5, metavar="I", help="design iterations of a run (default: %(default)s)")
+def parse_iterations(parser, what, rows, iterations=5):
+    """As parse(), for scripts that time the iterations of an optimization and leave a table and a picture; `what` says of what
+    (with a colon, or ""), `rows` what a line stands for."""
+    parser.add_argument("--iterations", type=int, default=iterations, metavar="I", help="design iterations of a run (default: %(default)s)")
     parser.add_argument("--warm-up", type=int, default=1, metavar="W", help="the first W of them do not count (default: %(default)s)")
-
-
-def check_iteration_options(parser, options):
+    parser.add_argument("--csv", metavar="FILE", help=f"{what}a line a {rows}")
+    parser.add_argument("--plot", metavar="FILE", help=f"{what}a picture")
+    options = parse(parser)
     if not 0 <= options.warm_up < options.iterations:
         parser.error("--warm-up: fewer than --iterations")
+    return options
 
 
 def write_json(path, record):

@@ -108,18 +108,14 @@ def plot(path, title, records):
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     program_run.add_common_options(parser)
-    program_run.add_iteration_options(parser)
-    parser.set_defaults(repetitions=1, iterations=3)
+    parser.set_defaults(repetitions=1)
     parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
     parser.add_argument("--groups", type=int, default=1, metavar="G", help="layer groups; one needs least memory (default: %(default)s)")
     parser.add_argument("--layers", type=int, metavar="N", help="default: the config's; thickness targets stay")
     parser.add_argument("--memory", type=float, default=20.0, metavar="GB", help="of all ranks (default: %(default)s)")
     parser.add_argument("--smallest", type=int, default=32000, metavar="E", help="elements of the first box (default: %(default)s)")
     parser.add_argument("--largest", type=int, metavar="E", help="end there, whatever the memory")
-    parser.add_argument("--csv", metavar="FILE", help="a line a size")
-    parser.add_argument("--plot", metavar="FILE", help="a picture")
-    options = program_run.parse(parser)
-    program_run.check_iteration_options(parser, options)
+    options = program_run.parse_iterations(parser, "", "size", iterations=3)
     return options
 
 

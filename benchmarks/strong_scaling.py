@@ -118,15 +118,11 @@ def plot(path, title, rows, baseline):
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     program_run.add_common_options(parser)
-    program_run.add_iteration_options(parser)
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--splits", nargs="+", type=parse_split, metavar="GxD", help="groups x domain ranks")
     which.add_argument("--ranks", nargs="+", type=int, default=[1, 2], metavar="P", help="all splits of these numbers (default: 1 2)")
     parser.add_argument("--baseline", type=parse_split, metavar="GxD", help="one of the splits (default: the first)")
-    parser.add_argument("--csv", metavar="FILE", help="a line a split and phase")
-    parser.add_argument("--plot", metavar="FILE", help="a picture")
-    options = program_run.parse(parser)
-    program_run.check_iteration_options(parser, options)
+    options = program_run.parse_iterations(parser, "", "split and phase")
     if min(options.ranks) < 1:
         parser.error("--ranks: at least 1")
     if options.splits and options.baseline and options.baseline not in options.splits:

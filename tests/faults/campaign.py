@@ -32,7 +32,7 @@ sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
 
 # pylint: disable=wrong-import-position
 from fault_run import FaultRuns, build_library  # noqa: E402
-from run_fabseq import STOPPED  # noqa: E402
+from run_fabseq import STOPPED, NoSmallDisk, Result, small_disk  # noqa: E402
 
 COLUMNS = ("fault", "injected", "reported", "not noticed", "survived", "iterations lost, at most", "seconds")
 
@@ -82,30 +82,16 @@ def fail_call(runs, rank, kind, number, more):
 
 
 def small_disks(runs, every):
-    """Faults: disks of so many blocks; none if none can be mounted."""
+    """Faults: disks of so many kB, from too little for anything to more than the run needs."""
     used = sum(os.path.getsize(os.path.join(folder, file)) for folder, _, files in os.walk(runs.expected.output) for file in files)
     return [lambda size=size: fill_disk(runs, size) for size in range(8, used // 1024 + 96, 4 * every)]
 
 
 def fill_disk(runs, size):
-    disk = runs.new_folder()
-    os.mkdir(disk)
-    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "tmpfs", disk], check=True)
-    try:
+    with small_disk(runs.new_folder(), f"{size}k") as disk:
         run = runs.run(os.path.join(disk, "run"))
         subprocess.run(["mount", "-o", "remount,size=16m", disk], check=True)
         return runs.outcome(f"disk of {size} kB", run, "")
-    finally:
-        subprocess.run(["umount", "--lazy", disk], check=True)
-
-
-def can_mount(directory):
-    disk = os.path.join(directory, "disk")
-    os.mkdir(disk)
-    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "tmpfs", disk], capture_output=True, check=False).returncode:
-        return False
-    subprocess.run(["umount", "--lazy", disk], check=True)
-    return True
 
 
 def kills(runs, count, chance):
@@ -128,7 +114,7 @@ def kill(runs, moment, who):
                 os.kill(rank, signal.SIGKILL)
             except ProcessLookupError:
                 pass  # it has ended
-        run = type(runs.expected)(process.command, *process.wait(60), output)
+        run = Result(process.command, *process.wait(60), output)
     return runs.outcome(f"{who} killed after {moment:.3f} s", run)
 
 
@@ -167,7 +153,7 @@ def damage(runs, stopped, name, cut=None, bit=None):
         file.seek(0)
         file.write(content)
         file.truncate(cut)
-    run = type(runs.expected)([], STOPPED, "", "", output)
+    run = Result([], STOPPED, "", "", output)
     return runs.outcome(f"{name} cut to {cut} bytes" if bit is None else f"{name}: bit {bit}", run)
 
 
@@ -214,10 +200,12 @@ def main():
             for way, faults in failing_calls(small, 23 if options.short else 1).items():
                 table.add(way, faults)
         if options.only in (None, "disks"):
-            if can_mount(directory):
+            try:
+                with small_disk(os.path.join(directory, "disk"), "1m"):
+                    pass
                 table.add("disk full", small_disks(small, 8 if options.short else 1))
-            else:
-                print("skipped: small disks cannot be mounted here")
+            except NoSmallDisk as reason:
+                print(f"skipped: {reason}")
         if options.only in (None, "kills"):
             table.add("SIGKILL", kills(long, 4 if options.short else 50, chance))
         if options.only in (None, "damage"):

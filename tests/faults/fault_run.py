@@ -78,16 +78,15 @@ class FaultRuns:
         except OSError:
             return 0
 
-    def outcome(self, fault, run, file=None, output=None):
+    def outcome(self, fault, run, file=None):
         """Continues without the fault that `run` met. `file`: what the message has to name; none for a run that had no
         chance to say anything: the next one may."""
-        output = output or run.output
-        done = self.completed(output)
+        done = self.completed(run.output)
         outcome = Outcome(fault, run.status != DONE)
         try:
             if file is not None and outcome.reported:
                 self.check_message(run, file)
-            resumed = self.run(output)
+            resumed = self.run(run.output)
             if file is None:
                 outcome.reported = "warning" in resumed.stderr
             continued = re.search("continues after iteration ([0-9]+)", resumed.stdout)
@@ -99,7 +98,7 @@ class FaultRuns:
                 raise AssertionError(f"{outcome.lost} iterations lost\n{resumed}")
         except (AssertionError, OSError) as error:
             outcome.wrong = f"{error}\nthe run with the fault: {run}"
-        shutil.rmtree(output, ignore_errors=True)
+        shutil.rmtree(run.output, ignore_errors=True)
         return outcome
 
     @staticmethod

@@ -7,6 +7,7 @@ FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZE
 instrumented with sanitizers.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -129,6 +130,26 @@ def run_command(command, directory, timeout):
         return process.wait(timeout)
 
 
+class NoSmallDisk(Exception):
+    """Why a small disk cannot be had here."""
+
+
+@contextlib.contextmanager
+def small_disk(path, size):
+    """A disk in memory of that size (as mount takes it), mounted at `path`, a folder that this makes, within a with
+    statement; raises NoSmallDisk."""
+    os.mkdir(path)
+    if os.geteuid() != 0:
+        raise NoSmallDisk("only root can mount a small disk")
+    mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", path], capture_output=True, text=True, check=False)
+    if mount.returncode != 0:
+        raise NoSmallDisk("a small disk cannot be mounted here: " + mount.stderr.strip())
+    try:
+        yield path
+    finally:
+        subprocess.run(["umount", "--lazy", path], check=False)
+
+
 class FabseqTest(unittest.TestCase):
     """A test with a working directory of its own, `directory`."""
 
@@ -141,18 +162,13 @@ class FabseqTest(unittest.TestCase):
         self.runs = 0
 
     def small_disk(self, size):
-        """A disk in memory of that size (as mount takes it), mounted in the working directory until the test ends; skips
-        the test where that cannot be had."""
-        disk = os.path.join(self.directory, "disk")
-        os.mkdir(disk)
-        if os.geteuid() != 0:
-            self.skipTest("only root can mount a small disk")
-        mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", disk], capture_output=True, text=True,
-                               check=False)
-        if mount.returncode != 0:
-            self.skipTest("a small disk cannot be mounted here: " + mount.stderr.strip())
-        self.addCleanup(subprocess.run, ["umount", "--lazy", disk], check=False)
-        return disk
+        """A small disk (see small_disk) in the working directory until the test ends; skips the test where it cannot be had."""
+        stack = contextlib.ExitStack()
+        self.addCleanup(stack.close)
+        try:
+            return stack.enter_context(small_disk(os.path.join(self.directory, "disk"), size))
+        except NoSmallDisk as reason:
+            return self.skipTest(str(reason))
 
     def write_config(self, config, name="case.json"):
         """Writes a config (a dict, or text) into the working directory and returns its path."""
