@@ -49,6 +49,8 @@ def row(name, case, directory, thickness, resliced, picture):
 def published(case):
     figures = case.get("published", {})
     planar, best = figures.get("planar"), figures.get("optimized")
+    if not figures:
+        return "–"
     text = f"{number(planar)} → {number(best)}" + (f": {factor(planar / best)}" if planar and best else "")
     return text + (f"; cut again {number(figures['resliced'])}" if "resliced" in figures else "")
 
