@@ -191,7 +191,7 @@ def read_times(directory, config, count):
             inner = file["time_points"][()] if "time_points" in file else np.arange(1, count) / count
             if "temperature" in file:
                 time = NodalTime(1.0 - file["temperature"][()], built, size, "temperature of the nodes")
-            elif sequence.get("type") == "direct" and sequence.get("location") == "nodes":
+            elif sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
                 time = NodalTime(file["design"][()], built, size, "times of the nodes")
             else:
                 time = NodalTime(times_of_nodes(file["time"][()], built), built, size, "times of the elements, continued to the nodes")
