@@ -84,7 +84,7 @@ def measure_layers(time, time_points, farthest, points, seed):
     for j in range(1, len(time_points)):
         lower, upper = time_points[j - 1], time_points[j]
         if j == 1:
-            lower += END * (upper - lower)
+            lower = max(lower, time.smallest) + END * (upper - lower)
         if j == used:
             upper = min(upper, time.largest) - END * (upper - lower)
         place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
@@ -169,7 +169,7 @@ class NodalTime:
         part.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
         part.Update()
         self.part = part.GetOutput()
-        self.largest = self.part.GetPointData().GetScalars().GetRange()[1]
+        self.smallest, self.largest = self.part.GetPointData().GetScalars().GetRange()
 
     def isosurface(self, level):
         contour = vtkContourFilter()
