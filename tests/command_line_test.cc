@@ -68,6 +68,14 @@ TEST(CommandLineTest, OverridesKeepTheirOrder) {
   EXPECT_EQ(line.overrides, expected);
 }
 
+TEST(CommandLineTest, AGivenSequenceIsForSimulations) {
+  EXPECT_EQ(parse({"-config", "c", "-task", "simulate", "-sequence", "t.h5"}).sequence_file, "t.h5");
+  EXPECT_FALSE(parse({"-config", "c"}).sequence_file);
+  EXPECT_NE(error_of({"-config", "c", "-sequence", "t.h5"}).find("-task simulate"), std::string::npos);
+  EXPECT_NE(error_of({"-config", "c", "-task", "simulate", "-sequence", "a", "-design", "b"}).find("-design"),
+            std::string::npos);
+}
+
 TEST(CommandLineTest, HelpAndVersionNeedNoConfig) {
   EXPECT_TRUE(parse({"-help"}).help);
   EXPECT_TRUE(parse({"--version"}).version);

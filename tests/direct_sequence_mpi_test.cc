@@ -12,10 +12,10 @@ namespace {
 
 template <int Dim>
 struct DirectCase {
-  explicit DirectCase(DesignLocation location)
+  explicit DirectCase(DesignLocation location, double filter_radius = 0.0)
       : region(make_start_region(on_grid.part, settings(location))),
         support(on_grid.grid, location == DesignLocation::nodes, region.free),
-        sequence(make_direct_sequence(on_grid.part, support, region)) {}
+        sequence(make_direct_sequence(on_grid.part, support, region, filter_radius)) {}
 
   static SequenceSettings settings(DesignLocation location) {
     SequenceSettings result;
@@ -78,8 +78,10 @@ TYPED_TEST(DirectSequenceTest, TimeOfNodesIsTheirMean) {
 
 TYPED_TEST(DirectSequenceTest, DerivativesAgreeWithDifferences) {
   constexpr int Dim = TypeParam::value;
-  for (const DesignLocation location : {DesignLocation::elements, DesignLocation::nodes}) {
-    const DirectCase<Dim> direct(location);
+  for (const auto& [location, radius] :
+       {std::pair(DesignLocation::elements, 0.0), std::pair(DesignLocation::nodes, 0.0),
+        std::pair(DesignLocation::elements, 1.1), std::pair(DesignLocation::nodes, 1.1)}) {
+    const DirectCase<Dim> direct(location, radius);
     std::vector<TimeDerivatives> rows = test::time_functionals(direct.on_grid.part, 11);
     if (location == DesignLocation::elements)
       for (TimeDerivatives& row : rows) row.gradient.clear();

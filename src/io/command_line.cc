@@ -66,6 +66,7 @@ class Parser {
       throw InputError("-config: missing; allowed: -config FILE.json (-help lists all options)");
     }
     check_restart();
+    check_sequence();
     return std::move(result_);
   }
 
@@ -87,6 +88,8 @@ class Parser {
       result_.output = value(word);
     } else if (word == "-design") {
       result_.design_file = value(word);
+    } else if (word == "-sequence") {
+      result_.sequence_file = value(word);
     } else if (word == "-restart") {
       result_.restart = value(word);
     } else if (word == "-max_wall_time") {
@@ -122,6 +125,14 @@ class Parser {
       throw InputError(
           "-restart: -overwrite would remove the checkpoint it is to continue from; allowed: one of "
           "the two, or another directory with -output");
+  }
+
+  void check_sequence() const {
+    if (!result_.sequence_file) return;
+    if (result_.task != Task::simulate && result_.task != Task::check)
+      throw InputError("-sequence: a given sequence is only simulated; allowed: with -task simulate");
+    if (result_.design_file)
+      throw InputError("-sequence: -design gives a sequence as well; allowed: one of the two");
   }
 
   void take_setting(const std::string& setting) {

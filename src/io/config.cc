@@ -105,6 +105,7 @@ void read_heat(SequenceSettings& sequence, const Json& value) {
 
 void read_direct(SequenceSettings& sequence, const Json& value) {
   sequence.scale = VariableScale::linear;
+  sequence.filter_radius = value.at("filter_radius").number();
   sequence.location = is(value, "location", "nodes") ? DesignLocation::nodes : DesignLocation::elements;
   if (value.at("start").is_object()) sequence.start = make_shape(value.at("start"), "/sequence/start");
 }

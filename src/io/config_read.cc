@@ -4,6 +4,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/io/command_line.h"
 #include "fabseq/io/config_rules.h"
+#include "fabseq/io/reslicing.h"
 #include "fabseq/io/schema.h"
 
 #include <algorithm>
@@ -143,6 +144,7 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   throw_problem_of_rank_0(comm, file.problem);
   Json document = Json::parse(broadcast(comm, file.text), command_line.config_file);
   for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
+  reslice(comm, command_line, document);
   Config config = make_config(document, broadcast(comm, file.directory));
   check_task(config, command_line.task);
   check_files(comm, config);

@@ -62,6 +62,14 @@ std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std:
   return data.read(std::vector<hsize_t>(shape.size(), 0), shape);
 }
 
+std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                              const std::string& file_key, const std::string& dataset_key) {
+  const Hdf5ParallelDataset data(comm, file, dataset, file_key, dataset_key);
+  const hsize_t start = 0, extent = data.shape().empty() ? 1 : data.shape()[0];
+  data.require_shape({&extent, 1}, "a list");
+  return data.read({&start, 1}, {&extent, 1});
+}
+
 #define FABSEQ_INSTANTIATE(Dim)                                                                             \
   template std::vector<double> read_field<Dim>(const Grid<Dim>&, bool, const std::string&,                  \
                                                const std::string&, const std::string&, const std::string&); \

@@ -100,7 +100,7 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tol
       return std::make_unique<GivenSequence<Dim>>(
           time_from_file(setup.part, settings.file, settings.dataset));
     case SequenceType::direct:
-      return make_direct_sequence(setup.part, setup.design_support, *setup.start);
+      return make_direct_sequence(setup.part, setup.design_support, *setup.start, settings.filter_radius);
     default:
       return make_heat_sequence(setup, tolerance);
   }

@@ -55,6 +55,23 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
   return result;
 }
 
+/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps between them.
+/// The same ones for the same number; uniform ones where the file has none.
+std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
+  std::vector<double> points = uniform_time_points(layers);
+  if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return points;
+  std::vector<double> given = {0.0};
+  for (const double point : read_list(comm, file, "time_points", "-sequence", "-sequence"))
+    given.push_back(point);
+  given.push_back(1.0);
+  for (double& point : points) {
+    const double place = point * static_cast<double>(given.size() - 1);
+    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), given.size() - 2);
+    point = std::lerp(given[last], given[last + 1], place - static_cast<double>(last));
+  }
+  return points;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -70,8 +87,13 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
         has("design") ? read_design_field(setup, sequence.space(), *command_line.design_file)
                       : sequence.initial_design());
   design.layer_variables = variables.start;
-  if (variables.count() > 0 && has(variables.name.c_str()))
+  if (variables.count() > 0 && has(variables.name.c_str())) {
     design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
+  } else if (setup.config.layers.variable_time_points && command_line.sequence_file) {
+    const std::vector<double> all =
+        resliced_time_points(setup.world(), setup.layer_count, *command_line.sequence_file);
+    design.layer_variables.assign(all.begin() + 1, all.end() - 1);
+  }
   return design;
 }
 

@@ -2,6 +2,7 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/sequence/element_means.h"
+#include "fabseq/sequence/repeated_averaging.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,8 +15,9 @@ namespace {
 template <int Dim>
 class DirectSequence : public Sequence<Dim> {
  public:
-  DirectSequence(const Part<Dim>& part, const DesignSupport<Dim>& support, const StartRegion& region)
-      : part_(part), support_(support), region_(region) {}
+  DirectSequence(const Part<Dim>& part, const DesignSupport<Dim>& support, const StartRegion& region,
+                 double filter_radius)
+      : part_(part), support_(support), region_(region), filter_(part, support, filter_radius) {}
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return support_.size(); }
@@ -23,12 +25,20 @@ class DirectSequence : public Sequence<Dim> {
 
  protected:
   const Part<Dim>& part() const { return part_; }
-  const DesignSupport<Dim>& support() const { return support_; }
+  /// Filtered times on the owned elements or nodes.
+  std::vector<double> times(std::span<const double> design) const {
+    return support_.expand(filter_.apply(design));
+  }
+  /// Gradient by the design from that by the filtered times.
+  std::vector<double> by_design(std::span<const double> by_times) const {
+    return filter_.apply_transpose(support_.restrict_to_variables(by_times));
+  }
 
  private:
   const Part<Dim>& part_;
   const DesignSupport<Dim>& support_;
   const StartRegion& region_;
+  RepeatedAveraging<Dim> filter_;
 };
 
 template <int Dim>
@@ -37,14 +47,13 @@ class ElementSequence : public DirectSequence<Dim> {
   using DirectSequence<Dim>::DirectSequence;
 
   const PseudoTime<Dim>& update(std::span<const double> design) override {
-    time_.time = this->part().restrict_to_part(this->support().expand(design));
+    time_.time = this->part().restrict_to_part(this->times(design));
     return time_;
   }
 
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override {
     std::vector<std::vector<double>> result;
-    for (const TimeDerivatives& row : rows)
-      result.push_back(this->support().restrict_to_variables(this->part().expand(row.time)));
+    for (const TimeDerivatives& row : rows) result.push_back(this->by_design(this->part().expand(row.time)));
     return result;
   }
 
@@ -55,14 +64,15 @@ class ElementSequence : public DirectSequence<Dim> {
 template <int Dim>
 class NodeSequence : public DirectSequence<Dim> {
  public:
-  NodeSequence(const Part<Dim>& part, const DesignSupport<Dim>& support, const StartRegion& region)
-      : DirectSequence<Dim>(part, support, region),
+  NodeSequence(const Part<Dim>& part, const DesignSupport<Dim>& support, const StartRegion& region,
+               double filter_radius)
+      : DirectSequence<Dim>(part, support, region, filter_radius),
         element_(part.grid().spacing(), part.grid().domain().thickness, 0.0) {}
 
   const PseudoTime<Dim>& update(std::span<const double> design) override {
     const Grid<Dim>& grid = this->part().grid();
     std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-    grid.exchange(1).to_ghosted(this->support().expand(design), ghosted);
+    grid.exchange(1).to_ghosted(this->times(design), ghosted);
     ElementMeans means = element_means<Dim>(this->part(), element_, ghosted);
     time_.time = std::move(means.mean);
     time_.gradient = std::move(means.gradient);
@@ -74,8 +84,7 @@ class NodeSequence : public DirectSequence<Dim> {
     for (std::size_t first = 0; first < rows.size(); first += rows_at_once) {
       const LaneVector nodal = pull_back_means<Dim>(
           this->part(), element_, rows.subspan(first, std::min(rows_at_once, rows.size() - first)));
-      for (int lane = 0; lane < nodal.lanes; ++lane)
-        result.push_back(this->support().restrict_to_variables(nodal.lane(lane)));
+      for (int lane = 0; lane < nodal.lanes; ++lane) result.push_back(this->by_design(nodal.lane(lane)));
     }
     return result;
   }
@@ -92,14 +101,14 @@ class NodeSequence : public DirectSequence<Dim> {
 
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
-                                                    const StartRegion& region) {
-  if (support.on_nodes()) return std::make_unique<NodeSequence<Dim>>(part, support, region);
-  return std::make_unique<ElementSequence<Dim>>(part, support, region);
+                                                    const StartRegion& region, double filter_radius) {
+  if (support.on_nodes()) return std::make_unique<NodeSequence<Dim>>(part, support, region, filter_radius);
+  return std::make_unique<ElementSequence<Dim>>(part, support, region, filter_radius);
 }
 
 template std::unique_ptr<Sequence<2>> make_direct_sequence<2>(const Part<2>&, const DesignSupport<2>&,
-                                                              const StartRegion&);
+                                                              const StartRegion&, double);
 template std::unique_ptr<Sequence<3>> make_direct_sequence<3>(const Part<3>&, const DesignSupport<3>&,
-                                                              const StartRegion&);
+                                                              const StartRegion&, double);
 
 }  // namespace fabseq

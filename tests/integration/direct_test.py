@@ -23,6 +23,14 @@ def direct_3d():
     return config
 
 
+def smoothed(location):
+    """Times smoothed over three elements."""
+    config = direct_2d(location)
+    config["name"] += "_smoothed"
+    config["sequence"]["filter_radius"] = 0.3
+    return config
+
+
 class OutputsTest(FabseqTest):
     def optimize(self, config, ranks=1, iterations=4, *arguments):
         """Repeated in two halves by run_program, with the same bytes."""
@@ -155,6 +163,11 @@ class RanksTest(FabseqTest):
         self.compare(direct_2d("elements"), ((4, 2),) if SANITIZED else ((3, 1), (4, 2), (2, 2)))
 
     @run_fabseq.only_release
+    def test_smoothed(self):
+        for location in ("nodes", "elements"):
+            self.compare(smoothed(location), ((3, 1), (4, 2)))
+
+    @run_fabseq.only_release
     def test_solid(self):
         self.compare(direct_3d(), ((3, 1), (4, 2)))
 
@@ -198,6 +211,10 @@ class CheckGradientsTest(FabseqTest):
 
     def test_elements(self):
         self.check(direct_2d("elements"), 9)
+
+    @run_fabseq.only_release
+    def test_smoothed(self):
+        self.check(smoothed("nodes"), 14)
 
     @run_fabseq.only_release
     def test_heat(self):

@@ -4,8 +4,8 @@ import numpy as np
 
 import run_fabseq
 from read_outputs import assert_close, read_result
-from run_fabseq import FabseqTest
-from small_parts import hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes
+from run_fabseq import BAD_INPUT, FabseqTest
+from small_parts import direct_2d, hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes, write_voxels
 
 
 class SimulateOutputTest(FabseqTest):
@@ -103,6 +103,90 @@ class SimulateOutputTest(FabseqTest):
         run = self.run_config(1, plate_2d(), "-task", "simulate")
         self.assert_done(run)
         self.assertFalse([name for name in read_result(run) if name.startswith("stages")])
+
+
+class ReslicingTest(FabseqTest):
+    """-sequence: a result's pseudo-time, cut into any number of layers."""
+
+    def reslice(self, first, *arguments, ranks=2):
+        run = self.run_program(ranks, "-config", first.path("config.json"), "-task", "simulate", "-sequence", first.path("result.h5"),
+                               "-tolerance", "1e-10", *arguments)
+        self.assert_done(run)
+        return run
+
+    def assert_block(self, run, block):
+        """Terms that a file has, and volumes and displacements, are those of a run's summary."""
+        found = run.json("summary.json")
+        expected = {r["type"]: r["value"] for r in block["responses"] if r["type"] == "distortion"}
+        self.assertEqual(len(expected), 1)
+        for response in found["responses"]:
+            self.assertNotIn(response["type"], ("layer_thickness", "layer_uniformity"))
+            if response["type"] == "distortion":
+                self.assertAlmostEqual(response["value"] / expected["distortion"], 1, places=7)
+        np.testing.assert_allclose([layer["volume"] for layer in found["layers"]], [layer["volume"] for layer in block["layers"]],
+                                   rtol=1e-9, atol=1e-12)
+        for key in ("max", "rms"):
+            self.assertAlmostEqual(found["displacement"][key] / block["displacement"][key], 1, places=7)
+
+    def test_the_same_layers_give_the_same_numbers(self):
+        """Also with variable time points, whose sharpness and places come from the file."""
+        for config in (plate_2d(), direct_2d("elements"), direct_2d("nodes")):
+            with self.subTest(config["name"]):
+                first = self.run_config(2, config, "-max_iterations", 3, "-tolerance", "1e-10", "-beta_interval", 1)
+                self.assert_done(first)
+                summary = first.json("summary.json")
+                smooth, binary = self.reslice(first), self.reslice(first, "-binary", ranks=1)
+                self.assert_block(smooth, summary["optimized"])
+                self.assert_block(binary, summary["binary"])
+                self.assertEqual(smooth.json("config.json")["projection"]["beta"], summary["beta"])
+                np.testing.assert_array_equal(read_result(binary)["layer"], read_result(first)["layer"])
+
+    def test_more_and_fewer_layers(self):
+        """Each layer of the result is cut into equal steps of time; sharpness grows with the number of layers."""
+        first = self.run_config(2, direct_2d("elements"), "-max_iterations", 3)
+        self.assert_done(first)
+        result, beta = read_result(first), first.json("summary.json")["beta"]
+        for count in (12, 2):
+            run = self.reslice(first, "-layers", count)
+            self.assertAlmostEqual(run.json("config.json")["projection"]["beta"], beta * count / 4)
+            cut = read_result(run)
+            np.testing.assert_array_equal(cut["time"], result["time"])
+            self.assertEqual(len(run.json("summary.json")["layers"]), count)
+            part = result["density"] > 0
+            if count == 12:
+                np.testing.assert_array_equal((cut["layer"][part] + 2) // 3, result["layer"][part])
+            else:
+                np.testing.assert_array_equal(cut["layer"][part], (result["layer"][part] + 1) // 2)
+
+    def test_a_time_of_ones_own(self):
+        """A file without a word about layers: those of the config, with its sharpness; terms it cannot have are named."""
+        config = plate_2d()
+        density = part_density(config)
+        time = np.broadcast_to((np.arange(12) + 0.5)[:, None] / 12, density.shape)
+        path = self.directory + "/mine.h5"
+        write_voxels(path, time, dataset="time")
+        given = self.run_config(1, config, "-task", "simulate", "-sequence", path, "-binary")
+        self.assert_done(given)
+        self.assertEqual(len(given.messages()), 2, str(given))
+        for words in ("/objective/1 (layer_uniformity) is left out", "/constraints/0 (layer_thickness) is left out"):
+            self.assertIn(words, given.stderr)
+        config["sequence"] = {"type": "planar"}
+        planar = self.run_config(1, config, "-task", "simulate")
+        self.assert_done(planar)
+        assert_close(read_result(given)["displacement"], read_result(planar)["displacement"], 1e-9, "displacement")
+        smooth = self.run_config(1, plate_2d(), "-task", "simulate", "-sequence", path, "-layers", 6)
+        self.assertEqual(smooth.json("config.json")["projection"]["beta"], "auto")
+
+    def test_refusals(self):
+        path = self.write_config(plate_2d())
+        for arguments, word in ((("-sequence", "none.h5"), "/sequence/file"), (("-sequence",), "missing value"),
+                                (("-sequence", path), "not an HDF5 file"), (("-sequence", "a.h5", "-design", "a.h5"), "one of the two")):
+            run = self.run_program(2, "-config", path, "-task", "simulate", *arguments)
+            self.assertEqual(run.status, BAD_INPUT, str(run))
+            self.assertIn(word, run.messages()[-1])
+        run = self.run_program(2, "-config", path, "-sequence", "a.h5")
+        self.assertEqual(run.status, BAD_INPUT, str(run))
+        self.assertIn("with -task simulate", run.messages()[0])
 
 
 if __name__ == "__main__":

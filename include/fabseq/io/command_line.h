@@ -17,11 +17,12 @@ namespace fabseq {
 struct CommandLine {
   std::string config_file;
   Task task = Task::optimize;
-  std::optional<std::string> output;       ///< -output
-  std::optional<std::string> design_file;  ///< -design
-  std::optional<std::string> restart;      ///< -restart: a directory, or "auto"
-  std::optional<double> max_wall_time;     ///< -max_wall_time, seconds
-  bool overwrite = false;                  ///< -overwrite
+  std::optional<std::string> output;         ///< -output
+  std::optional<std::string> design_file;    ///< -design
+  std::optional<std::string> sequence_file;  ///< -sequence
+  std::optional<std::string> restart;        ///< -restart: a directory, or "auto"
+  std::optional<double> max_wall_time;       ///< -max_wall_time, seconds
+  bool overwrite = false;                    ///< -overwrite
   bool help = false, version = false;
   bool help_markdown = false;  ///< -help_markdown: print reference_table()
   /// -set and flat options in order: dotted path of a config key and the text of its value.

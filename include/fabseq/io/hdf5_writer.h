@@ -79,6 +79,10 @@ std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string&
                                        const std::string& dataset, const std::string& file_key = "field file",
                                        const std::string& dataset_key = "field");
 
+/// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`; throws InputError like read_field(),
+/// and where the dataset has several axes.
+std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                              const std::string& file_key, const std::string& dataset_key);
 /// Reads a list of `count` numbers, or, of so many columns, a table [row][column] of them, the same on all ranks;
 /// `meaning`: where that shape comes from, for the message.
 /// Collective on `comm`; throws InputError like read_field().

@@ -12,14 +12,14 @@ namespace fabseq {
 
 /// Pseudo-time of elements: t_e is the design, and 0 in the start region; its gradient is not defined. Pseudo-time of
 /// nodes: t_e is the mean of the element's nodes, grad t that of the bilinear field at its centre. Which of them,
-/// `support` says. Part, support and region must outlive the sequence. Collective.
+/// `support` says. With a filter radius (length units) these times are the design smoothed inside the part (RepeatedAveraging). Part, support and region must outlive the sequence. Collective.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
-                                                    const StartRegion& region);
+                                                    const StartRegion& region, double filter_radius = 0.0);
 
 extern template std::unique_ptr<Sequence<2>> make_direct_sequence<2>(const Part<2>&, const DesignSupport<2>&,
-                                                                     const StartRegion&);
+                                                                     const StartRegion&, double);
 extern template std::unique_ptr<Sequence<3>> make_direct_sequence<3>(const Part<3>&, const DesignSupport<3>&,
-                                                                     const StartRegion&);
+                                                                     const StartRegion&, double);
 
 }  // namespace fabseq

@@ -1,0 +1,107 @@
+"""scripts/reproduce.py runs a case, goes on with one that was interrupted, and writes its row, leaving the others."""
+
+import json
+import os
+import subprocess
+import sys
+
+import run_fabseq
+from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
+from small_parts import direct_2d, hook_3d, plate_2d
+
+SCRIPT = os.path.join(ROOT, "scripts", "reproduce.py")
+DOCUMENT = "# Results\n\nBefore.\n\n<!-- cases -->\n<!-- end of cases -->\n\nAfter.\n"
+
+
+class ReproduceTest(FabseqTest):
+    def setUp(self):
+        super().setUp()
+        for config in (plate_2d(), direct_2d("elements"), hook_3d()):
+            self.write_config(config, config["name"] + ".json")
+        cases = {"wall": {"config": "plate.json", "source": "made up", "what": "a wall", "published": {"planar": 2.0, "optimized": 0.5},
+                          "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
+                 "wall_free": {"config": "direct_elements.json", "source": "made up", "what": "a wall"},
+                 "planar": {"config": "hook.json", "source": "made up", "what": "a hook", "task": "simulate",
+                            "set": {"sequence": {"type": "planar"}}}}
+        self.cases = self.write_config(cases, "cases.json")
+        self.document = os.path.join(self.directory, "results.md")
+        with open(self.document, "w", encoding="utf-8") as file:
+            file.write(DOCUMENT)
+
+    def reproduce(self, *words):
+        command = [sys.executable, SCRIPT, "--cases", self.cases, "--results", self.document, "--program", PROGRAM, *words]
+        return subprocess.run(command, capture_output=True, text=True, cwd=self.directory, check=False,
+                              env={**ENVIRONMENT, **os.environ, "OMPI_MCA_odls_base_sigkill_timeout": "0"})
+
+    def rows(self):
+        with open(self.document, encoding="utf-8") as file:
+            text = file.read()
+        self.assertTrue(text.startswith(DOCUMENT.split("<!--")[0]) and text.endswith("\n\nAfter.\n"), text)
+        return {line.split("`")[1]: [cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| `")}
+
+    def test_cases(self):
+        done = self.reproduce("wall_free", "--", "-max_iterations", "2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(set(self.rows()), {"wall_free"})
+        output = os.path.join(self.directory, "output", "cases", "wall")
+        os.makedirs(output)
+        with open(os.path.join(output, "stop"), "w", encoding="utf-8") as file:
+            file.write("1\n")
+        stopped = self.reproduce("wall", "--", "-max_iterations", "3")
+        self.assertEqual(stopped.returncode, 1)
+        self.assertIn("failed: wall", stopped.stderr)
+        self.assertEqual(set(self.rows()), {"wall_free"})
+        before = self.rows()["wall_free"]
+        done = self.reproduce("wall", "planar", "--ranks", "1", "--", "-max_iterations", "3")
+        self.assertIn("continues after iteration 1", done.stdout)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = self.rows()
+        self.assertEqual(list(rows), ["wall", "wall_free", "planar"])  # in the order of the cases
+        self.assertEqual(rows["wall_free"], before)
+        self.check_row(rows["wall"], output)
+        self.assertIn("largest displacement", rows["planar"][9])
+
+    def check_row(self, row, output):
+        with open(os.path.join(output, "summary.json"), encoding="utf-8") as file:
+            summary = json.load(file)
+        planar, smooth, binary = (summary[block]["responses"][0]["value"] for block in ("baseline", "optimized", "binary"))
+        self.assertEqual(row[2], "2 → 0.5: 4.0")
+        self.assertAlmostEqual(float(row[3]) / planar, 1, delta=0.01)
+        for cell, value in ((row[4], smooth), (row[5], binary)):
+            figure, ratio = cell.split(";")[0].split(": ")
+            self.assertAlmostEqual(float(figure) / value, 1, delta=0.01)
+            self.assertAlmostEqual(float(ratio), planar / value, delta=0.06 * max(1, planar / value))
+            self.assertIn("in 8 layers", cell)
+        self.assertIn("geometric in 8", row[7])
+        self.assertIn("on 1 rank", row[9])
+        picture = os.path.join(self.directory, row[10].split("(")[1].rstrip(")"))
+        self.assertLess(os.path.getsize(picture), 80000)
+        self.assertTrue(os.path.exists(os.path.join(output, "geometric_thickness.json")))
+
+    def test_list_and_mistakes(self):
+        listed = self.reproduce("--list")
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertEqual([line.split()[:2] for line in listed.stdout.splitlines()], [["wall", "2D"], ["wall_free", "2D"], ["planar", "3D"]])
+        for words, message in ((["wal"], "no such case"), ([], "no case given")):
+            refused = self.reproduce(*words)
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn(message, refused.stderr)
+
+    def test_all_published_cases_are_accepted(self):
+        """Every case of configs/cases.json is one that the program takes."""
+        with open(os.path.join(ROOT, "configs", "cases.json"), encoding="utf-8") as file:
+            names = list(json.load(file))
+        sys.path.insert(0, os.path.join(ROOT, "scripts"))
+        from reproduce import Cases
+
+        cases = Cases(os.path.join(ROOT, "configs", "cases.json"))
+        for name in names:
+            with self.subTest(name):
+                words = cases.command(name)
+                words[words.index("-task") + 1] = "check"
+                run = self.run_program(1, *words, output="")
+                self.assert_done(run)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()
