@@ -3,6 +3,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/io/hdf5_writer.h"
+#include "fabseq/layers/curved_layers.h"
 #include "fabseq/optimize/tasks.h"
 
 #include <algorithm>

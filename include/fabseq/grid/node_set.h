@@ -14,8 +14,8 @@ namespace fabseq {
 /// substrate, or `samples` of them.
 struct NodeSetDescription {
   Shape shape;
-  double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
   int samples = 0;  ///< 0: all; else k nodes equally spaced along the longest edge of the set's bounding box
+  double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
 };
 
 /// The nodes of a set, distributed like the grid's nodes.

@@ -1,0 +1,114 @@
+#!/usr/bin/python3
+"""Every response against central differences by every kind of design variable, in two and three dimensions, with both void models,
+a constant strain and one that turns with the layers.
+
+    tests/integration/gradient_matrix_test.py --table     prints the worst errors as a table (Markdown)
+"""
+
+import itertools
+import sys
+import unittest
+
+import run_fabseq
+from run_fabseq import FabseqTest, SANITIZED
+
+LIMIT = 1e-5
+DESIGNS = ("diffusivity", "times of nodes", "times of elements", "sub-parts")
+
+
+def part(dimension):
+    """A post with an arm, in a box that is not all part."""
+    flat = dimension == 2
+
+    def box(low, high):
+        return {"box": {"min": low[::2] if flat else low, "max": high[::2] if flat else high}}
+
+    return {
+        "name": "arm",
+        "domain": {"size": [1.6, 1.2] if flat else [1.6, 0.6, 1.2], "elements": [12, 9] if flat else [8, 3, 6]},
+        # Without the notch some functionals would vanish by symmetry.
+        "part": {"difference": [{"union": [box([0, 0, 0], [0.8, 0.6, 1.2]), box([0, 0, 0.6], [1.6, 0.6, 1.2])]},
+                                box([0.81, 0.41, 0.61], [1.6, 0.6, 0.99])]},
+        "node_sets": {"tip": box([1.6, 0, 0.6], [1.6, 0.6, 1.2]), "top": box([0, 0, 1.2], [1.6, 0.6, 1.2])}}
+
+
+def distortions(up):
+    terms = [{"type": "distortion", "measure": "layerwise"}]
+    for released in (False, True):
+        terms.append({"type": "distortion", "nodes": "tip", "mean": released, "after_release": released, "least_squares": True})
+        terms.append({"type": "distortion", "measure": "flatness", "axis": up, "nodes": "top", "after_release": released})
+    return terms
+
+
+def problem(dimension, design, void, turning):
+    config, up = part(dimension), "y" if dimension == 2 else "z"
+    constant = [-0.01, -0.008, 0.003] if dimension == 2 else [-0.01, -0.008, -0.012, 0.003, 0, -0.002]
+    config["process"] = {"void": void}
+    config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant}
+    config["objective"] = distortions(up)
+    if design == "sub-parts":
+        config["sequence"] = {"type": "heat"}
+        config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "sharpness": {"time": 30, "slab": 8},
+                            "angles": [[1.2], [0.5]] if dimension == 2 else [[1.2, 0.4], [0.6, 0.3]]}
+        config["objective"].append({"type": "segmentation_alignment"})
+        config["constraints"] = [{"type": "subpart_volume"}]
+        return config
+    config["layers"] = {"count": 3, "time_points": "variable"}
+    config["projection"] = {"beta": 15}
+    config["sequence"] = {"type": "heat"}
+    if design != "diffusivity":
+        config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
+    config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"}]
+    if design != "times of elements":
+        config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
+        config["constraints"].append({"type": "layer_thickness", "target": 0.4})
+    return config
+
+
+def label(config, entry):
+    """Of a component's response, such as "distortion, flatness, after release"."""
+    words = [entry["type"]]
+    kind, index = entry["name"].split("_")[:2]
+    if kind == "objective":
+        term = config["objective"][int(index)]
+        words += [str(term[key]) for key in ("measure", "form") if key in term]
+        words += ["displacement"] if entry["type"] == "distortion" and "measure" not in term else []
+        words += ["after release"] if term.get("after_release") else []
+        words += ["a functional"] if len(entry["name"].split("_")) > 2 else []
+    return ", ".join(words)
+
+
+class GradientMatrixTest(FabseqTest):
+    resumes = False
+
+    def worst(self, dimension, design):
+        """Largest best-step error of each response by each kind of variable, over voids and strains."""
+        found = {}
+        strains = (False,) if design == "times of elements" else (False, True)
+        for void, turning in itertools.product(("absent", "quiet"), strains):
+            config = problem(dimension, design, void, turning)
+            run = self.run_config(2, config, "-task", "check_gradients", timeout=900)
+            self.assert_done(run)
+            for entry in run.json("gradient_check.json")["components"]:
+                variables = design if entry["variables"] == "design" else entry["variables"].replace("_", " ")
+                key = label(config, entry), variables
+                found[key] = max(found.get(key, 0.0), entry["best"])
+                self.assertLess(entry["best"], LIMIT, f"{key} {dimension}D {void} {turning}: {entry}")
+        return found
+
+    def test_all(self):
+        table = {}
+        for dimension, design in itertools.product((2,) if SANITIZED else (2, 3), DESIGNS):
+            with self.subTest(dimension=dimension, design=design):
+                for key, error in self.worst(dimension, design).items():
+                    table.setdefault(key, {})[dimension] = max(error, table.get(key, {}).get(dimension, 0.0))
+        if "--table" in sys.argv:
+            print("| response | by | 2D | 3D |\n| --- | --- | --- | --- |")
+            for (response, variables), errors in sorted(table.items()):
+                print(f"| {response} | {variables} | " + " | ".join(f"{errors[d]:.1e}" if d in errors else "–" for d in (2, 3)) + " |")
+
+
+if __name__ == "__main__":
+    if "--table" in sys.argv:
+        unittest.main(argv=sys.argv[:1])
+    run_fabseq.main()
