@@ -2,7 +2,7 @@
 """Draws an objective over the print angle of one sub-part, with the number of layers and the adjoint's derivative: that nothing
 jumps where slabs come and go.
 
-    benchmarks/angle_scan.py [--config configs/multi_planar_2d.json] [--subpart 2] [--points 241]
+    benchmarks/angle_scan.py [--config configs/multi_planar_2d.json] [--subpart 2] [--points 181] [--range 0 90]
                              [--picture docs/multi_planar_angle.svg] [--program build/release/fabseq] [-- arguments of fabseq]
 
 Every point is a run of -task evaluate at the start of the config, whose first objective term is drawn. Where the number of
@@ -92,7 +92,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", default=os.path.join(ROOT, "configs", "multi_planar_2d.json"))
     parser.add_argument("--subpart", type=int, default=2, help="whose angle is turned, from 1")
-    parser.add_argument("--points", type=int, default=241)
+    parser.add_argument("--points", type=int, default=181)
+    parser.add_argument("--range", nargs=2, type=float, default=(0.0, 90.0), help="degrees")
     parser.add_argument("--picture", default=os.path.join(ROOT, "docs", "multi_planar_angle.svg"))
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "fabseq"))
     parser.add_argument("rest", nargs="*", help="further arguments of fabseq, after --")
@@ -100,7 +101,7 @@ def main():
     folder = tempfile.mkdtemp(prefix="fabseq_angles_")
     try:
         scan = Scan(arguments, folder)
-        angles = np.linspace(0.0, 0.5 * math.pi, arguments.points)
+        angles = np.radians(np.linspace(*arguments.range, arguments.points))
         values, slopes, layers = (np.array(column) for column in zip(*(scan.at(angle) for angle in angles)))
         steps = [scan.step(angles[i], angles[i + 1], layers[i]) for i in range(len(angles) - 1) if layers[i] != layers[i + 1]]
         for place, step in steps:

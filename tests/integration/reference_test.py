@@ -76,8 +76,8 @@ class ReferenceTest(FabseqTest):
                 h5py.File(run.path("gradients.h5"), "r") as found:
             for entry in expected["responses"]:
                 for kind, values in reference["gradients/" + entry["name"]].items():
-                    variable = reference["variables/" + kind][()].astype(bool)
-                    correct = values[()]
+                    variable = reference["variables/" + kind][()].ravel().astype(bool)
+                    correct = values[()].ravel()
                     if entry["name"] not in found:
                         self.assertFalse(correct.any(), entry["name"])
                         continue
