@@ -95,6 +95,10 @@ struct ObjectiveTerm {
   bool mean = false;                          ///< displacement: divide by the number of nodes
   std::optional<bool> least_squares = false;  ///< displacement, flatness; none: where it pays
   std::string form;                           ///< layer_uniformity: sum_of_squares, variance
+
+  /// Whether it may be handed over as a sum of squares, if its measure is one: "auto" leaves terms with the published
+  /// scaling as published.
+  bool may_be_squares() const { return least_squares.value_or(scaling == TermScaling::current); }
 };
 
 struct ConstraintTerm {
