@@ -37,7 +37,7 @@ Problem<Dim>::Problem(const Setup<Dim>& setup)
 template <int Dim>
 void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (!terms_[i].least_squares.value_or(true) || terms_[i].weight == 0.0) continue;
+    if (!terms_[i].may_be_squares() || terms_[i].weight == 0.0) continue;
     auto functionals = make_functionals<Dim>(terms_[i], context);
     if (!functionals || functionals->count() == 0) continue;
     squares_.push_back({i, responses_.size(), functionals->complete(), terms_[i].least_squares.has_value()});

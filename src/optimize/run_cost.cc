@@ -87,7 +87,7 @@ int functional_count(const Config& config, const Part<Dim>& part) {
   const ResponseContext<Dim> context{part, node_sets, 1.0};
   int result = 0;
   for (const ObjectiveTerm& term : config.objective) {
-    if (!term.least_squares.value_or(true)) continue;
+    if (!term.may_be_squares()) continue;
     if (const auto set = config.node_sets.find(term.nodes); set != config.node_sets.end())
       node_sets.try_emplace(term.nodes, make_node_set(part, term.nodes, set->second));
     const auto functionals = make_functionals<Dim>(term, context);

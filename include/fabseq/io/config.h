@@ -108,6 +108,10 @@ struct ObjectiveTerm {
   std::optional<bool> least_squares = false;  ///< displacement, flatness; none: where it pays
   std::string form;                           ///< layer_uniformity: sum_of_squares, variance
   double band = 0.1;                          ///< segmentation_alignment: width in pseudo-time
+
+  /// Whether it may be handed over as a sum of squares, if its measure is one: "auto" leaves terms with the published
+  /// scaling as published.
+  bool may_be_squares() const { return least_squares.value_or(scaling == TermScaling::current); }
 };
 
 struct ConstraintTerm {
