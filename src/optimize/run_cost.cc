@@ -20,7 +20,8 @@ namespace {
 
 /// What a path needs, measured (docs/performance.md).
 struct PathCost {
-  double bytes_per_unknown;    ///< of a system with its preconditioner: of the reference path; of the lanes, a lane
+  double
+      bytes_per_unknown;  ///< of a system with its preconditioner: of the reference path; of the lanes, a lane
   double seconds_per_unknown;  ///< of a solve on one core
 };
 constexpr PathCost lanes_cost{121.0, 4.5e-7};
