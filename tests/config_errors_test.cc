@@ -53,7 +53,7 @@ TEST(ConfigErrorsTest, UnknownKeys) {
   EXPECT_EQ(solid_error("part.bx", "1"),
             "/part/bx: unknown key; did you mean \"box\"? allowed here: box, half_space, cylinder, sphere, "
             "polygon, union, "
-            "intersection, difference, voxels, keep");
+            "intersection, difference, voxels, keep, sampling");
   EXPECT_EQ(solid_error("a/b~c\nd", "1").rfind("/a~1b~0c\\nd: unknown key; allowed here: ", 0), 0U);
 }
 
