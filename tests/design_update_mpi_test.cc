@@ -28,7 +28,8 @@ class Minimization {
     target_.layer_variables = {0.1, 0.62, 0.9};
     LayerSettings layers;
     layers.variable_time_points = true;
-    update_.emplace(comm, space, false, make_layer_variables(layers, 4, 2, 1.0), design_, OptimizerSettings{});
+    update_.emplace(comm, space, false, make_layer_variables(layers, 4, 2, 1.0), design_,
+                    OptimizerSettings{});
   }
 
   double step(double move_limit = 0.05) {
