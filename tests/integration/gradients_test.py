@@ -11,7 +11,7 @@ LIMIT = 1e-5
 
 
 class GradientsTest(FabseqTest):
-    def check(self, config, components, *arguments, functionals, ranks=2):
+    def check(self, config, components, *arguments, functionals=0, ranks=2):
         """`components` of what the config lists, then `functionals` of terms that are sums of squares."""
         run = self.run_config(ranks, config, "-task", "check_gradients", *arguments, timeout=900)
         self.assert_done(run)
@@ -31,16 +31,31 @@ class GradientsTest(FabseqTest):
         return run
 
     def box(self, *arguments, **options):
-        # 5 objective terms, 4 layers' thickness, 3 components of the deposition speed; 6 functionals of the edge, 2 of the face.
+        # 5 objective terms, 4 layers' thickness, 3 components of the deposition speed.
         elements = "3,3,4" if SANITIZED else "5,5,5"
         path = os.path.join(ROOT, "configs", "gradient_box.json")
-        return self.check(path, 12, "-elements", elements, *arguments, functionals=8, **options)
+        return self.check(path, 12, "-elements", elements, *arguments, **options)
 
     def test_box_on_the_linear_scale(self):
         self.box("-scale", "linear")
 
     def test_box_on_the_log_scale(self):
         self.box("-scale", "log", ranks=3)
+
+    def test_box_as_sums_of_squares(self):
+        """Six functionals of the edge, two of the face; a layerwise term has none."""
+        squares = [word for term in (0, 1) for word in ("-set", f"objective.{term}.least_squares=true")]
+        self.box(*squares, functionals=8)
+
+    @run_fabseq.only_release
+    def test_released_as_sums_of_squares(self):
+        """Arm, a face, twice; underside along its normal."""
+        for dimension, functionals in ((2, 2 * 4 + 1), (3, 2 * 9 + 2)):
+            config = post_on_substrate(dimension)
+            for term in config["objective"][:3]:
+                term["least_squares"] = True
+            with self.subTest(dimension=dimension):
+                self.check(config, 8, functionals=functionals)
 
     @run_fabseq.only_release
     def test_box_with_filter(self):
@@ -51,22 +66,20 @@ class GradientsTest(FabseqTest):
         config["constraints"].append({"type": "deposition_speed"})
         for scale in ("log", "linear"):
             with self.subTest(scale=scale):
-                self.check(config, 9, "-scale", scale, functionals=4)
+                self.check(config, 9, "-scale", scale)
 
     @run_fabseq.only_release
     def test_overhang_with_both_void_models(self):
         for void in ("absent", "quiet"):
             with self.subTest(void=void):
-                self.check(hook_3d(), 8, "-void", void, functionals=8)
+                self.check(hook_3d(), 8, "-void", void)
 
 
     def test_released_from_clamps(self):
         for dimension in (2, 3):
             for void in ("absent", "quiet"):
                 with self.subTest(dimension=dimension, void=void):
-                    # Arm, a face, twice; underside along its normal.
-                    functionals = {2: 2 * 4 + 1, 3: 2 * 9 + 2}[dimension]
-                    self.check(post_on_substrate(dimension), 8, "-void", void, functionals=functionals)
+                    self.check(post_on_substrate(dimension), 8, "-void", void)
 
 
 if __name__ == "__main__":
