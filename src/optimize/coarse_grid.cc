@@ -169,7 +169,8 @@ CommandLine CoarseGrid<Dim>::command_line(const CommandLine& fine, const std::st
 template <int Dim>
 std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& directory) {
   const std::string folder = directory + "/" + coarse_folder + "/";
-  const std::string result = folder + "result.h5", refined = folder + "refined.h5";
+  const std::string result = folder + "result.h5";
+  std::string refined = folder + "refined.h5";
   const std::vector<double> parents = read_coarse_field(fine.grid, result, "design");
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =

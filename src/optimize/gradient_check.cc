@@ -145,9 +145,9 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
       error.adjoint = slope_along(setup.world(), gradients[row], design, along, space);
     }
     for (const double step : check.steps) {
-      const auto values_at = [&](double distance) {
+      const auto values_at = [&, &way = along](double distance) {
         return pipeline.values(problem.responses_and_functionals(),
-                               run(moved(design, along, distance, space, setup.layer_variables)));
+                               run(moved(design, way, distance, space, setup.layer_variables)));
       };
       const auto ahead = values_at(step), behind = values_at(-step);
       for (std::size_t row = 0; row < rows.size(); ++row) {
