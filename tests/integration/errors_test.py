@@ -97,8 +97,8 @@ class ConfigErrorsTest(BadInputTest):
 
     def test_features_of_later_versions_are_not_ignored(self):
         config = plate_2d()
-        config["layers"]["type"] = "multi_planar"
-        self.assert_refused(config, words=["/layers/type"])
+        config["part"] = {"stl": {"file": "part.stl"}}
+        self.assert_refused(config, words=["/part/stl"])
 
     def test_a_measure_that_is_no_sum_of_squares(self):
         config = plate_2d()
