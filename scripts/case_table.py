@@ -1,11 +1,12 @@
 """The table of cases in docs/results.md: a row a case, rewritten one by one (scripts/reproduce.py)."""
 
 import fcntl
+import math
 
 from read_run import Run, RunError, read_json
 
 BEGIN, END = "<!-- cases -->", "<!-- end of cases -->"
-HEAD = ("| case | what, source | published: planar → optimized | planar | smooth | binary | worst constraint | thickness / target, last layer apart | "
+HEAD = ("| case | what, source | published: planar → optimized | planar | smooth | binary | worst constraint | thickness / target, last layer apart; or print angles | "
         "minima | run | picture |")
 RULE = "| --- " * (HEAD.count("|") - 1) + "|"
 
@@ -70,7 +71,8 @@ def optimized(case, directory, thickness, resliced):
         for place, kind in ((1, "smooth"), (2, "binary")):
             cells[place] += f"; in {count} layers {number(distortion(found[kind]['responses']))}"
     ranks = run.config.get("run", {}).get("ranks")
-    return [*cells, violation(run), thickness_text(run, thickness, resliced), str(summary["interior_minima"]),
+    layers = angles_text(summary["angles"]) if "angles" in summary else thickness_text(run, thickness, resliced)
+    return [*cells, violation(run), layers, str(summary["interior_minima"]),
             f"{summary['iterations']} iterations, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"]
 
 
@@ -84,6 +86,11 @@ def violation(run):
     if worst is None:
         return "–"
     return "satisfied" if worst <= 0 else f"{100 * worst:.2g} % beyond"
+
+
+def angles_text(angles):
+    """Of every sub-part, in degrees: elevation, and in 3D the azimuth."""
+    return ", ".join("/".join(f"{math.degrees(angle):.0f}°" for angle in of_part) for of_part in angles)
 
 
 def thickness_text(run, geometric, resliced):

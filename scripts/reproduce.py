@@ -120,7 +120,8 @@ def reproduce(cases, name, arguments):
     if not run(arguments.program, ranks, [*cases.command(name), *again, "-output", directory, *arguments.options]):
         return False
     try:
-        thickness = measure_thickness(directory)
+        planes = read_json(directory, "config.json")["layers"]["type"] == "multi_planar"
+        thickness = None if planes else measure_thickness(directory)  # of planes it is given
         resliced = {count: reslice(arguments, ranks, directory, count) for count in case.get("reslice", [])}
         if arguments.results != "none":
             picture = None if simulates else draw(directory, name, arguments.results)
