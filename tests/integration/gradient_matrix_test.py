@@ -53,15 +53,15 @@ def problem(dimension, design, void, turning):
         config["objective"].append({"type": "segmentation_alignment"})
         config["constraints"] = [{"type": "subpart_volume"}]
         return config
-    config["layers"] = {"count": 3, "time_points": "variable"}
-    config["projection"] = {"beta": 15}
+    config["layers"] = {"count": 5, "time_points": "variable"}
+    config["projection"] = {"beta": 20}
     config["sequence"] = {"type": "heat"}
     if design != "diffusivity":
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"}]
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
-        config["constraints"].append({"type": "layer_thickness", "target": 0.4})
+        config["constraints"].append({"type": "layer_thickness", "target": 0.25})
     return config
 
 
