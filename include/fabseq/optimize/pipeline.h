@@ -7,6 +7,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"
+#include "fabseq/optimize/stages.h"
 #include "fabseq/process/inherent_strain.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response.h"
@@ -32,11 +33,6 @@ using GradientRow = std::vector<WeightedComponent>;
 struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
-
-/// Makes the layers of a design, of its layer variables (none: those that the config says). `count`: of curved layers;
-/// `beta`: their sharpness.
-using LayerMaker = std::function<std::unique_ptr<Layers>(std::span<const double> variables, int count,
-                                                         double beta, bool binary)>;
 
 /// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The fields of
 /// a design and of its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
@@ -111,28 +107,6 @@ class Pipeline {
   std::size_t layer_variables_ = 0;  ///< of the last run's design
   SolverIterations iterations_;
 };
-
-/// The sequence a config asks for.
-template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tolerance);
-/// The layers a config asks for; those that cannot move the part beyond `tolerance` are left out. The setup must outlive
-/// what is made.
-template <int Dim>
-LayerMaker make_layers(const Setup<Dim>& setup, double tolerance);
-/// Layers between isosurfaces, at uniform times: those of the baseline.
-template <int Dim>
-LayerMaker make_uniform_layers(const Setup<Dim>& setup);
-/// The planar sequence of the baseline.
-template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup);
-
-/// Settings of the reference solvers: elasticity to `tolerance`, heat a thousand times closer (its error
-/// enters all others).
-AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance);
-AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance);
-
-/// The release's solver, to `tolerance`.
-ReleaseSolver release_solver(const Config& config, double tolerance);
 
 extern template class Pipeline<2>;
 extern template class Pipeline<3>;
