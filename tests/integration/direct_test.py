@@ -32,14 +32,6 @@ def smoothed(location):
 
 
 class OutputsTest(FabseqTest):
-    def optimize(self, config, ranks=1, iterations=4, *arguments):
-        """Repeated in two halves by run_program, with the same bytes."""
-        run = self.run_config(ranks, config, "-max_iterations", iterations, "-output_every", 2, "-checkpoint_every", 2,
-                              "-tolerance", "1e-11", *arguments)
-        self.assert_done(run)
-        self.assertEqual(len(run.history()), iterations)
-        return run
-
     def check_result(self, run, location):
         entities = DENSITY > 0 if location == "elements" else TOUCHED.copy()
         data = read_result(run)

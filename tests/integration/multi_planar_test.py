@@ -45,13 +45,7 @@ def tee_3d():
 
 
 class OutputsTest(FabseqTest):
-    def optimize(self, config, ranks=1, iterations=6, *arguments):
-        """Repeated in two halves by run_program, with the same bytes."""
-        run = self.run_config(ranks, config, "-max_iterations", iterations, "-output_every", 2, "-checkpoint_every", 2,
-                              "-tolerance", "1e-11", *arguments)
-        self.assert_done(run)
-        self.assertEqual(len(run.history()), iterations)
-        return run
+    iterations = 6
 
     def test_files(self):
         run = self.optimize(tee_2d(), 2)

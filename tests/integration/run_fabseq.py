@@ -228,6 +228,18 @@ class FabseqTest(unittest.TestCase):
         path = config if isinstance(config, str) and os.path.exists(config) else self.write_config(config)
         return self.run_program(ranks, "-config", path, *arguments, **options)
 
+    # Of optimize(), unless it is told.
+    iterations = 4
+
+    def optimize(self, config, ranks=1, iterations=None, *arguments):
+        """A short optimization, solved closely, with fields and checkpoints every second iteration; repeated in two halves."""
+        iterations = iterations or self.iterations
+        run = self.run_config(ranks, config, "-max_iterations", iterations, "-output_every", 2, "-checkpoint_every", 2,
+                              "-tolerance", "1e-11", *arguments)
+        self.assert_done(run)
+        self.assertEqual(len(run.history()), iterations)
+        return run
+
     def assert_done(self, result):
         self.assertEqual(result.status, DONE, str(result))
         self.assertEqual([line for line in result.messages() if not line.startswith("warning: ")], [], str(result))
