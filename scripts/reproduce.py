@@ -76,7 +76,11 @@ class Cases:
     def __getitem__(self, name):
         if name not in self.table:
             raise RunError(f"{name}: no such case (--list names all)")
-        return self.table[name]
+        case = self.table[name]
+        if "like" not in case:
+            return case
+        other = self[case["like"]]
+        return {**other, **case, "set": {**other.get("set", {}), **case.get("set", {})}}
 
     def config(self, name):
         return os.path.join(self.folder, self[name]["config"])
@@ -97,7 +101,7 @@ class Cases:
     def listing(self):
         width = max(map(len, self.table))
         return "\n".join(f"{name:<{width}}  {'2D' if self.is_flat(name) else '3D'}  [{case['source']}] {case['what']}"
-                         for name, case in self.table.items())
+                         for name, case in ((name, self[name]) for name in self.table))
 
 
 def chosen(cases, arguments):

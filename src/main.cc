@@ -46,6 +46,15 @@ void scale_by_initial_design(const Setup<Dim>& setup, const CommandLine& command
   pipeline.start_cold();
 }
 
+/// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
+template <int Dim>
+std::optional<ProblemValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
+                                          RunState<Dim>& run, int iteration) {
+  if (!run.continuation.judges_binary(iteration)) return std::nullopt;
+  const double beta = run.continuation.beta(iteration);
+  return run.problem.evaluate(pipeline, pipeline.run(run.design(), setup.layer_count, beta, true));
+}
+
 template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                 const BestIterate& best) {
@@ -65,16 +74,24 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
 /// whose -design they come to.
 template <int Dim>
 CommandLine begin_on_coarse_grid(const CoarseGrid<Dim>& coarse, const CommandLine& command_line,
-                                 const Setup<Dim>& setup, const std::string& directory) {
+                                 const Setup<Dim>& setup, RunOutput<Dim>& output) {
   const auto grid_text = [](const Setup<Dim>& of) {
     return to_text<Dim>(of.grid.domain().elements) + " elements";
   };
   print("begins with " + std::to_string(coarse.setup().config.optimizer.max_iterations) + " iterations on " +
         grid_text(coarse.setup()));
   PhaseTimer timer;
-  optimize(coarse.command_line(command_line, directory), coarse.setup(), timer);
+  try {
+    optimize(coarse.command_line(command_line, output.path()), coarse.setup(), timer);
+  } catch (const Stopped& reason) {
+    output.end_before_the_first("stopped", reason.what());
+    throw;
+  } catch (const NumericalError& error) {
+    output.end_before_the_first("failed", error.what());
+    throw;
+  }
   CommandLine others = command_line;
-  others.design_file = CoarseGrid<Dim>::refine(setup, directory);
+  others.design_file = CoarseGrid<Dim>::refine(setup, output.path());
   print("goes on with " + std::to_string(setup.config.optimizer.max_iterations) + " iterations on " +
         grid_text(setup));
   return others;
@@ -87,7 +104,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
   RunOutput<Dim> output(setup, command_line, restart, timer);
   const CommandLine start =
-      coarse ? begin_on_coarse_grid(*coarse, command_line, setup, output.path()) : command_line;
+      coarse ? begin_on_coarse_grid(*coarse, command_line, setup, output) : command_line;
   const double tolerance = config.solver.tolerance;
   Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
                          timer);
@@ -105,19 +122,20 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
       const double beta = run.continuation.beta(iteration);
+      const auto binary = judge_binary(setup, pipeline, run, iteration);
       const auto state = pipeline.run(run.design(), setup.layer_count, beta, config.projection.binary);
-      const ProblemValues values = run.problem.evaluate(pipeline, state);
-      run.best.offer(iteration, beta, values, run.design());
+      const Iterate iterate{iteration, beta, run.problem.evaluate(pipeline, state), binary};
+      run.best.offer(iterate, run.design());
 
-      const ProblemGradients gradients = run.problem.gradients(pipeline, state, values);
+      const ProblemGradients gradients = run.problem.gradients(pipeline, state, iterate.values);
       Design next = run.design();
       StepReport step;
       {
         const auto scope = timer.enter(Phase::optimizer);
         step = run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
       }
-      output.iteration(iteration, beta, values, step, pipeline, state, run.design());
-      run.complete(std::move(next), step.change, values);
+      output.iteration(iterate, step, pipeline, state, run.design());
+      run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
     output.finish(run.end(), final_reports(setup, run.problem, pipeline, run.best), run.best);

@@ -17,7 +17,11 @@ ProblemValues values(double merit, double worst_constraint) {
 class BestIterateTest : public testing::Test {
  protected:
   void offer(int iteration, double beta, double merit, double worst_constraint) {
-    best_.offer(iteration, beta, values(merit, worst_constraint), {{static_cast<double>(iteration)}, {}});
+    best_.offer({iteration, beta, values(merit, worst_constraint), {}},
+                {{static_cast<double>(iteration)}, {}});
+  }
+  void offer_judged(int iteration, const ProblemValues& smooth, const ProblemValues& binary) {
+    best_.offer({iteration, 10.0, smooth, binary}, {{static_cast<double>(iteration)}, {}});
   }
   void expect(int iteration) {
     EXPECT_EQ(best_.iteration(), iteration);
@@ -87,6 +91,20 @@ TEST_F(BestIterateTest, OfEqualViolationsTakesTheSmallerMerit) {
   expect(2);
   offer(3, 10.0, 4.5, 0.3);
   expect(2);
+}
+
+TEST_F(BestIterateTest, BinaryLayersJudge) {
+  offer(1, 10.0, 1.0, -0.1);
+  offer_judged(2, values(7.0, -0.1), values(5.0, -0.2));  // starts over
+  expect(2);
+  EXPECT_EQ(best_.worst_constraint(), -0.1);
+  offer_judged(3, values(3.0, -0.1), values(6.0, -0.2));  // smooth merits do not count
+  expect(2);
+  offer_judged(4, values(3.0, -0.1), values(4.0, 0.01));  // constraints of both do
+  offer_judged(5, values(3.0, 0.01), values(4.0, -0.1));
+  expect(2);
+  offer_judged(6, values(9.0, -0.1), values(4.0, -0.1));
+  expect(6);
 }
 
 }  // namespace

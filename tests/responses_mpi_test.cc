@@ -1,6 +1,7 @@
 /// Every response: its values against the formulas of formulation 5 to 7 on gathered fields, its gradient
 /// through the whole pipeline against differences.
 #include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
 
 #include <gtest/gtest.h>
@@ -368,6 +369,34 @@ TYPED_TEST(ResponsesTest, SmallLayersFadeOutOfTheThicknessConstraint) {
   EXPECT_GT(small, 0);
   EXPECT_LT(small, 4);
   expect_exact_gradients(fading);
+}
+
+/// How late the elements after the last layer of some size are; with time points that move, too.
+TYPED_TEST(ResponsesTest, NothingIsLaterThanTheLastWholeLayer) {
+  constexpr int Dim = TypeParam::value;
+  const Settings settings = {{"constraints", R"([{"type": "last_layer", "least_volume": 0.9}])"},
+                             {"layers.time_points", "variable"},
+                             {"sequence.drain", "0.25"},
+                             {"projection.beta", "20"}};
+  test::PipelineCase<Dim> pipeline(settings);
+  const Design design = pipeline.wavy_point();
+  const auto state = pipeline.run(design);
+  const auto volume = layer_statistics(pipeline.setup.context(), state.time, state.layers).volume;
+  int last = 4;
+  while (volume[last - 1] < 0.9 * pipeline.setup.part.volume() / 4) --last;
+  ASSERT_LT(last, 4);
+  double total = 0.0;
+  for (const double time : state.time.time)
+    total += std::pow(std::max(0.0, 4 * (time - state.layers.time_points[last]) + 0.25), 8);
+  const double expected = std::pow(sum(PETSC_COMM_WORLD, total), 0.125);
+  EXPECT_GT(expected, 0.25);
+  EXPECT_NEAR(pipeline.pipeline.values(pipeline.problem.responses(), state)[6][0], expected, 1e-9);
+  const ConstraintRow row = pipeline.problem.responses()[6]->rows(1, 1.0).at(0);
+  EXPECT_NEAR(row.violation(expected), expected - 0.25, 1e-12);
+  expect_exact_gradients_of_both<Dim>(settings);
+  // As large as the others, the last layer may end where it does.
+  test::PipelineCase<Dim> whole(test::operator+(settings, {{"constraints.0.least_volume", "1e-9"}}));
+  EXPECT_EQ(whole.pipeline.values(whole.problem.responses(), whole.run(design))[6][0], 0.0);
 }
 
 /// A row is the weighted sum of its components, whatever stages they look at.

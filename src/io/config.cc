@@ -192,6 +192,7 @@ OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequ
   optimizer.asymptote_decrease = asymptotes.at("decrease").number();
   optimizer.asymptote_floor = asymptotes.at("floor").number();
   optimizer.constraint_margin = value.at("constraint_margin").number();
+  optimizer.binary_iterations = integer(value, "binary_iterations");
   optimizer.coarse_iterations = integer(value, "coarse_iterations");
   optimizer.coarse_grids = integer(value, "coarse_grids");
   optimizer.earlier_iterations = integer(value, "earlier_iterations");

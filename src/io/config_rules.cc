@@ -130,7 +130,7 @@ void check_strain(const Config& config) {
 void check_kind_of_layers(const Config& config, const std::string& pointer, const std::string& type) {
   const bool of_subparts = type == "segmentation_alignment" || type == "subpart_volume";
   const bool of_curved = type == "layer_uniformity" || type == "layer_thickness" ||
-                         type == "deposition_speed" || type == "minimum_layer_volume";
+                         type == "deposition_speed" || type == "minimum_layer_volume" || type == "last_layer";
   const bool multi_planar = config.layers.multi_planar.has_value();
   if (multi_planar ? !of_curved : !of_subparts) return;
   refuse(pointer, shown(type) + " with layers of type \"" + (multi_planar ? "multi_planar" : "curved") + "\"",

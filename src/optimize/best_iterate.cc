@@ -2,24 +2,27 @@
 
 namespace fabseq {
 
-void BestIterate::offer(int iteration, double beta, const ProblemValues& values, const Design& design) {
-  const bool now_feasible = values.worst_constraint <= 0.0;
-  const bool descends = values.merit < merit_;
-  const bool better = iteration_ == 0 || beta != beta_ || (now_feasible && (!feasible() || descends)) ||
+void BestIterate::offer(const Iterate& iterate, const Design& design) {
+  const double merit = iterate.merit(), violation = iterate.worst_constraint();
+  const bool starts_over =
+      iteration_ == 0 || iterate.beta != beta_ || iterate.binary.has_value() != by_binary_;
+  const bool now_feasible = violation <= 0.0, descends = merit < merit_;
+  const bool better = starts_over || (now_feasible && (!feasible() || descends)) ||
                       (!now_feasible && !feasible() &&
-                       (values.worst_constraint < worst_constraint_ ||
-                        (values.worst_constraint == worst_constraint_ && descends)));
+                       (violation < worst_constraint_ || (violation == worst_constraint_ && descends)));
   if (!better) return;
-  iteration_ = iteration;
-  beta_ = beta;
-  worst_constraint_ = values.worst_constraint;
-  merit_ = values.merit;
+  iteration_ = iterate.iteration;
+  by_binary_ = iterate.binary.has_value();
+  beta_ = iterate.beta;
+  worst_constraint_ = violation;
+  merit_ = merit;
   design_ = design;
 }
 
 void BestIterate::save(CheckpointState& state) const {
   state.set_scalar("best/iteration", iteration_);
   if (iteration_ == 0) return;
+  state.set_scalar("best/by_binary", by_binary_ ? 1 : 0);
   state.set_scalar("best/beta", beta_);
   state.set_scalar("best/worst_constraint", worst_constraint_);
   state.set_scalar("best/merit", merit_);
@@ -30,6 +33,7 @@ void BestIterate::save(CheckpointState& state) const {
 void BestIterate::restore(const CheckpointState& state) {
   iteration_ = state.integer("best/iteration");
   if (iteration_ == 0) return;
+  by_binary_ = state.integer("best/by_binary") != 0;
   beta_ = state.number("best/beta");
   worst_constraint_ = state.number("best/worst_constraint");
   merit_ = state.number("best/merit");

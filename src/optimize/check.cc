@@ -36,10 +36,13 @@ void print_cost(const Setup<Dim>& setup) {
   print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
              2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
+  const OptimizerSettings& optimizer = setup.config.optimizer;
   print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
              path == SolverPath::lanes ? "lanes" : "reference path", ranks,
              memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
-             iteration_seconds_estimate(size, path), setup.config.optimizer.max_iterations);
+             iteration_seconds_estimate(size, path), optimizer.max_iterations);
+  if (optimizer.coarse_iterations > 0)
+    print_line("before that, on grids of half the resolution: %d iterations", optimizer.coarse_iterations);
 }
 
 }  // namespace

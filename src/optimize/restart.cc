@@ -17,7 +17,7 @@ namespace fabseq {
 namespace {
 
 /// Changes with the layout of checkpoints.
-constexpr int format = 2;
+constexpr int format = 3;
 
 /// Of the densities and their places; a sum, so that it does not matter which rank has which elements.
 template <int Dim>
@@ -65,12 +65,12 @@ void require_same_config(MPI_Comm comm, const std::string& directory, const Json
   if (!difference.empty()) refuse_other_problem("the run in '" + directory + "'", difference);
 }
 
+}  // namespace
+
 bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b) {
   std::error_code error;
   return any(comm, rank_of(comm) == 0 && std::filesystem::equivalent(a, b, error));
 }
-
-}  // namespace
 
 std::string output_path(const Config& config, const CommandLine& command_line) {
   if (command_line.output) return *command_line.output;

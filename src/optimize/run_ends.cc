@@ -75,7 +75,7 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
 template <int Dim>
 void RunOutput<Dim>::write_end(const RunEnd& end) {
   Json record = summary(end);
-  record.set("baseline", baseline_.block);
+  if (baseline_.block.is_object()) record.set("baseline", baseline_.block);
   directory_.write("summary.json", record.dump(2) + "\n");
 }
 

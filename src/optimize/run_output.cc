@@ -23,6 +23,13 @@ Json lists(const std::vector<std::vector<double>>& values) {
   return result;
 }
 
+/// Terms of an objective have one.
+std::vector<double> first_components(const std::vector<std::vector<double>>& values) {
+  std::vector<double> result;
+  for (const auto& value : values) result.push_back(value[0]);
+  return result;
+}
+
 bool has_functionals(const ProblemValues& values) {
   return std::any_of(values.functionals.begin(), values.functionals.end(),
                      [](const std::vector<double>& list) { return !list.empty(); });
@@ -59,47 +66,47 @@ void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& sol
 }
 
 template <int Dim>
-void RunOutput<Dim>::iteration(int iteration, double beta, const ProblemValues& values,
-                               const StepReport& step, Pipeline<Dim>& pipeline,
+void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
                                const PipelineState<Dim>& state, const Design& design) {
+  const ProblemValues& values = iterate.values;
   {
     const auto scope = timer_.enter(Phase::output);
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
-    if (asked_ || (every > 0 && iteration % every == 0)) dump_fields(iteration, pipeline, state, design);
+    if (asked_ || (every > 0 && iterate.iteration % every == 0))
+      dump_fields(iterate.iteration, pipeline, state, design);
   }
   const double now = MPI_Wtime();
   const double total = now - iteration_start_;
   iteration_start_ = now;
-  write_history(iteration, beta, values, step, pipeline, state, design, total);
+  write_history(iterate, step, pipeline, state, design, total);
   for (int phase = 0; phase < phase_count; ++phase) phase_seconds_[phase] += timer_.seconds()[phase];
   timer_.reset();
 
   ProgressLine line;
-  line.iteration = iteration;
+  line.iteration = iterate.iteration;
   line.max_iterations = setup_.config.optimizer.max_iterations;
   if (!values.objective.empty() && values.objective[0][0] > 0.0)
     line.objective_ratio = baseline_.first_objective() / values.objective[0][0];
   if (!values.constraints.empty()) line.worst_constraint = values.worst_constraint;
-  line.beta = beta;
+  line.beta = iterate.beta;
   line.seconds = total;
   progress_.print(line);
 }
 
 template <int Dim>
-void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValues& values,
-                                   const StepReport& step, const Pipeline<Dim>& pipeline,
-                                   const PipelineState<Dim>& state, const Design& design, double total) {
+void RunOutput<Dim>::write_history(const Iterate& iterate, const StepReport& step,
+                                   const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                   const Design& design, double total) {
+  const ProblemValues& values = iterate.values;
   const SolverIterations& solves = pipeline.iterations();
-  Json objective = Json::array();
-  for (const auto& value : values.objective) objective.append(value[0]);
   Json line = Json::object(
-      {{"iteration", iteration},
-       {"objective", objective},
+      {{"iteration", iterate.iteration},
+       {"objective", first_components(values.objective)},
        {"objective_scaled", values.scaled},
        {"constraints", lists(values.constraints)},
        {"worst_constraint", values.worst_constraint},
-       {"beta", beta},
+       {"beta", iterate.beta},
        {"change", step.change},
        {"merit", values.merit},
        {"interior_minima", count_interior_minima<Dim>(setup_.part, state.time.time)},
@@ -115,6 +122,10 @@ void RunOutput<Dim>::write_history(int iteration, double beta, const ProblemValu
              std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
   set_layer_variables(line, setup_.layer_variables, design);
   if (has_functionals(values)) line.set("functionals", lists(values.functionals));
+  if (iterate.binary)
+    line.set("binary", Json::object({{"objective", first_components(iterate.binary->objective)},
+                                     {"constraints", lists(iterate.binary->constraints)},
+                                     {"worst_constraint", iterate.binary->worst_constraint}}));
   history_.append(line);
 }
 
@@ -152,6 +163,8 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   record.set("baseline", baseline_.block);
   record.set("interior_minima", reports.interior_minima);
   set_layer_variables(record, setup_.layer_variables, best.design());
+  if (setup_.config.optimizer.coarse_iterations > 0)
+    record.set("coarse_iterations", setup_.config.optimizer.coarse_iterations);
   directory_.write("summary.json", record.dump(2) + "\n");
   print_table(reports, record);
 }

@@ -31,8 +31,9 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
                                       bool continues) {
   const MPI_Comm comm = setup.world();
   const std::string path = output_path(setup.config, command_line);
-  const bool replaces =
-      command_line.overwrite || command_line.restart == "auto" || command_line.restart == path;
+  const bool goes_on = command_line.restart == "auto" ||
+                       (command_line.restart && same_directory(comm, *command_line.restart, path));
+  const bool replaces = command_line.overwrite || goes_on;
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
   if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();

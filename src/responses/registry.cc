@@ -3,6 +3,7 @@
 #include "fabseq/responses/deposition_speed.h"
 #include "fabseq/responses/distortion.h"
 #include "fabseq/responses/distortion_functionals.h"
+#include "fabseq/responses/last_layer.h"
 #include "fabseq/responses/layer_thickness.h"
 #include "fabseq/responses/layer_uniformity.h"
 #include "fabseq/responses/minimum_layer_volume.h"
@@ -57,6 +58,7 @@ const std::map<std::string, Maker<ConstraintTerm, Dim>>& constraints() {
       {"continuity", [](const Term& t, const Context& c) { return make_continuity(c, t.limit); }},
       {"minimum_layer_volume",
        [](const Term& t, const Context& c) { return make_minimum_layer_volume(c, t.fraction); }},
+      {"last_layer", [](const Term& t, const Context& c) { return make_last_layer(c, t.least_volume); }},
       {"subpart_volume", [](const Term& t, const Context& c) { return make_subpart_volume(c, t.tolerance); }},
   };
   return makers;

@@ -45,6 +45,7 @@ class CoarseTest(FabseqTest):
         self.assertEqual(self.coarse(run).json("config.json")["domain"]["elements"], [10, 6])
         # The uniformity is scaled by the design that the fine grid would have begun with.
         first, start = run.history()[0], whole.history()[0]
+        self.assertEqual(run.json("summary.json")["coarse_iterations"], 4)
         self.assertAlmostEqual(first["objective_scaled"][1] / first["objective"][1] * start["objective"][1], 100.0, places=4)
 
     def test_the_design_is_the_parents(self):
@@ -104,7 +105,8 @@ class CoarseTest(FabseqTest):
                         file.write(str(done))
                     cut = self.run_config(2, plate_2d(), *OPTIONS, "-tolerance", "1e-11", output=output)
                     self.assertEqual(cut.status, STOPPED, str(cut))
-                    run = self.optimize(plate_2d(), 2, "-restart", "auto" if word == "auto" else output, output=output)
+                    self.assertEqual(cut.json("summary.json")["status"], "stopped")
+                    run = self.optimize(plate_2d(), 2, "-restart", "auto" if word == "auto" else output + "/", output=output)
                     assert_same_run(self, run, expected, 2)
                     assert_same_run(self, self.coarse(run), self.coarse(expected), 2)
 

@@ -58,7 +58,8 @@ def problem(dimension, design, void, turning):
     config["sequence"] = {"type": "heat"}
     if design != "diffusivity":
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
-    config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"}]
+    config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
+                             {"type": "last_layer", "least_volume": 0.99}]
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
         config["constraints"].append({"type": "layer_thickness", "target": 0.25})

@@ -115,13 +115,15 @@ struct ObjectiveTerm {
 };
 
 struct ConstraintTerm {
-  std::string type;  ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, subpart_volume
-  double target = 0.0;        ///< layer_thickness, length unit
-  double tolerance = 0.1;     ///< layer_thickness, subpart_volume, relative
-  double least_volume = 0.0;  ///< layer_thickness: of the mean volume; layers with less fade
-  double slack = 1e-3;        ///< deposition_speed
-  double limit = 1e-3;        ///< continuity
-  double fraction = 0.01;     ///< minimum_layer_volume, of the part's
+  std::string
+      type;  ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, last_layer, subpart_volume
+  double target = 0.0;     ///< layer_thickness, length unit
+  double tolerance = 0.1;  ///< layer_thickness, subpart_volume, relative
+  double least_volume =
+      0.0;                 ///< layer_thickness, last_layer: of the mean volume; layers with less are slivers
+  double slack = 1e-3;     ///< deposition_speed
+  double limit = 1e-3;     ///< continuity
+  double fraction = 0.01;  ///< minimum_layer_volume, of the part's
 };
 
 struct BaselineSettings {
@@ -138,6 +140,7 @@ struct OptimizerSettings {
          final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
   double asymptote_initial = 0.5, asymptote_increase = 1.2, asymptote_decrease = 0.7, asymptote_floor = 0.1;
   double constraint_margin = 0.95;
+  int binary_iterations = 0;                         ///< the last ones, judged by binary layers
   int coarse_iterations = 0;                         ///< before the others, at half the resolution
   int coarse_grids = 1;                              ///< among which they are shared out
   int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one

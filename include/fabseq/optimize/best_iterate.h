@@ -3,7 +3,8 @@
 #pragma once
 
 #include "fabseq/io/checkpoint_state.h"
-#include "fabseq/optimize/problem.h"
+#include "fabseq/optimize/design.h"
+#include "fabseq/optimize/iterate.h"
 
 #include <string>
 #include <utility>
@@ -11,15 +12,16 @@
 namespace fabseq {
 
 /// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
-/// larger one; among infeasible ones the smaller violation counts, and where it is the same (all that it depends on may be fixed) the merit. Local to the rank; ranks agree because
-/// values do.
+/// larger one; among infeasible ones the smaller violation counts, and where it is the same (all that it depends on may be fixed) the
+/// merit. Local to the rank; ranks agree because values do.
 class BestIterate {
  public:
   /// `layer_variables`: their name, for checkpoints.
   explicit BestIterate(std::string layer_variables) : layer_variables_(std::move(layer_variables)) {}
 
-  /// Designs at another sharpness cannot be compared: a new `beta` starts over.
-  void offer(int iteration, double beta, const ProblemValues& values, const Design& design);
+  /// Designs at another sharpness cannot be compared, nor those judged by other layers: a new `beta`, or the first that is judged by
+  /// binary layers, starts over.
+  void offer(const Iterate& iterate, const Design& design);
 
   int iteration() const { return iteration_; }
   double beta() const { return beta_; }
@@ -33,6 +35,7 @@ class BestIterate {
  private:
   std::string layer_variables_;
   int iteration_ = 0;
+  bool by_binary_ = false;  ///< judged by binary layers
   double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
   Design design_;
 };

@@ -23,6 +23,12 @@ class Continuation {
   bool reaches_the_end() const {
     return beta(optimizer_.max_iterations + projection_.interval) == beta(optimizer_.max_iterations);
   }
+  /// Whether the iterate is judged by its binary layers: one of the last `binary_iterations` of all, but never the first, by whose
+  /// smooth layers terms are scaled.
+  bool judges_binary(int iteration) const {
+    return iteration > 1 && optimizer_.later_iterations == 0 &&
+           iteration > optimizer_.max_iterations - optimizer_.binary_iterations;
+  }
   /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling
   /// geometrically.
   double move_limit(int iteration) const;

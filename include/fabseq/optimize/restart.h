@@ -22,6 +22,9 @@ struct Restart {
 /// Output directory of a run: -output, the directory of -restart DIR, or output/NAME.
 std::string output_path(const Config& config, const CommandLine& command_line);
 
+/// Whether two paths lead to the same directory, which is there. Collective on `comm`.
+bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b);
+
 /// What -restart asks for; none for a new run, which -restart auto is where there is no checkpoint yet. Reads
 /// only. Throws InputError if there is no intact checkpoint, or one of another part or of a config that
 /// differs in what matters (config_difference()), which it names. Collective.

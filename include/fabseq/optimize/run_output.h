@@ -48,13 +48,17 @@ class RunOutput {
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport<Dim> report, const std::string& solver);
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for it.
-  void iteration(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                 Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const Design& design);
+  void iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
+                 const PipelineState<Dim>& state, const Design& design);
   /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is due, asked for, or the
   /// state is the last; returns whether it did.
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
   void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
+  /// A run that ended on its coarse grid, which has left a directory of its own, has a summary all the same.
+  void end_before_the_first(const std::string& status, const std::string& reason) {
+    write_end({status, reason, 0});
+  }
   /// What is left of a run that was stopped: a checkpoint of the state last kept, and summary.json.
   void stop(const Stopped& reason);
   /// What is left of a run that failed: the same, and as much as there is of the fields of the failing
@@ -66,9 +70,8 @@ class RunOutput {
   static constexpr const char* output_request = "output_now";
 
   void continue_from(const Restart& restart);
-  void write_history(int iteration, double beta, const ProblemValues& values, const StepReport& step,
-                     const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state, const Design& design,
-                     double total);
+  void write_history(const Iterate& iterate, const StepReport& step, const Pipeline<Dim>& pipeline,
+                     const PipelineState<Dim>& state, const Design& design, double total);
   void dump_fields(int iteration, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                    const Design& design);
   void write_result(const FinalReports<Dim>& reports, const BestIterate& best);

@@ -1,0 +1,95 @@
+#include "fabseq/responses/last_layer.h"
+
+#include "fabseq/base/mpi.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// In layers: elements count from so long before the end of the last layer on.
+constexpr double approach = 0.25;
+/// The optimizer is asked to stay away from the bound by so many times what its margin leaves, in layers: a step moves times by
+/// some percent of a layer, and smooth layers reach a little further than binary ones.
+constexpr double caution = 3.0;
+/// Of the norm, which is nearly the largest entry.
+constexpr int power = 8;
+
+template <int Dim>
+class LastLayer : public Response<Dim> {
+ public:
+  LastLayer(const ResponseContext<Dim>& context, double least_volume)
+      : comm_(context.part.grid().comm()),
+        least_elements_(least_volume * context.part.volume() / context.part.grid().element_volume()) {}
+
+  std::string type() const override { return "last_layer"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    return {norm(lateness(state, last_whole(state.layers)))};
+  }
+
+  void add_derivative(int /*component*/, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    const int last = last_whole(state.layers);
+    const std::vector<double> late = lateness(state, last);
+    const double value = norm(late);
+    if (value == 0.0) return;
+    auto& d_time = DensityDerivatives::touch(adjoint.time.time, late.size());
+    double total = 0.0;
+    for (std::size_t e = 0; e < late.size(); ++e) {
+      const double derivative = weight * state.layers.count() * std::pow(late[e] / value, power - 1);
+      d_time[e] += derivative;
+      total += derivative;
+    }
+    adjoint.densities.touch_time_points()[last] -= sum(comm_, total);
+  }
+
+  std::vector<ConstraintRow> rows(int /*components*/, double margin) const override {
+    return {{0, 1.0, std::max(0.0, approach - caution * (1.0 - margin))}};
+  }
+
+ private:
+  /// Number, from 1, of the last layer that is no sliver.
+  int last_whole(const LayerDensities& layers) const {
+    std::vector<double> elements(layers.count(), 0.0);
+    for (std::size_t j = 0; j < elements.size(); ++j)
+      for (const double density : layers.layer[j]) elements[j] += density;
+    sum_in_place(comm_, elements);
+    int last = layers.count();
+    while (last > 1 && elements[last - 1] * layers.count() < least_elements_) --last;
+    return last;
+  }
+
+  /// How many layers later than the end of layer `last` each part element is, plus the approach; 0 if it does not count.
+  std::vector<double> lateness(const PipelineState<Dim>& state, int last) const {
+    std::vector<double> result(state.time.time.size(), 0.0);
+    if (last == state.layers.count()) return result;
+    for (std::size_t e = 0; e < result.size(); ++e)
+      result[e] = std::max(
+          0.0, state.layers.count() * (state.time.time[e] - state.layers.time_points[last]) + approach);
+    return result;
+  }
+
+  double norm(const std::vector<double>& late) const {
+    double total = 0.0;
+    for (const double value : late) total += std::pow(value, power);
+    return std::pow(sum(comm_, total), 1.0 / power);
+  }
+
+  MPI_Comm comm_;
+  double least_elements_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_last_layer(const ResponseContext<Dim>& context, double least_volume) {
+  return std::make_unique<LastLayer<Dim>>(context, least_volume);
+}
+
+template std::unique_ptr<Response<2>> make_last_layer<2>(const ResponseContext<2>&, double);
+template std::unique_ptr<Response<3>> make_last_layer<3>(const ResponseContext<3>&, double);
+
+}  // namespace fabseq
