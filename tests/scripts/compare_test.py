@@ -42,6 +42,25 @@ class ScriptTest(unittest.TestCase):
             return list(csv.DictReader(file))
 
 
+class Pictures(ScriptTest):
+    def test_settings(self):
+        for name in ("defaults_absent", "defaults_quiet", "beta_late_absent"):
+            self.write_run(f"study/{name}")
+        (self.folder / "study" / "stopped_quiet").mkdir()
+        done = self.run_script("plot_settings.py", "study", "--picture", "s.png")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("stopped_quiet", done.stderr)
+        self.assertGreater((self.folder / "s.png").stat().st_size, 10000)
+        done = self.run_script("plot_settings.py", "nothing")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+
+    def test_history_over_seconds(self):
+        runs = [self.write_run("a"), self.write_run("b")]
+        done = self.run_script("plot_history.py", *runs, "--seconds", "--picture", "h.png")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertGreater((self.folder / "h.png").stat().st_size, 10000)
+
+
 class Compare(ScriptTest):
     def test_table(self):
         runs = [self.write_run("a", 0.1, run={"ranks": 2}, name="x"), self.write_run("b", 10, run={"ranks": 4}, name="y")]
