@@ -63,8 +63,8 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   EXPECT_EQ(distortion.nodes, "top");
   EXPECT_EQ(distortion.axis, -1);
   EXPECT_FALSE(distortion.mean);
-  EXPECT_EQ(distortion.least_squares, false);
-  EXPECT_FALSE(distortion.may_be_squares());
+  EXPECT_EQ(distortion.least_squares, std::nullopt);
+  EXPECT_TRUE(distortion.may_be_squares());
   EXPECT_TRUE(configure(solid, {{"objective.0.least_squares", "auto"}}).objective[0].may_be_squares());
   EXPECT_FALSE(configure(solid, {{"objective.0.scaling", "first"}, {"objective.0.least_squares", "auto"}})
                    .objective[0]

@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <malloc.h>
 #include <unistd.h>
 
 namespace fabseq {
@@ -57,6 +58,14 @@ void prefer_romio() {
     (void)::setenv(parameter, "60", 0);  // against 30; what the user has set stays
 }
 
+/// By itself the C library moves the size from which on it takes blocks from the system and gives them back: up to 32 MB, as they are
+/// freed. Fields of that size then stay in pieces of the heap, 0.4 GB of 3 within ten iterations.
+void give_memory_back() {
+#ifdef __GLIBC__
+  (void)::mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
 }  // namespace
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
@@ -70,6 +79,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   int count = static_cast<int>(copies.size());
   char** arguments = pointers.data();
   prefer_romio();
+  give_memory_back();
   if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
     return static_cast<int>(ExitStatus::numerical_failure);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);

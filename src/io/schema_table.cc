@@ -152,7 +152,7 @@ constexpr ConfigKey keys_table[] = {
     {.section = "objective", .variant = "distortion", .name = "scaling", .type = choice, .default_value = "\"current\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
     {.section = "objective", .variant = "layer_uniformity", .name = "scaling", .type = choice, .default_value = "\"first\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
     {.section = "objective", .variant = "segmentation_alignment", .name = "scaling", .type = choice, .default_value = "\"first\"", .words = "first current", .meaning = "Scaled at the first or at every iteration"},
-    {.section = "objective", .variant = "distortion", .name = "least_squares", .type = flag, .default_value = "false", .words = "auto", .meaning = "Hand displacement or flatness to the optimizer as a sum of squares, an elastic adjoint each; auto: with scaling current, while these hold most of it"},
+    {.section = "objective", .variant = "distortion", .name = "least_squares", .type = flag, .default_value = "\"auto\"", .words = "auto", .meaning = "Hand displacement or flatness to the optimizer as a sum of squares, an elastic adjoint each; auto: with scaling current, while these hold most of it"},
 
     {.section = "constraints", .name = "type", .type = choice, .required = true, .words = "layer_thickness deposition_speed continuity minimum_layer_volume last_layer subpart_volume", .meaning = "What is bounded"},
     {.section = "constraints", .variant = "layer_thickness", .name = "target", .type = number, .required = true, .range = "(0, inf)", .unit = "length", .option = "-target", .meaning = "Mean thickness of each layer"},

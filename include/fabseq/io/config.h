@@ -100,14 +100,14 @@ struct ObjectiveTerm {
   double weight = 1.0;
   double normalize = 100.0;
   TermScaling scaling = TermScaling::first;
-  std::string measure;                        ///< distortion: displacement, flatness, layerwise
-  std::string nodes;                          ///< distortion: name of a node set
-  int axis = -1;                              ///< flatness
-  bool after_release = false;                 ///< displacement, flatness: of the part cut from the plate
-  bool mean = false;                          ///< displacement: divide by the number of nodes
-  std::optional<bool> least_squares = false;  ///< displacement, flatness; none: where it pays
-  std::string form;                           ///< layer_uniformity: sum_of_squares, variance
-  double band = 0.1;                          ///< segmentation_alignment: width in pseudo-time
+  std::string measure;                ///< distortion: displacement, flatness, layerwise
+  std::string nodes;                  ///< distortion: name of a node set
+  int axis = -1;                      ///< flatness
+  bool after_release = false;         ///< displacement, flatness: of the part cut from the plate
+  bool mean = false;                  ///< displacement: divide by the number of nodes
+  std::optional<bool> least_squares;  ///< displacement, flatness; none: where it pays
+  std::string form;                   ///< layer_uniformity: sum_of_squares, variance
+  double band = 0.1;                  ///< segmentation_alignment: width in pseudo-time
 
   /// Whether it may be handed over as a sum of squares, if its measure is one: "auto" leaves terms with the published
   /// scaling as published.
