@@ -73,7 +73,12 @@ def optimized(case, directory, thickness, resliced):
     ranks = run.config.get("run", {}).get("ranks")
     layers = angles_text(summary["angles"]) if "angles" in summary else thickness_text(run, thickness, resliced)
     return [*cells, violation(run), layers, str(summary["interior_minima"]),
-            f"{summary['iterations']} iterations, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"]
+            f"{iterations(summary)}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"]
+
+
+def iterations(summary):
+    before = summary.get("coarse_iterations", 0)
+    return f"{summary['iterations']} iterations" + (f" after {before} at half the resolution" if before else "")
 
 
 def distortion(responses):
