@@ -142,10 +142,24 @@ void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vect
   for (Row& row : rows) {
     if (!row.shared) continue;
     adjoints.push_back(std::move(row.adjoint.process));
-    derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr});
+    derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr,
+                           [this, &state, &row] { take_up_densities(state, row); }});
   }
+  // One row may keep its densities: there is nothing to save.
+  if (derivatives.size() == 1) derivatives[0].after_block = {};
   if (!adjoints.empty()) process_.pull_back(state.layers, adjoints, derivatives);
   iterations_.adjoint = process_.adjoint_iterations();
+}
+
+/// Pulls what there is by the layers' densities back to the pseudo-time at once: rows by the dozen would fill the memory with it.
+template <int Dim>
+void Pipeline<Dim>::take_up_densities(const PipelineState<Dim>& state, Row& row) const {
+  DensityDerivatives part(state.layers.count());
+  part.stage.swap(row.adjoint.densities.stage);
+  part.layer.swap(row.adjoint.densities.layer);
+  std::vector<double>& d_time = DensityDerivatives::touch(row.adjoint.time.time, state.time.time.size());
+  row.layer_variables.resize(layer_variables_, 0.0);
+  layers_->pull_back(state.time.time, state.layers, part, d_time, row.layer_variables);
 }
 
 /// The rows of this group with all of their parts.
@@ -165,7 +179,7 @@ std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState
     }
     // What is the same on all ranks counts once.
     if (!is_own(row) || rank_of(setup_.groups.domain()) != 0) densities.time_points.clear();
-    row.layer_variables.assign(layer_variables_, 0.0);
+    row.layer_variables.resize(layer_variables_, 0.0);
     layers_->pull_back(state.time.time, state.layers, densities, time.time, row.layer_variables);
     if (row.shared) setup_.groups.sum_at(row.owner, time.time);
     if (is_own(row)) result.push_back(std::move(time));

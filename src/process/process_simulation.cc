@@ -232,6 +232,7 @@ void ProcessSimulation<Dim>::pull_back_rows(const LayerDensities& densities, std
     elements_.add_derivatives(
         densities, block.first, increments, adjoints[row], *derivatives[row].densities,
         derivatives[row].strains != nullptr ? *derivatives[row].strains : not_asked_for);
+    if (derivatives[row].after_block) derivatives[row].after_block();
   }
 }
 

@@ -88,6 +88,7 @@ class Pipeline {
   void add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, std::vector<Row>& rows);
   void pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows);
+  void take_up_densities(const PipelineState<Dim>& state, Row& row) const;
   std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
                                                       const std::vector<Row>& rows);

@@ -11,6 +11,7 @@
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -42,6 +43,7 @@ struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
   StrainField* strains =
       nullptr;  ///< like those of the simulation, sized at first use; nullptr: not asked for
+  std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
 };
 
 /// For each layer j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
