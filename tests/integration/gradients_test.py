@@ -13,9 +13,6 @@ LIMIT = 1e-5
 class GradientsTest(FabseqTest):
     def check(self, config, components, *arguments, functionals=0, ranks=2):
         """`components` of what the config lists, then `functionals` of terms that are sums of squares: those that ask for it."""
-        for term in config["objective"] if isinstance(config, dict) else ():
-            if term["type"] == "distortion":
-                term.setdefault("least_squares", False)
         run = self.run_config(ranks, config, "-task", "check_gradients", *arguments, timeout=900)
         self.assert_done(run)
         check = run.json("gradient_check.json")

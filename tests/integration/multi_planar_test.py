@@ -27,7 +27,7 @@ def tee_2d():
                    "sharpness": {"time": 40, "slab": 10}},
         "objective": [{"type": "distortion", "measure": "layerwise"},
                       {"type": "segmentation_alignment", "weight": 0.5},
-                      {"type": "distortion", "nodes": "tip", "after_release": True}],
+                      {"type": "distortion", "nodes": "tip", "after_release": True, "least_squares": False}],
         "constraints": [{"type": "subpart_volume"}],
     }
 

@@ -14,7 +14,7 @@ def plate_2d():
         "node_sets": {"top": {"box": {"min": [0, 1.2], "max": [2, 1.2]}}},
         "sequence": {"type": "heat"},
         "layers": {"count": 4},
-        "objective": [{"type": "distortion", "nodes": "top"}, {"type": "layer_uniformity"}],
+        "objective": [{"type": "distortion", "nodes": "top", "least_squares": False}, {"type": "layer_uniformity"}],
         "constraints": [{"type": "layer_thickness", "target": 0.3}],
     }
 
@@ -45,8 +45,8 @@ def hook_3d():
                       "top": {"box": {"min": [0, 0, 1.6], "max": [1.6, 0.8, 1.6]}}},
         "sequence": {"type": "heat"},
         "layers": {"count": 3},
-        "objective": [{"type": "distortion", "nodes": "edge"},
-                      {"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top"},
+        "objective": [{"type": "distortion", "nodes": "edge", "least_squares": False},
+                      {"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top", "least_squares": False},
                       {"type": "layer_uniformity"}],
         "constraints": [{"type": "layer_thickness", "target": 0.55}, {"type": "deposition_speed"}],
     }
@@ -63,7 +63,7 @@ def v_2d():
         "node_sets": {"tip": {"box": {"min": [1.7, 2], "max": [2, 2]}}},
         "sequence": {"type": "heat", "characteristic_length": 2.5},
         "layers": {"count": 8},
-        "objective": [{"type": "distortion", "nodes": "tip"}, {"type": "layer_uniformity"}],
+        "objective": [{"type": "distortion", "nodes": "tip", "least_squares": False}, {"type": "layer_uniformity"}],
         "constraints": [{"type": "layer_thickness", "target": 0.3125, "tolerance": 0.15}],
     }
 
@@ -86,10 +86,10 @@ def post_on_substrate(dimension=3):
         "material": {"inherent_strain": {"tangential": -0.01, "normal": 0.002}},
         "sequence": {"type": "heat", "characteristic_length": 1.2},
         "layers": {"count": 4},
-        "objective": [{"type": "distortion", "nodes": "arm", "mean": True, "after_release": True},
+        "objective": [{"type": "distortion", "nodes": "arm", "mean": True, "after_release": True, "least_squares": False},
                       {"type": "distortion", "measure": "flatness", "axis": "y" if flat else "z", "nodes": "underside",
-                       "after_release": True},
-                      {"type": "distortion", "nodes": "arm"},
+                       "after_release": True, "least_squares": False},
+                      {"type": "distortion", "nodes": "arm", "least_squares": False},
                       {"type": "layer_uniformity"}],
         "constraints": [{"type": "layer_thickness", "target": 0.3}],
     }
