@@ -2,7 +2,7 @@
 """Seconds of a layer over the number of layers: of its elastic solve on one and two ranks, or by phase.
 
     benchmarks/layers.sh configs/voxel_part.json [--layers 8 16 9 12] [--ranks 1 2] [-- OPTIONS OF THE PROGRAM]
-    benchmarks/layers.sh configs/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot FILE]
+    benchmarks/layers.sh benchmarks/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot FILE]
 
 Layers are solved in batches of eight lanes; what is left over, in narrower ones. Without --phases each run is a `-task simulate`
 from a cold start; measured is its phase `primal`: loads, set-up and solve of every layer.

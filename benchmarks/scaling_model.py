@@ -63,7 +63,7 @@ class Case:
 
 
 def v_shape_voxels():
-    """configs/v_shape.json, by element centres."""
+    """benchmarks/v_shape.json, by element centres."""
     x, _, z = np.meshgrid((np.arange(80) + 0.5) / 40, (np.arange(40) + 0.5) / 40, (np.arange(80) + 0.5) / 40, indexing="ij")
     return ((z < 0.6) | (x > 1.2)) & (z > x - 1.0)
 

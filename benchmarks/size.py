@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Time and memory over the number of elements, up to the largest box that fits:
 
-    benchmarks/size.sh configs/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [-- OPTIONS OF THE PROGRAM]
+    benchmarks/size.sh benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [-- OPTIONS OF THE PROGRAM]
 
 The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many; parts read from voxels cannot
 be. The next size is run if the peak memory of all ranks, grown in proportion to the elements from the last one, stays within --memory

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Time and memory over the number of elements: benchmarks/size.sh configs/v_shape.json --memory 20; --help says more.
+# Time and memory over the number of elements: benchmarks/size.sh benchmarks/v_shape.json --memory 20; --help says more.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$here/../scripts/environment.sh"

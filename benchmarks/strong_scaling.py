@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Strong scaling: seconds of a design iteration by phase, over groups x domain ranks, against one baseline:
 
-    benchmarks/strong_scaling.sh configs/v_shape.json --ranks 1 2 4 --csv v_shape.csv --plot v_shape.png [-- OPTIONS OF THE PROGRAM]
-    benchmarks/strong_scaling.sh configs/v_shape.json --splits 1x1 2x1 1x2 4x16 --baseline 1x1
+    benchmarks/strong_scaling.sh benchmarks/v_shape.json --ranks 1 2 4 --csv v_shape.csv --plot v_shape.png [-- OPTIONS OF THE PROGRAM]
+    benchmarks/strong_scaling.sh benchmarks/v_shape.json --splits 1x1 2x1 1x2 4x16 --baseline 1x1
 
 A split GxD is G layer groups of D domain ranks each, on G D ranks. --ranks takes all splits of each number of ranks, with no more
 groups than layers. Figures are medians over the iterations after the warm-up, of all repetitions; these run by turns.

@@ -22,7 +22,8 @@ ITERATIONS = 6
 BLOCK = {
     "name": "block", "domain": {"size": [2.0, 1.0, 2.0], "elements": [32, 16, 32]}, "part": {"box": {"min": [0, 0, 0], "max": [2, 1, 2]}},
     "node_sets": {"edge": {"box": {"min": [2, 0, 2], "max": [2, 1, 2]}}}, "sequence": {"type": "heat", "characteristic_length": 2.0},
-    "layers": {"count": 11}, "objective": [{"type": "distortion", "nodes": "edge", "scaling": "current"}, {"type": "layer_uniformity"}],
+    "layers": {"count": 11},
+    "objective": [{"type": "distortion", "nodes": "edge", "scaling": "current", "least_squares": False}, {"type": "layer_uniformity"}],
     "constraints": [{"type": "layer_thickness", "target": 0.18}]}
 V_SHAPE = {**BLOCK, "name": "v_shape", "part": {"difference": [
     {"union": [{"box": {"min": [0, 0, 0], "max": [2, 1, 0.6]}}, {"box": {"min": [1.2, 0, 0], "max": [2, 1, 2]}}]},
