@@ -102,18 +102,15 @@ def thickness_text(run, geometric, resliced):
     """By the gradient, smooth and binary, and geometric, each relative to the target where there is one."""
     constraint = run.thickness_constraint()
     target = constraint["target"] if constraint else None
-    texts = [f"{kind} {span(run, run.layers(block), target)}" for kind, block in (("smooth", "optimized"), ("binary", "binary"))
+    texts = [f"{kind} {span(run.layers(block), target)}" for kind, block in (("smooth", "optimized"), ("binary", "binary"))
              if all(layer["thickness"] is not None for layer in run.layers(block))]
     texts.append(geometric_text("geometric", geometric, target))
     texts += [geometric_text(f"geometric in {count}", found["thickness"], None) for count, found in resliced.items()]
     return "; ".join(texts)
 
 
-def span(run, layers, target):
-    """Of the layers that hold an element's volume at least: smooth layers have faint tails."""
-    domain = run.config["domain"]
-    element = math.prod(domain["size"]) / math.prod(domain["elements"])
-    values = [layer["thickness"] / (target or 1.0) for layer in layers if layer["volume"] > 0.99 * element]
+def span(layers, target):
+    values = [layer["thickness"] / (target or 1.0) for layer in layers]
     inner = values[:-1] or values
     return f"{min(inner):.3g} to {max(inner):.3g}, {values[-1]:.3g}"
 

@@ -1,6 +1,7 @@
 """What the pictures and tables need of a finished optimization: reads the output directory of a run."""
 
 import json
+import math
 import os
 
 import h5py
@@ -58,9 +59,11 @@ class Run:
         return {"tolerance": 0.1, **found[0]} if found else None
 
     def layers(self, block):
-        """Number (from 1), thickness, cv and volume of the layers that hold material (docs/formulation.md 6)."""
+        """Number (from 1), thickness, cv and volume of the layers that hold an element at least: what is less is the faint tail of smooth
+        layers after the last one."""
         table = self.summary[block]["layers"]
-        least = 1e-6 * sum(layer["volume"] for layer in table) / len(table)
+        domain = self.config["domain"]
+        least = 0.99 * math.prod(domain["size"]) / math.prod(domain["elements"]) * domain.get("thickness", 1.0)
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
     def measured_nodes(self):
