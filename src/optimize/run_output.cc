@@ -163,23 +163,24 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   record.set("baseline", baseline_.block);
   record.set("interior_minima", reports.interior_minima);
   set_layer_variables(record, setup_.layer_variables, best.design());
-  if (setup_.config.optimizer.coarse_iterations > 0)
-    record.set("coarse_iterations", setup_.config.optimizer.coarse_iterations);
   directory_.write("summary.json", record.dump(2) + "\n");
   print_table(reports, record);
 }
 
 template <int Dim>
 Json RunOutput<Dim>::summary(const RunEnd& end) const {
-  return Json::object({{"name", setup_.config.name},
-                       {"status", end.status},
-                       {"reason", end.reason},
-                       {"iterations", end.iterations},
-                       {"ranks", size_of(setup_.world())},
-                       {"layer_groups", setup_.groups.count()},
-                       {"part_elements", setup_.part.count()},
-                       {"seconds", seconds_record(phase_seconds_, total_seconds())},
-                       {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
+  Json record = Json::object({{"name", setup_.config.name},
+                              {"status", end.status},
+                              {"reason", end.reason},
+                              {"iterations", end.iterations},
+                              {"ranks", size_of(setup_.world())},
+                              {"layer_groups", setup_.groups.count()},
+                              {"part_elements", setup_.part.count()},
+                              {"seconds", seconds_record(phase_seconds_, total_seconds())},
+                              {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
+  const int coarse_iterations = setup_.config.optimizer.coarse_iterations;
+  if (coarse_iterations > 0) record.set("coarse_iterations", coarse_iterations);
+  return record;
 }
 
 template <int Dim>

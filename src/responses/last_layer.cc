@@ -1,6 +1,7 @@
 #include "fabseq/responses/last_layer.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/responses/layer_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +22,7 @@ template <int Dim>
 class LastLayer : public Response<Dim> {
  public:
   LastLayer(const ResponseContext<Dim>& context, double least_volume)
-      : comm_(context.part.grid().comm()),
-        least_elements_(least_volume * context.part.volume() / context.part.grid().element_volume()) {}
+      : grid_(context.part.grid()), least_of_all_(least_volume * context.part.volume()) {}
 
   std::string type() const override { return "last_layer"; }
 
@@ -43,7 +43,7 @@ class LastLayer : public Response<Dim> {
       d_time[e] += derivative;
       total += derivative;
     }
-    adjoint.densities.touch_time_points()[last] -= sum(comm_, total);
+    adjoint.densities.touch_time_points()[last] -= sum(grid_.comm(), total);
   }
 
   std::vector<ConstraintRow> rows(int /*components*/, double margin) const override {
@@ -53,12 +53,9 @@ class LastLayer : public Response<Dim> {
  private:
   /// Number, from 1, of the last layer that is no sliver.
   int last_whole(const LayerDensities& layers) const {
-    std::vector<double> elements(layers.count(), 0.0);
-    for (std::size_t j = 0; j < elements.size(); ++j)
-      for (const double density : layers.layer[j]) elements[j] += density;
-    sum_in_place(comm_, elements);
+    const std::vector<double> volume = layer_volumes(grid_, layers);
     int last = layers.count();
-    while (last > 1 && elements[last - 1] * layers.count() < least_elements_) --last;
+    while (last > 1 && volume[last - 1] * layers.count() < least_of_all_) --last;
     return last;
   }
 
@@ -75,11 +72,11 @@ class LastLayer : public Response<Dim> {
   double norm(const std::vector<double>& late) const {
     double total = 0.0;
     for (const double value : late) total += std::pow(value, power);
-    return std::pow(sum(comm_, total), 1.0 / power);
+    return std::pow(sum(grid_.comm(), total), 1.0 / power);
   }
 
-  MPI_Comm comm_;
-  double least_elements_;
+  const Grid<Dim>& grid_;
+  double least_of_all_;  ///< least volume times the number of layers
 };
 
 }  // namespace

@@ -63,6 +63,16 @@ LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
 }
 
 template <int Dim>
+std::vector<double> layer_volumes(const Grid<Dim>& grid, const LayerDensities& layers) {
+  const double element_volume = grid.element_volume();
+  std::vector<double> result(layers.count(), 0.0);
+  for (std::size_t j = 0; j < result.size(); ++j)
+    for (const double density : layers.layer[j]) result[j] += density * element_volume;
+  sum_in_place(grid.comm(), result);
+  return result;
+}
+
+template <int Dim>
 LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const PseudoTime<Dim>& time,
                                  const LayerDensities& layers) {
   const MPI_Comm comm = context.part.grid().comm();
@@ -112,6 +122,7 @@ void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector
 
 #define FABSEQ_INSTANTIATE(Dim)                                                                       \
   template std::vector<double> gradient_magnitude<Dim>(const PseudoTime<Dim>&, double);               \
+  template std::vector<double> layer_volumes<Dim>(const Grid<Dim>&, const LayerDensities&);           \
   template LayerStatistics layer_statistics<Dim>(const ResponseContext<Dim>&, const PseudoTime<Dim>&, \
                                                  const LayerDensities&);                              \
   template void add_magnitude_derivative<Dim>(const PipelineState<Dim>&, const std::vector<double>&,  \

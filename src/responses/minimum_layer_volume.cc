@@ -1,6 +1,6 @@
 #include "fabseq/responses/minimum_layer_volume.h"
 
-#include "fabseq/base/mpi.h"
+#include "fabseq/responses/layer_statistics.h"
 
 namespace fabseq {
 
@@ -10,17 +10,12 @@ template <int Dim>
 class MinimumLayerVolume : public Response<Dim> {
  public:
   MinimumLayerVolume(const ResponseContext<Dim>& context, double fraction)
-      : comm_(context.part.grid().comm()),
-        element_volume_(context.part.grid().element_volume()),
-        least_(fraction * context.part.volume()) {}
+      : grid_(context.part.grid()), least_(fraction * context.part.volume()) {}
 
   std::string type() const override { return "minimum_layer_volume"; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
-    std::vector<double> result(state.layers.count(), 0.0);
-    for (std::size_t j = 0; j < result.size(); ++j)
-      for (const double density : state.layers.layer[j]) result[j] += density * element_volume_;
-    sum_in_place(comm_, result);
+    std::vector<double> result = layer_volumes(grid_, state.layers);
     for (double& value : result) value = least_ - value;
     return result;
   }
@@ -29,7 +24,8 @@ class MinimumLayerVolume : public Response<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override {
     auto& d_layer =
         DensityDerivatives::touch(adjoint.densities.layer[component], state.layers.layer[component].size());
-    for (double& derivative : d_layer) derivative -= weight * element_volume_;
+    const double element_volume = grid_.element_volume();
+    for (double& derivative : d_layer) derivative -= weight * element_volume;
   }
 
   /// The margin is a share of the least volume: there is no other length on the scale of the allowed.
@@ -40,8 +36,8 @@ class MinimumLayerVolume : public Response<Dim> {
   }
 
  private:
-  MPI_Comm comm_;
-  double element_volume_, least_;
+  const Grid<Dim>& grid_;
+  double least_;
 };
 
 }  // namespace

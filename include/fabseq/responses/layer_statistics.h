@@ -38,6 +38,10 @@ struct LayerMean {
 LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
                      const std::vector<double>& magnitude);
 
+/// Volume of every layer, floor not included; the same on all ranks. Collective on the grid's communicator.
+template <int Dim>
+std::vector<double> layer_volumes(const Grid<Dim>& grid, const LayerDensities& layers);
+
 /// Collective. Where the gradient is not defined, mean, deviation and thickness are NaN.
 template <int Dim>
 LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const PseudoTime<Dim>& time,
