@@ -4,7 +4,7 @@
     scripts/overview.py OUTPUT_DIR [PICTURE.png] [--table]
 
 OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png unless said
-otherwise. `--table` also prints the main figures. Without a display it uses one that xvfb-run makes.
+otherwise. `--table` also prints the main figures. Without a display it draws in memory (virtual_display.py).
 """
 
 import argparse
@@ -22,6 +22,7 @@ from matplotlib import colormaps, ticker  # noqa: E402
 
 import render_part  # noqa: E402
 from read_run import Run, RunError  # noqa: E402
+from virtual_display import ensure_display  # noqa: E402
 
 WIDTH = 16.0  # inches
 DOTS_PER_INCH = 120
@@ -41,7 +42,7 @@ def main():
         run = Run(arguments.directory)
     except RunError as error:
         sys.exit(f"overview.py: {error}")
-    render_part.ensure_display()
+    ensure_display()
     draw(run, arguments.picture or os.path.join(arguments.directory, "overview.png"))
     if arguments.table:
         print(table(run))

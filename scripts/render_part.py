@@ -3,19 +3,20 @@
 
 As a module it gives render(); as a program it draws one picture of a result:
     scripts/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
-(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it uses one that xvfb-run makes.
+(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it draws in memory (virtual_display.py).
 """
 
 import argparse
 import json
 import os
-import sys
 from dataclasses import dataclass, field
 
 import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
+
+from virtual_display import ensure_display
 
 LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
@@ -98,16 +99,6 @@ def node_vectors(part, displacement):
     """`displacement` [z][y][x][component] as (n, 3)."""
     flat = np.asarray(displacement, dtype=float).reshape(len(part.nodes), part.dimension)
     return np.pad(flat, ((0, 0), (0, 3 - part.dimension)))
-
-
-def ensure_display():
-    """Where there is no display, starts this program again with one that xvfb-run makes; VTK would crash without."""
-    if os.environ.get("DISPLAY"):
-        return
-    try:
-        os.execvp("xvfb-run", ["xvfb-run", "-a", sys.executable, *sys.argv])
-    except OSError:
-        sys.exit(f"{os.path.basename(sys.argv[0])}: needs a display, or xvfb-run, which scripts/setup.sh installs")
 
 
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):

@@ -170,8 +170,8 @@ def draw(directory, name, results):
     folder = os.path.join(os.path.dirname(os.path.abspath(results)), "results")
     os.makedirs(folder, exist_ok=True)
     script = os.path.join(ROOT, "scripts", "small_picture.py")
-    if not os.environ.get("DISPLAY") and not shutil.which("xvfb-run"):
-        print("reproduce.py: no picture: it needs a display, or xvfb-run", file=sys.stderr)
+    if not os.environ.get("DISPLAY") and not shutil.which("Xvfb"):
+        print("reproduce.py: no picture: it needs a display, or Xvfb", file=sys.stderr)
         return None
     subprocess.run([sys.executable, script, directory, os.path.join(folder, name + ".png")], check=True)
     return f"results/{name}.png"

@@ -4,7 +4,7 @@
     scripts/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
 Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/overview.py. As many colours
-and pixels as fit into the bytes. Without a display it uses one that xvfb-run makes.
+and pixels as fit into the bytes. Without a display it draws in memory (virtual_display.py).
 """
 
 import argparse
@@ -17,6 +17,7 @@ from PIL import Image
 import overview
 import render_part
 from read_run import Run, RunError
+from virtual_display import ensure_display
 
 COLOURS = (64, 32, 16)
 GAP = 12  # pixels of the drawn pictures between two of them
@@ -33,7 +34,7 @@ def main():
         run = Run(arguments.directory)
     except RunError as error:
         sys.exit(f"small_picture.py: {error}")
-    render_part.ensure_display()
+    ensure_display()
     data = compressed(side_by_side(overview.Pictures(run).images), arguments.width, arguments.bytes)
     with open(arguments.picture, "wb") as file:
         file.write(data)

@@ -176,7 +176,7 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
         for name, values in one.items():
             assert_close(two[name], values, 1e-7, name)
 
-    @unittest.skipUnless(shutil.which("pvpython") and shutil.which("xvfb-run"), "ParaView is not installed")
+    @unittest.skipUnless(shutil.which("pvpython") and shutil.which("Xvfb"), "ParaView is not installed")
     def test_paraview_reads_the_fields(self):
         run = RUNS[2]
         for name, fields in (("fields/iteration_0003.xdmf", read_dump(run, 3)), ("result.xdmf", read_result(run))):
@@ -197,7 +197,7 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
     def read_with_paraview(self, path):
         saved = os.path.join(self.directory, "arrays.npz")
         script = os.path.join(run_fabseq.HERE, "read_arrays.py")
-        command = ["xvfb-run", "-a", "pvpython", script, path, saved]
+        command = [os.path.join(run_fabseq.ROOT, "scripts", "virtual_display.py"), "pvpython", script, path, saved]
         status, stdout, stderr = run_fabseq.run_command(command, self.directory, 300)
         self.assertEqual(status, 0, stdout + stderr)
         with np.load(saved) as arrays:

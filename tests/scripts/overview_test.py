@@ -57,7 +57,7 @@ class Pictures(unittest.TestCase):
         with tempfile.TemporaryDirectory() as empty:
             done = run("overview.py", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")
             self.assertEqual(done.returncode, 1)
-            self.assertIn("needs a display, or xvfb-run", done.stderr)
+            self.assertIn("overview.py: needs a display, or Xvfb", done.stderr)
 
     def test_a_directory_without_a_run_is_refused(self):
         with tempfile.TemporaryDirectory() as empty:
@@ -87,7 +87,7 @@ class Pictures(unittest.TestCase):
 
     def test_render_part_draws_a_layer_picture(self):
         picture = Path(self.folder.name) / "part.png"
-        done = subprocess.run(["xvfb-run", "-a", "/usr/bin/python3", PROJECT / "scripts/render_part.py",
+        done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/render_part.py",
                                self.solid / "result.h5", picture, "--pixels", "400"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(self.colours_of(picture), 0.05)

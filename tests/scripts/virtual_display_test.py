@@ -1,0 +1,41 @@
+"""A display in memory for each command, however many start at once."""
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "virtual_display.py"
+
+
+def start(*command, **environment):
+    return subprocess.Popen([SCRIPT, *command], env={**os.environ, **environment}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+class VirtualDisplay(unittest.TestCase):
+    def test_each_command_has_its_own_and_it_ends_with_it(self):
+        waiting = [start(sys.executable, "-c", "import os, time; print(os.environ['DISPLAY'], flush=True); time.sleep(2)") for _ in range(6)]
+        displays = [process.communicate(timeout=60)[0].strip() for process in waiting]
+        self.assertEqual(len(set(displays)), len(displays), displays)
+        for display in displays:
+            self.assertRegex(display, r"^:\d+$")
+            self.assertFalse(Path(f"/tmp/.X{display[1:]}-lock").exists(), display)
+
+    def test_status_of_the_command(self):
+        for code, status in (("", 0), ("import sys; sys.exit(7)", 7), ("import os; os.kill(os.getpid(), 15)", 143)):
+            process = start(sys.executable, "-c", code)
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, status, code)
+
+    def test_missing_command_and_missing_server(self):
+        missing = start("no-such-program")
+        self.assertIn("no-such-program: No such file or directory", missing.communicate(timeout=60)[1])
+        self.assertEqual(missing.returncode, 1)
+        with tempfile.TemporaryDirectory() as empty:
+            process = subprocess.run([sys.executable, SCRIPT, "pvpython"], env={"PATH": empty}, capture_output=True, text=True)
+        self.assertEqual((process.returncode, process.stderr), (1, "pvpython: needs a display, or Xvfb, which scripts/setup.sh installs\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
