@@ -183,7 +183,7 @@ void expect_paraview_agrees() {
 TEST(FieldDump, OpensInParaView) {
   if (size_of(PETSC_COMM_WORLD) != 3)
     GTEST_SKIP() << "once is enough, on 3 ranks: the bytes are the same on any number";
-  if (!broadcast(PETSC_COMM_WORLD, is_first() && has_paraview() ? "yes" : "").size())
+  if (broadcast(PETSC_COMM_WORLD, is_first() && has_paraview() ? "yes" : "").empty())
     GTEST_SKIP() << "pvpython or Xvfb is not installed";
   expect_paraview_agrees<3>();
   expect_paraview_agrees<2>();
