@@ -68,8 +68,9 @@ def optimized(case, directory, thickness, resliced):
     planar, smooth, binary = (distortion(summary[block]["responses"]) for block in ("baseline", "optimized", "binary"))
     cells = [number(planar), f"{number(smooth)}: {factor(planar / smooth)}", f"{number(binary)}: {factor(planar / binary)}"]
     for count, found in resliced.items():
-        for place, kind in ((1, "smooth"), (2, "binary")):
-            cells[place] += f"; in {count} layers {number(distortion(found[kind]['responses']))}"
+        values = [distortion(found[kind]["responses"]) for kind in ("planar", "smooth", "binary")]
+        for place, value in enumerate(values):
+            cells[place] += f"; in {count} layers {number(value)}" + (f": {factor(values[0] / value)}" if place else "")
     ranks = run.config.get("run", {}).get("ranks")
     layers = angles_text(summary["angles"]) if "angles" in summary else thickness_text(run, thickness, resliced)
     return [*cells, violation(run), layers, str(summary["interior_minima"]),

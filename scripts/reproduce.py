@@ -152,12 +152,15 @@ def measure_thickness(directory):
 
 
 def reslice(arguments, ranks, directory, count):
-    """The pseudo-time of a run cut into `count` layers, smooth and binary: summaries and geometric thickness."""
+    """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary: summaries and geometric thickness."""
+    sequence = ["-sequence", os.path.join(directory, "result.h5")]
+    direction = read_json(directory, "config.json")["baseline"]["direction"]
+    planar = ["-set", "sequence=" + json.dumps({"type": "planar", "direction": direction}), "-set", "constraints=[]"]
     result = {}
-    for kind, options in (("smooth", []), ("binary", ["-binary"])):
+    for kind, options in (("planar", planar), ("smooth", sequence), ("binary", [*sequence, "-binary"])):
         output = os.path.join(directory, f"layers_{count}_{kind}")
-        words = ["-config", os.path.join(directory, "config.json"), "-task", "simulate", "-sequence", os.path.join(directory, "result.h5"),
-                 "-layers", str(count), *options, "-overwrite", "-output", output]
+        words = ["-config", os.path.join(directory, "config.json"), "-task", "simulate", *options,
+                 "-layers", str(count), "-overwrite", "-output", output]
         if not run(arguments.program, ranks, words):
             raise RunError(f"cut into {count} layers: the simulation failed")
         result[kind] = read_json(output, "summary.json")
