@@ -107,5 +107,20 @@ TEST_F(BestIterateTest, BinaryLayersJudge) {
   expect(6);
 }
 
+/// Layers of whole elements cannot have the volumes of smooth ones.
+TEST_F(BestIterateTest, BinaryLayersMayMissConstraintsByAnElement) {
+  offer_judged(1, values(1.0, -0.1), values(5.0, 0.02));
+  offer_judged(2, values(1.0, -0.1), values(9.0, 0.009));
+  expect(2);
+  offer_judged(3, values(1.0, -0.1), values(8.0, 0.01));  // both near enough: the merit decides
+  expect(3);
+  EXPECT_FALSE(best_.feasible());
+  EXPECT_EQ(best_.worst_constraint(), 0.01);
+  offer_judged(4, values(1.0, 1e-9), values(1.0, 0.001));  // the optimizer's own have to hold
+  expect(3);
+  offer_judged(5, values(1.0, -0.1), values(20.0, -0.1));  // satisfied beats near
+  expect(5);
+}
+
 }  // namespace
 }  // namespace fabseq

@@ -1,18 +1,22 @@
 #include "fabseq/optimize/best_iterate.h"
 
+#include <tuple>
+
 namespace fabseq {
 
 void BestIterate::offer(const Iterate& iterate, const Design& design) {
   const double merit = iterate.merit(), violation = iterate.worst_constraint();
+  const Standing standing = iterate.standing();
+  // The violation, where it counts, before the merit.
+  const auto key = [](Standing how, double worst, double value) {
+    return std::tuple(how, how == Standing::violated ? worst : 0.0, value);
+  };
   const bool starts_over =
       iteration_ == 0 || iterate.beta != beta_ || iterate.binary.has_value() != by_binary_;
-  const bool now_feasible = violation <= 0.0, descends = merit < merit_;
-  const bool better = starts_over || (now_feasible && (!feasible() || descends)) ||
-                      (!now_feasible && !feasible() &&
-                       (violation < worst_constraint_ || (violation == worst_constraint_ && descends)));
-  if (!better) return;
+  if (!starts_over && !(key(standing, violation, merit) < key(standing_, worst_constraint_, merit_))) return;
   iteration_ = iterate.iteration;
   by_binary_ = iterate.binary.has_value();
+  standing_ = standing;
   beta_ = iterate.beta;
   worst_constraint_ = violation;
   merit_ = merit;
@@ -23,6 +27,7 @@ void BestIterate::save(CheckpointState& state) const {
   state.set_scalar("best/iteration", iteration_);
   if (iteration_ == 0) return;
   state.set_scalar("best/by_binary", by_binary_ ? 1 : 0);
+  state.set_scalar("best/standing", static_cast<int>(standing_));
   state.set_scalar("best/beta", beta_);
   state.set_scalar("best/worst_constraint", worst_constraint_);
   state.set_scalar("best/merit", merit_);
@@ -34,6 +39,7 @@ void BestIterate::restore(const CheckpointState& state) {
   iteration_ = state.integer("best/iteration");
   if (iteration_ == 0) return;
   by_binary_ = state.integer("best/by_binary") != 0;
+  standing_ = static_cast<Standing>(state.integer("best/standing"));
   beta_ = state.number("best/beta");
   worst_constraint_ = state.number("best/worst_constraint");
   merit_ = state.number("best/merit");

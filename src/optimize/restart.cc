@@ -17,7 +17,7 @@ namespace fabseq {
 namespace {
 
 /// Changes with the layout of checkpoints.
-constexpr int format = 3;
+constexpr int format = 4;
 
 /// Of the densities and their places; a sum, so that it does not matter which rank has which elements.
 template <int Dim>

@@ -11,9 +11,9 @@
 
 namespace fabseq {
 
-/// Keeps the best of the designs offered so far. A feasible one beats an infeasible one, a smaller merit a
-/// larger one; among infeasible ones the smaller violation counts, and where it is the same (all that it depends on may be fixed) the
-/// merit. Local to the rank; ranks agree because values do.
+/// Keeps the best of the designs offered so far: the one whose constraints stand best, then the one of smaller merit; where constraints
+/// are violated, the smaller violation counts first, and where it is the same (all that it depends on may be fixed) the merit. Local to
+/// the rank; ranks agree because values do.
 class BestIterate {
  public:
   /// `layer_variables`: their name, for checkpoints.
@@ -26,7 +26,7 @@ class BestIterate {
   int iteration() const { return iteration_; }
   double beta() const { return beta_; }
   double worst_constraint() const { return worst_constraint_; }
-  bool feasible() const { return worst_constraint_ <= 0.0; }
+  bool feasible() const { return standing_ == Standing::satisfied; }
   const Design& design() const { return design_; }
 
   void save(CheckpointState& state) const;
@@ -36,6 +36,7 @@ class BestIterate {
   std::string layer_variables_;
   int iteration_ = 0;
   bool by_binary_ = false;  ///< judged by binary layers
+  Standing standing_ = Standing::violated;
   double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
   Design design_;
 };

@@ -9,6 +9,11 @@
 
 namespace fabseq {
 
+/// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what smooth layers satisfy may be
+/// out of their reach: where the optimizer's own constraints hold, theirs may be missed by this much, relative to target or part.
+enum class Standing { satisfied, within_elements, violated };
+inline constexpr double binary_allowance = 0.01;
+
 /// The same on all ranks.
 struct Iterate {
   int iteration = 0;
@@ -21,6 +26,12 @@ struct Iterate {
   /// Whatever is judged by, the optimizer's own constraints hold as well.
   double worst_constraint() const {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;
+  }
+  Standing standing() const {
+    if (worst_constraint() <= 0.0) return Standing::satisfied;
+    const bool within =
+        binary && values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance;
+    return within ? Standing::within_elements : Standing::violated;
   }
 };
 
