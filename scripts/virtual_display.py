@@ -3,8 +3,9 @@
 
     scripts/virtual_display.py COMMAND [ARGUMENTS]
 
-The server picks its own number, so that any number of these may start at once (xvfb-run --auto-servernum looks for a free one
-first and may lose it to another). Exit status: the command's, or 1 with a line where Xvfb is missing or does not start.
+Other than with xvfb-run, any number of these may start at once, as the server picks its own number, and a command may close its last
+window and open another, as the server does not reset in between. Exit status: the command's, or 1 with a line where Xvfb is missing
+or does not start.
 """
 
 import os
@@ -37,7 +38,7 @@ def main():
 def start_server():
     """The process of Xvfb and the number of its display, once it takes connections."""
     reading, writing = os.pipe()
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp"]
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
     try:
         server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     except OSError:

@@ -28,6 +28,19 @@ class VirtualDisplay(unittest.TestCase):
             process.communicate(timeout=60)
             self.assertEqual(process.returncode, status, code)
 
+    def test_windows_one_after_the_other(self):
+        """A server that resets when its last client leaves refuses the next one now and then."""
+        windows = ("from vtkmodules import vtkRenderingOpenGL2\n"
+                   "from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow\n"
+                   "for _ in range(60):\n"
+                   "    window = vtkRenderWindow()\n"
+                   "    window.AddRenderer(vtkRenderer())\n"
+                   "    window.Render()\n"
+                   "    window.Finalize()\n"
+                   "    del window\n")
+        process = start("/usr/bin/python3", "-c", windows, DISPLAY="")
+        self.assertEqual((process.communicate(timeout=120)[1], process.returncode), ("", 0))
+
     def test_missing_command_and_missing_server(self):
         missing = start("no-such-program")
         self.assertIn("no-such-program: No such file or directory", missing.communicate(timeout=60)[1])
