@@ -98,13 +98,15 @@ TEST_F(BestIterateTest, BinaryLayersJudge) {
   offer_judged(2, values(7.0, -0.1), values(5.0, -0.2));  // starts over
   expect(2);
   EXPECT_EQ(best_.worst_constraint(), -0.1);
-  offer_judged(3, values(3.0, -0.1), values(6.0, -0.2));  // smooth merits do not count
+  offer_judged(3, values(3.0, -0.1), values(8.0, -0.2));  // the worse of both merits counts
   expect(2);
   offer_judged(4, values(3.0, -0.1), values(4.0, 0.01));  // constraints of both do
   offer_judged(5, values(3.0, 0.01), values(4.0, -0.1));
   expect(2);
   offer_judged(6, values(9.0, -0.1), values(4.0, -0.1));
-  expect(6);
+  expect(2);
+  offer_judged(7, values(5.5, -0.1), values(6.0, -0.1));
+  expect(7);
 }
 
 /// Layers of whole elements cannot have the volumes of smooth ones.

@@ -21,9 +21,9 @@ struct Iterate {
   ProblemValues values;                 ///< what the optimizer goes by
   std::optional<ProblemValues> binary;  ///< of binary layers, where the iterate is judged by these
 
-  /// By which iterates are compared (BestIterate).
-  double merit() const { return binary ? binary->merit : values.merit; }
-  /// Whatever is judged by, the optimizer's own constraints hold as well.
+  /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind of layers alone owes that to
+  /// the soft bounds of these, or to where elements happen to lie.
+  double merit() const { return binary ? std::max(values.merit, binary->merit) : values.merit; }
   double worst_constraint() const {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;
   }
