@@ -143,8 +143,8 @@ def run(program, ranks, words):
     return subprocess.run(command, env={**ENVIRONMENT, **os.environ}, check=False).returncode == 0
 
 
-def measure_thickness(directory):
-    record = geometric_thickness.measure(directory)
+def measure_thickness(directory, target=None):
+    record = geometric_thickness.measure(directory, target)
     with open(os.path.join(directory, "geometric_thickness.json"), "w", encoding="utf-8") as file:
         json.dump(record, file, indent=1)
         file.write("\n")
@@ -154,8 +154,10 @@ def measure_thickness(directory):
 def reslice(arguments, ranks, directory, count):
     """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary: summaries and geometric thickness."""
     sequence = ["-sequence", os.path.join(directory, "result.h5")]
-    direction = read_json(directory, "config.json")["baseline"]["direction"]
-    planar = ["-set", "sequence=" + json.dumps({"type": "planar", "direction": direction}), "-set", "constraints=[]"]
+    config = read_json(directory, "config.json")
+    planar_sequence = {"type": "planar", "direction": config["baseline"]["direction"]}
+    planar = ["-set", "sequence=" + json.dumps(planar_sequence), "-set", "constraints=[]"]
+    targets = [c["target"] * config["layers"]["count"] / count for c in config["constraints"] if c["type"] == "layer_thickness"]
     result = {}
     for kind, options in (("planar", planar), ("smooth", sequence), ("binary", [*sequence, "-binary"])):
         output = os.path.join(directory, f"layers_{count}_{kind}")
@@ -164,7 +166,7 @@ def reslice(arguments, ranks, directory, count):
         if not run(arguments.program, ranks, words):
             raise RunError(f"cut into {count} layers: the simulation failed")
         result[kind] = read_json(output, "summary.json")
-    result["thickness"] = measure_thickness(output)
+    result["thickness"] = measure_thickness(output, *targets)
     return result
 
 
