@@ -10,17 +10,30 @@ SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "virtual_display.py"
 
 
 def start(*command, **environment):
-    return subprocess.Popen([SCRIPT, *command], env={**os.environ, **environment}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([SCRIPT, *command], env={**os.environ, **environment}, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def server_of(process):
+    """Process number of the server that `process`, a virtual_display.py, has started."""
+    for child in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split():
+        if Path(f"/proc/{child}/comm").read_text().strip() == "Xvfb":
+            return child
+    raise AssertionError(f"{process.pid} has no Xvfb")
 
 
 class VirtualDisplay(unittest.TestCase):
     def test_each_command_has_its_own_and_it_ends_with_it(self):
-        waiting = [start(sys.executable, "-c", "import os, time; print(os.environ['DISPLAY'], flush=True); time.sleep(2)") for _ in range(6)]
-        displays = [process.communicate(timeout=60)[0].strip() for process in waiting]
+        # Each waits for the end of its input, so that all displays are there at once; another test may take their numbers afterwards.
+        waiting = [start(sys.executable, "-c", "import os, sys; print(os.environ['DISPLAY'], flush=True); sys.stdin.read()") for _ in range(6)]
+        displays = [process.stdout.readline().strip() for process in waiting]
+        servers = [server_of(process) for process in waiting]
+        for process in waiting:
+            process.communicate(timeout=60)
         self.assertEqual(len(set(displays)), len(displays), displays)
-        for display in displays:
+        for display, server in zip(displays, servers):
             self.assertRegex(display, r"^:\d+$")
-            self.assertFalse(Path(f"/tmp/.X{display[1:]}-lock").exists(), display)
+            self.assertFalse(Path(f"/proc/{server}").exists(), display)
 
     def test_status_of_the_command(self):
         for code, status in (("", 0), ("import sys; sys.exit(7)", 7), ("import os; os.kill(os.getpid(), 15)", 143)):
