@@ -21,7 +21,7 @@ import sys
 
 import case_table
 import geometric_thickness
-from read_run import RunError, read_json
+from read_run import Run, RunError, read_json
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # As in scripts/environment.sh; several mpirun side by side shall not share a core.
@@ -154,10 +154,11 @@ def measure_thickness(directory, target=None):
 def reslice(arguments, ranks, directory, count):
     """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary: summaries and geometric thickness."""
     sequence = ["-sequence", os.path.join(directory, "result.h5")]
-    config = read_json(directory, "config.json")
-    planar_sequence = {"type": "planar", "direction": config["baseline"]["direction"]}
+    source = Run(directory, with_fields=False)
+    planar_sequence = {"type": "planar", "direction": source.config["baseline"]["direction"]}
     planar = ["-set", "sequence=" + json.dumps(planar_sequence), "-set", "constraints=[]"]
-    targets = [c["target"] * config["layers"]["count"] / count for c in config["constraints"] if c["type"] == "layer_thickness"]
+    constraint = source.thickness_constraint()
+    target = constraint["target"] * source.config["layers"]["count"] / count if constraint else None
     result = {}
     for kind, options in (("planar", planar), ("smooth", sequence), ("binary", [*sequence, "-binary"])):
         output = os.path.join(directory, f"layers_{count}_{kind}")
@@ -166,7 +167,7 @@ def reslice(arguments, ranks, directory, count):
         if not run(arguments.program, ranks, words):
             raise RunError(f"cut into {count} layers: the simulation failed")
         result[kind] = read_json(output, "summary.json")
-    result["thickness"] = measure_thickness(output, *targets)
+    result["thickness"] = measure_thickness(output, target)
     return result
 
 

@@ -26,11 +26,16 @@ double sum_over(std::size_t elements, Term&& term) {
   return total;
 }
 
+/// Volume of a layer in elements; this rank's part.
+double elements_of(const std::vector<double>& density) {
+  return sum_over(density.size(), [d = density.data()](std::size_t e) { return d[e]; });
+}
+
 /// Weight of a layer without and with the floor, and its weighted magnitude; this rank's part.
 std::array<double, 3> layer_sums(const std::vector<double>& density, const std::vector<double>& magnitude) {
   const double* d = density.data();
   const double* m = magnitude.data();
-  const double volume = sum_over(density.size(), [d](std::size_t e) { return d[e]; });
+  const double volume = elements_of(density);
   const double weighted =
       sum_over(magnitude.size(), [d, m](std::size_t e) { return (d[e] + layer_density_floor) * m[e]; });
   return {volume, volume + layer_density_floor * static_cast<double>(density.size()), weighted};
@@ -64,10 +69,8 @@ LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
 
 template <int Dim>
 std::vector<double> layer_volumes(const Grid<Dim>& grid, const LayerDensities& layers) {
-  const double element_volume = grid.element_volume();
-  std::vector<double> result(layers.count(), 0.0);
-  for (std::size_t j = 0; j < result.size(); ++j)
-    for (const double density : layers.layer[j]) result[j] += density * element_volume;
+  std::vector<double> result;
+  for (const auto& density : layers.layer) result.push_back(elements_of(density) * grid.element_volume());
   sum_in_place(grid.comm(), result);
   return result;
 }

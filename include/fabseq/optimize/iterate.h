@@ -10,8 +10,10 @@
 namespace fabseq {
 
 /// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what smooth layers satisfy may be
-/// out of their reach: where the optimizer's own constraints hold, theirs may be missed by this much, relative to target or part.
+/// out of their reach: `within_elements` says that the optimizer's own constraints hold and theirs are missed by little.
 enum class Standing { satisfied, within_elements, violated };
+
+/// By how much, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
 /// The same on all ranks.
