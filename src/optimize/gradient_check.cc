@@ -77,13 +77,27 @@ double slope_along(MPI_Comm comm, const Design& gradient, const Design& design, 
   return product;
 }
 
+constexpr double step_ratio_squared = 10.0;  ///< of a step and the next shorter one
+
 double relative_error(double difference, double adjoint) {
   return difference == adjoint ? 0.0 : std::abs(difference - adjoint) / std::abs(adjoint);
 }
 
 }  // namespace
 
-double GradientError::best() const { return *std::min_element(relative.begin(), relative.end()); }
+std::vector<double> GradientError::extrapolated() const {
+  std::vector<double> result;
+  for (std::size_t s = 1; s < differences.size(); ++s)
+    result.push_back((step_ratio_squared * differences[s] - differences[s - 1]) / (step_ratio_squared - 1.0));
+  return result;
+}
+
+double GradientError::best() const {
+  double result = *std::min_element(relative.begin(), relative.end());
+  for (const double difference : extrapolated())
+    result = std::min(result, relative_error(difference, adjoint));
+  return result;
+}
 
 double GradientCheck::worst() const {
   double result = 0.0;
@@ -113,6 +127,7 @@ Json GradientCheck::json() const {
                               {"adjoint", error.adjoint},
                               {"differences", error.differences},
                               {"relative_errors", error.relative},
+                              {"extrapolated", error.extrapolated()},
                               {"best", error.best()}}));
   return Json::object({{"steps", steps}, {"worst", worst()}, {"components", list}});
 }
@@ -132,7 +147,7 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
       rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
   const auto gradients = pipeline.gradients(problem.responses_and_functionals(), state, rows);
   GradientCheck check;
-  for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(10.0)) check.steps.push_back(step);
+  for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(step_ratio_squared)) check.steps.push_back(step);
   for (const auto& [variables, along] : directions(setup, design)) {
     const std::size_t first = check.errors.size();
     for (std::size_t row = 0; row < rows.size(); ++row) {

@@ -23,7 +23,9 @@ class GradientsTest(FabseqTest):
         for entry in check["components"]:
             self.assertLess(entry["best"], LIMIT, f"{entry['name']} ({entry['type']})")
             self.assertGreater(abs(entry["adjoint"]), 0, entry["name"])
-            errors = [abs(difference - entry["adjoint"]) / abs(entry["adjoint"]) for difference in entry["differences"]]
+            central = entry["differences"]
+            fourth_order = [(10 * shorter - longer) / 9 for longer, shorter in zip(central, central[1:])]
+            errors = [abs(difference - entry["adjoint"]) / abs(entry["adjoint"]) for difference in central + fourth_order]
             self.assertAlmostEqual(min(errors), entry["best"], places=12)
         with open(run.path("gradient_check.csv"), encoding="utf-8") as file:
             self.assertEqual(len(list(csv.DictReader(file))), len(names) * len(check["steps"]))

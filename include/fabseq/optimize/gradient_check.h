@@ -18,7 +18,10 @@ struct GradientError {
   std::vector<double> differences;  ///< central differences, a step each
   std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each; 0 where both are 0
 
-  double best() const;  ///< smallest relative error
+  /// Fourth-order differences (Richardson): of each step and the next shorter one, without the error in the square
+  /// of the step. One less than steps.
+  std::vector<double> extrapolated() const;
+  double best() const;  ///< smallest relative error, of the central and the fourth-order differences
 };
 
 /// Errors of all components for a list of steps.
