@@ -25,26 +25,12 @@ python_syntax() {
   python_scripts | xargs -0 /usr/bin/python3 -c 'import ast, sys; [ast.parse(open(n, encoding="utf-8").read(), n) for n in sys.argv[1:]]'
 }
 
-# The program is what is checked (the tests would double the time); warnings in system headers are counted by clang-tidy on stderr, to no one's use.
-tidy() {
-  local log status=0
-  log=$(mktemp)
-  if (($#)); then
-    printf '%s\0' "$@"
-  else
-    /usr/bin/python3 -c 'import json; print(*sorted({c["file"] for c in json.load(open("build/release/compile_commands.json")) if "/src/" in c["file"]}), sep="\0", end="\0")'
-  fi | xargs -0 -n 1 -P "$(compile_jobs)" clang-tidy -p build/release --quiet >"$log" 2>&1 || status=1
-  grep -vE '^[0-9]+ warnings? (and [0-9]+ errors? )?generated\.$|^Suppressed |^Use -header-filter' "$log" || true
-  rm -f "$log"
-  return $status
-}
-
 step "clang-format" format
 step "include graph" /usr/bin/python3 scripts/check_include_graph.py
 step "shell syntax" bash_syntax
 step "Python syntax" python_syntax
 step "reference table of the user's guide" /usr/bin/python3 scripts/reference_table.py
-step "clang-tidy" tidy "$@"
+step "clang-tidy" /usr/bin/python3 scripts/check_tidy.py --jobs "$(compile_jobs)" "$@"
 
 if ((${#failed[@]})); then
   printf 'lint: failed: %s\n' "${failed[@]}"

@@ -42,7 +42,7 @@ std::uint64_t checksum_of(const std::map<std::string, Json>& scalars) {
   return checksum.value();
 }
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+[[noreturn]] void throw_damaged(const std::string& file, const std::string& what) {
   throw OutputError("checkpoint '" + file + "' is damaged: " + what);
 }
 
@@ -73,11 +73,12 @@ void verify_scalars(const std::string& path, hid_t file) {
   for (const std::string& name : attribute_names(file)) {
     if (name == scalar_checksum_name) continue;
     const std::optional<Json> value = read_attribute(file, name);
-    if (!value) refuse(path, "attribute '" + name + "' cannot be read");
+    if (!value) throw_damaged(path, "attribute '" + name + "' cannot be read");
     scalars[name] = *value;
   }
   const std::optional<std::uint64_t> expected = read_checksum(file, scalar_checksum_name);
-  if (!expected || *expected != checksum_of(scalars)) refuse(path, "the checksum of the scalars is wrong");
+  if (!expected || *expected != checksum_of(scalars))
+    throw_damaged(path, "the checksum of the scalars is wrong");
 }
 
 /// The slot to write next, as a path within the output directory.
@@ -112,16 +113,16 @@ std::string newest_checkpoint(const std::string& directory) {
 int verify_checkpoint(const std::string& path) {
   silence_hdf5();
   const MemoryFile copy;
-  if (!copy_if_intact(path, copy)) refuse(path, "the checksum of the file is wrong");
+  if (!copy_if_intact(path, copy)) throw_damaged(path, "the checksum of the file is wrong");
   const Hdf5File file(H5Fopen(copy.path().c_str(), H5F_ACC_RDONLY, access_without_name()));
-  if (!file) refuse(path, "it cannot be opened");
+  if (!file) throw_damaged(path, "it cannot be opened");
   const std::vector<std::string> names = dataset_names(file);
   for (const std::string& name : names) {
     const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
     const auto expected = dataset ? read_checksum(dataset, "checksum") : std::nullopt;
     const auto found = dataset ? checksum_of_dataset(dataset) : std::nullopt;
-    if (!expected || !found) refuse(path, "dataset '" + name + "' cannot be read");
-    if (*expected != *found) refuse(path, "the checksum of dataset '" + name + "' is wrong");
+    if (!expected || !found) throw_damaged(path, "dataset '" + name + "' cannot be read");
+    if (*expected != *found) throw_damaged(path, "the checksum of dataset '" + name + "' is wrong");
   }
   verify_scalars(path, file);
   return static_cast<int>(names.size());
@@ -137,7 +138,7 @@ void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>&
   run_on_first(comm, [&] {
     const std::string path = directory.file(slot);
     if (verify_checkpoint(path) != static_cast<int>(state.fields().size() + state.arrays().size()))
-      refuse(path, "datasets are missing");
+      throw_damaged(path, "datasets are missing");
   });
   directory.write("checkpoint/newest", slot.substr(slot.find('/') + 1) + "\n");
 }

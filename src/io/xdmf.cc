@@ -7,7 +7,7 @@ namespace fabseq {
 
 namespace {
 
-std::string number_text(double value) {
+std::string exact_text(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
@@ -23,7 +23,7 @@ std::vector<double> slowest_first(const Entries& entries, double third) {
 
 std::string list_text(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + number_text(value);
+  for (const double value : values) text += (text.empty() ? "" : " ") + exact_text(value);
   return text;
 }
 

@@ -31,8 +31,8 @@ constexpr double growing_caution = 0.015;
 // Rounding may end above the tolerance: after so many steps without a smaller residual this one is good, too.
 constexpr int stall_limit = 20;
 constexpr double stalled_factor = 1e3;  // times the tolerance
-constexpr double rounding = 1e-14;
-constexpr int step_limit = 300, cut_limit = 12;
+constexpr double value_rounding = 1e-14;
+constexpr int newton_step_limit = 300, cut_limit = 12;
 
 // Maximizes the dual function over the rows' multipliers, phi(lambda) = min_v (Lagrangian) - sum (lambda -
 // c)_+^2 / (2 d) over lambda >= 0, a^T lambda <= a_0. The minimizing v has one equation a variable
@@ -133,7 +133,7 @@ double Solver::ascent() const {
 double Solver::ascent_rounding() const {
   double sum = 0.0;
   for (std::size_t i = 0; i < m_; ++i) sum += std::abs(direction_[i] * function_[i]);
-  return rounding * sum;
+  return value_rounding * sum;
 }
 
 void Solver::set_direction() {
@@ -229,9 +229,10 @@ MmaReport Solver::solve() {
     report.kkt_residual = residual();
     const double enough = (stalled(report.kkt_residual) ? stalled_factor : 1.0) * tolerance_;
     if (barrier_ == final_barrier && report.kkt_residual <= enough) break;
-    if (report.newton_steps == step_limit) {
-      throw NumericalError("MMA: the subproblem has not converged after " + std::to_string(step_limit) +
-                           " steps, residual " + std::to_string(report.kkt_residual));
+    if (report.newton_steps == newton_step_limit) {
+      throw NumericalError("MMA: the subproblem has not converged after " +
+                           std::to_string(newton_step_limit) + " steps, residual " +
+                           std::to_string(report.kkt_residual));
     }
     set_caution(good);
     if (good) lower_barrier();
