@@ -76,7 +76,6 @@ class CalibrateTest(FabseqTest):
 
         self.expect(post_on_substrate(2), [0.8, 1.3], "--released", "--rigid", released=True, disturbance=move)
 
-    @run_fabseq.only_release
     def test_solid(self):
         self.expect(post_on_substrate(3), [0.8, 1.3, 0.6])
 
