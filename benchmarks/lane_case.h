@@ -4,8 +4,8 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/grid.h"
-#include "fabseq/solve/lane_hierarchy.h"
-#include "fabseq/solve/lane_operator.h"
+#include "fabseq/lanes/lane_hierarchy.h"
+#include "fabseq/lanes/lane_operator.h"
 
 #include <array>
 #include <functional>

@@ -3,7 +3,7 @@
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
-#   --ci           also install what scripts/lint.sh needs, and, if it can be had, Slurm, in which the tests run the batch scripts
+#   --ci           also install what scripts/dev/lint.sh needs, and, if it can be had, Slurm, in which the tests run the batch scripts
 #   --benchmarks   also install Google Benchmark and build benchmarks/kernels, now and with this preset from now on
 #   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail

@@ -16,12 +16,12 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/io/command_line.h"
-#include "fabseq/optimize/coarse_grid.h"
-#include "fabseq/optimize/restart.h"
-#include "fabseq/optimize/run_output.h"
+#include "fabseq/config/command_line.h"
 #include "fabseq/optimize/run_state.h"
-#include "fabseq/optimize/tasks.h"
+#include "fabseq/run/coarse_grid.h"
+#include "fabseq/run/restart.h"
+#include "fabseq/run/run_output.h"
+#include "fabseq/run/tasks.h"
 #include "fabseq/sequence/given_sequence.h"
 
 #include <cstdio>

@@ -5,7 +5,7 @@
 ///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration, as CSV
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
-#include "fabseq/solve/lane_cg.h"
+#include "fabseq/lanes/lane_cg.h"
 
 #include "hard_cases/cases.h"
 #include <algorithm>

@@ -2,9 +2,9 @@
 /// Flops and bytes of the element kernels.
 #pragma once
 
-#include "fabseq/fem/lane_mesh.h"
 #include "fabseq/fem/parity.h"
-#include "fabseq/solve/lane_problem.h"
+#include "fabseq/lanes/lane_mesh.h"
+#include "fabseq/lanes/lane_problem.h"
 
 #include "kernels/measure.h"
 

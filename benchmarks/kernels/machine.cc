@@ -1,7 +1,7 @@
 #include "kernels/machine.h"
 
-#include "fabseq/fem/lanes.h"
-#include "fabseq/solve/lane_array.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lanes.h"
 
 #include <mpi.h>
 

@@ -9,7 +9,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/fem/lanes.h"
+#include "fabseq/lanes/lanes.h"
 
 #include <petscsys.h>
 

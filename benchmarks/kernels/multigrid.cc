@@ -1,6 +1,6 @@
-#include "fabseq/fem/flush_to_zero.h"
-#include "fabseq/solve/band_cholesky.h"
-#include "fabseq/solve/lane_multigrid_impl.h"
+#include "fabseq/lanes/band_cholesky.h"
+#include "fabseq/lanes/flush_to_zero.h"
+#include "fabseq/lanes/lane_multigrid_impl.h"
 
 #include "kernels/groups.h"
 #include "kernels/kernel_cost.h"

@@ -1,6 +1,6 @@
-#include "fabseq/fem/lane_sweep.h"
 #include "fabseq/grid/grid.h"
-#include "fabseq/solve/lane_array.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_sweep.h"
 
 #include "kernels/groups.h"
 #include "kernels/kernel_cost.h"

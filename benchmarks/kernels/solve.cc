@@ -1,4 +1,4 @@
-#include "fabseq/solve/lane_cg.h"
+#include "fabseq/lanes/lane_cg.h"
 
 #include "kernels/groups.h"
 #include "kernels/measure.h"

@@ -2,10 +2,10 @@
 # Slurm job array: a parameter study, one run a line of a table, each requeued until it is done. From the root of the
 # repository (or with FABSEQ_ROOT set to it):
 #
-#   sbatch --array=1-$(scripts/study_table.py TABLE.csv) --ntasks=8 scripts/slurm/study.sh CONFIG TABLE.csv OUTPUT [OPTION OF FABSEQ]...
+#   sbatch --array=1-$(scripts/slurm/study_table.py TABLE.csv) --ntasks=8 scripts/slurm/study.sh CONFIG TABLE.csv OUTPUT [OPTION OF FABSEQ]...
 #
 # e.g. configs/l_shape.json configs/alpha_study.csv output/alpha. The table's first column is the name of the run, which
-# goes to OUTPUT/NAME; the others are keys of the config with their values. Afterwards scripts/compare.py OUTPUT/* gathers
+# goes to OUTPUT/NAME; the others are keys of the config with their values. Afterwards scripts/use/compare.py OUTPUT/* gathers
 # the results.
 #SBATCH --job-name=fabseq_study
 #SBATCH --ntasks=4
@@ -23,6 +23,6 @@ source "$FABSEQ_ROOT/scripts/slurm/job.sh"
 config=$1 table=$2 output=$3
 shift 3
 row=${SLURM_ARRAY_TASK_ID:?"this is a job array: sbatch --array=1-N, N being the number of lines of the table"}
-words=$(/usr/bin/python3 "$FABSEQ_ROOT/scripts/study_table.py" "$table" "$row")
+words=$(/usr/bin/python3 "$FABSEQ_ROOT/scripts/slurm/study_table.py" "$table" "$row")
 mapfile -t words <<<"$words" # a name, then -set and KEY=VALUE by turns
 fabseq_until_done "$config" "$output/${words[0]}" "${words[@]:1}" "$@"

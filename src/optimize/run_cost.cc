@@ -2,11 +2,11 @@
 
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/io/schema.h"
+#include "fabseq/config/schema.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/sequence/geodesic_distance.h"
-#include "fabseq/solve/reference_elasticity.h"
+#include "fabseq/solve/reference/reference_elasticity.h"
 
 #include <algorithm>
 #include <cmath>

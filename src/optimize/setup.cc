@@ -4,11 +4,11 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/io/schema.h"
+#include "fabseq/config/schema.h"
 #include "fabseq/process/release.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/solve/interpolation.h"
+#include "fabseq/solve/reference/interpolation.h"
 
 #include <algorithm>
 #include <cmath>

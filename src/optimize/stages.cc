@@ -7,8 +7,8 @@
 #include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/solve/lane_elasticity.h"
 #include "fabseq/solve/lane_heat.h"
-#include "fabseq/solve/reference_elasticity.h"
-#include "fabseq/solve/reference_heat.h"
+#include "fabseq/solve/reference/reference_elasticity.h"
+#include "fabseq/solve/reference/reference_heat.h"
 
 #include <algorithm>
 #include <utility>

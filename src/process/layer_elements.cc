@@ -1,8 +1,8 @@
 #include "fabseq/process/layer_elements.h"
 
 #include "fabseq/base/log_event.h"
-#include "fabseq/fem/element_energy.h"
-#include "fabseq/fem/lane_chunks.h"
+#include "fabseq/lanes/element_energy.h"
+#include "fabseq/lanes/lane_chunks.h"
 
 #include <algorithm>
 #include <array>

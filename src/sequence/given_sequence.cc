@@ -2,8 +2,8 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/files/hdf5_writer.h"
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/io/hdf5_writer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/io/verdict.h"
+#include "fabseq/base/verdict.h"
 #include "fabseq/sequence/element_means.h"
 #include "fabseq/sequence/geodesic_distance.h"
 

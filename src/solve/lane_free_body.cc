@@ -3,8 +3,8 @@
 #include "fabseq/base/log_event.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/fem/flush_to_zero.h"
-#include "fabseq/solve/lane_multigrid_impl.h"
+#include "fabseq/lanes/flush_to_zero.h"
+#include "fabseq/lanes/lane_multigrid_impl.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-"""scripts/calibrate.py finds the factors that synthetic measurements were made with."""
+"""scripts/use/calibrate.py finds the factors that synthetic measurements were made with."""
 
 import json
 import os
@@ -12,7 +12,7 @@ from read_outputs import read_result
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import plate_2d, post_on_substrate
 
-SCRIPT = os.path.join(ROOT, "scripts", "calibrate.py")
+SCRIPT = os.path.join(ROOT, "scripts", "use", "calibrate.py")
 
 
 class CalibrateTest(FabseqTest):

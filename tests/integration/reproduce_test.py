@@ -1,4 +1,4 @@
-"""scripts/reproduce.py runs a case, goes on with one that was interrupted, and writes its row, leaving the others."""
+"""scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its row, leaving the others."""
 
 import json
 import os
@@ -9,7 +9,7 @@ import run_fabseq
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import direct_2d, hook_3d, plate_2d
 
-SCRIPT = os.path.join(ROOT, "scripts", "reproduce.py")
+SCRIPT = os.path.join(ROOT, "scripts", "figures", "reproduce.py")
 DOCUMENT = "# Results\n\nBefore.\n\n<!-- cases -->\n<!-- end of cases -->\n\nAfter.\n"
 
 
@@ -91,7 +91,7 @@ class ReproduceTest(FabseqTest):
         """Every case of configs/cases.json is one that the program takes."""
         with open(os.path.join(ROOT, "configs", "cases.json"), encoding="utf-8") as file:
             names = list(json.load(file))
-        sys.path.insert(0, os.path.join(ROOT, "scripts"))
+        sys.path.insert(0, os.path.join(ROOT, "scripts", "figures"))
         from reproduce import Cases
 
         cases = Cases(os.path.join(ROOT, "configs", "cases.json"))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/check_include_graph.py on small made-up projects, and on this one."""
+"""scripts/dev/check_include_graph.py on small made-up projects, and on this one."""
 
 import sys
 import tempfile
@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(PROJECT / "scripts/dev"))
 import check_include_graph
 
 
@@ -44,11 +44,11 @@ class IncludeGraph(unittest.TestCase):
 
     def test_a_circle_within_a_module_is_named(self):
         found = self.offences({
-            "include/fabseq/io/a.h": '#include "fabseq/io/b.h"\n',
-            "include/fabseq/io/b.h": '#include "fabseq/io/c.h"\n',
-            "include/fabseq/io/c.h": '#include "fabseq/io/a.h"\n'})
+            "include/fabseq/files/a.h": '#include "fabseq/files/b.h"\n',
+            "include/fabseq/files/b.h": '#include "fabseq/files/c.h"\n',
+            "include/fabseq/files/c.h": '#include "fabseq/files/a.h"\n'})
         self.assertEqual(len(found), 1)
-        self.assertIn("fabseq/io/a.h -> fabseq/io/b.h -> fabseq/io/c.h -> fabseq/io/a.h", found[0])
+        self.assertIn("fabseq/files/a.h -> fabseq/files/b.h -> fabseq/files/c.h -> fabseq/files/a.h", found[0])
 
     def test_unknown_folders_and_missing_headers_are_named(self):
         found = self.offences({

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/compare.py, scaling.py and study_table.py on made-up results."""
+"""scripts/use/compare.py, scaling.py and study_table.py on made-up results."""
 
 import csv
 import json
@@ -47,16 +47,16 @@ class Pictures(ScriptTest):
         for name in ("defaults_absent", "defaults_quiet", "beta_late_absent"):
             self.write_run(f"study/{name}")
         (self.folder / "study" / "stopped_quiet").mkdir()
-        done = self.run_script("plot_settings.py", "study", "--picture", "s.png")
+        done = self.run_script("use/plot_settings.py", "study", "--picture", "s.png")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("stopped_quiet", done.stderr)
         self.assertGreater((self.folder / "s.png").stat().st_size, 10000)
-        done = self.run_script("plot_settings.py", "nothing")
+        done = self.run_script("use/plot_settings.py", "nothing")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
 
     def test_history_over_seconds(self):
         runs = [self.write_run("a"), self.write_run("b")]
-        done = self.run_script("plot_history.py", *runs, "--seconds", "--picture", "h.png")
+        done = self.run_script("use/plot_history.py", *runs, "--seconds", "--picture", "h.png")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertGreater((self.folder / "h.png").stat().st_size, 10000)
 
@@ -67,7 +67,7 @@ class Compare(ScriptTest):
         layers = [{"volume": 1.0, "thickness": 0.2, "cv": 0.3}, {"volume": 3.0, "thickness": 0.1, "cv": 0.1},
                   {"volume": 0.0, "thickness": None, "cv": None}]
         self.change(runs[1] / "summary.json", lambda summary: summary["binary"].update(layers=layers))
-        done = self.run_script("compare.py", *runs)
+        done = self.run_script("use/compare.py", *runs)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         first, second = self.table("compare.csv")
         self.assertEqual(list(first)[:3], ["run", "objective.layer_uniformity.weight", "status"])
@@ -82,21 +82,21 @@ class Compare(ScriptTest):
     def test_a_run_that_is_not_done(self):
         runs = [self.write_run("stopped"), self.write_run("done")]
         self.change(runs[0] / "summary.json", lambda summary: (summary.pop("optimized"), summary.update(status="stopped")))
-        done = self.run_script("compare.py", *runs, "--table", "t.csv", "--picture", "p.png")
+        done = self.run_script("use/compare.py", *runs, "--table", "t.csv", "--picture", "p.png")
         self.assertEqual(done.returncode, 0)
         self.assertIn("stopped: holds no finished optimization (status: stopped)", done.stderr)
         rows = self.table("t.csv")
         self.assertEqual([(row["status"], row["optimized/objective_0"]) for row in rows],
                          [("stopped", ""), ("iteration_limit", "0.00045")])
-        done = self.run_script("compare.py", runs[0], self.folder / "nothing")
+        done = self.run_script("use/compare.py", runs[0], self.folder / "nothing")
         self.assertEqual(done.returncode, 1)
         self.assertIn("nothing/config.json is missing", done.stderr)
 
     def test_several_keys(self):
         runs = [self.write_run("a", 0.1, layers={"count": 3}), self.write_run("b", 1, layers={"count": 5})]
-        self.assertEqual(self.run_script("compare.py", *runs).returncode, 0)
-        self.assertEqual(self.run_script("compare.py", *runs, "--against", "layers.count").returncode, 0)
-        done = self.run_script("compare.py", *runs, "--against", "material.young")
+        self.assertEqual(self.run_script("use/compare.py", *runs).returncode, 0)
+        self.assertEqual(self.run_script("use/compare.py", *runs, "--against", "layers.count").returncode, 0)
+        done = self.run_script("use/compare.py", *runs, "--against", "material.young")
         self.assertEqual(done.returncode, 1)
         self.assertIn("they do in: objective.layer_uniformity.weight, layers.count", done.stderr)
 
@@ -119,7 +119,7 @@ class Scaling(ScriptTest):
         serial = 0.1
         times = {4: 8.0, 16: 8.0 * (serial + (1 - serial) / 4)}
         runs = [self.write_times(f"r{ranks}", ranks, seconds) for ranks, seconds in reversed(times.items())]
-        done = self.run_script("scaling.py", *runs)
+        done = self.run_script("use/scaling.py", *runs)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         first, second = self.table("scaling.csv")
         self.assertEqual((first["ranks"], first["speed_up"], first["efficiency"], first["karp_flatt"]), ("4", "1.0", "1.0", ""))
@@ -136,7 +136,7 @@ class Scaling(ScriptTest):
         for others, words in (([self.write_times("again", 1, 1.0)], "same number of ranks"),
                               ([self.write_times("other", 2, 1.0, layers=3)], "different configs"),
                               (["--warm_up", 6], "no iteration after the first 6")):
-            done = self.run_script("scaling.py", one, *others)
+            done = self.run_script("use/scaling.py", one, *others)
             self.assertEqual(done.returncode, 1)
             self.assertIn(words, done.stderr)
 
@@ -144,7 +144,7 @@ class Scaling(ScriptTest):
 class StudyTable(ScriptTest):
     def words(self, text, *arguments):
         (self.folder / "t.csv").write_text(text)
-        done = self.run_script("study_table.py", "t.csv", *arguments)
+        done = self.run_script("slurm/study_table.py", "t.csv", *arguments)
         return done.stdout.splitlines() if done.returncode == 0 else done.stderr
 
     def test_rows(self):
@@ -161,7 +161,7 @@ class StudyTable(ScriptTest):
             self.assertIn(words, self.words(table, number), table)
 
     def test_table_of_the_repository(self):
-        done = self.run_script("study_table.py", PROJECT / "configs" / "alpha_study.csv", 4)
+        done = self.run_script("slurm/study_table.py", PROJECT / "configs" / "alpha_study.csv", 4)
         self.assertEqual(done.stdout.splitlines(), ["alpha_10", "-set", "objective.layer_uniformity.weight=10"])
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/geometric_thickness.py on pseudo-times whose layers have a known thickness."""
+"""scripts/use/geometric_thickness.py on pseudo-times whose layers have a known thickness."""
 
 import json
 import subprocess
@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(PROJECT / "scripts/use"))
 sys.path.insert(0, str(Path(__file__).parent))
 import geometric_thickness
 from fake_results import element_centres, node_coordinates
@@ -127,7 +127,7 @@ class GeometricThicknessTest(unittest.TestCase):
 
     def test_program(self):
         write_result(self.directory, (1.0, 1.0), np.ones((8, 8), bool), element_centres((8, 8), (1.0, 1.0))[1], 4)
-        command = ["/usr/bin/python3", PROJECT / "scripts/geometric_thickness.py", self.directory, "--points", "50"]
+        command = ["/usr/bin/python3", PROJECT / "scripts/use/geometric_thickness.py", self.directory, "--points", "50"]
         first = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         self.assertIn("no target", first)
         with open(Path(self.directory) / "geometric_thickness.json", encoding="utf-8") as file:

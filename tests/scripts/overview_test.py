@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/overview.py, read_run.py and render_part.py on made-up results."""
+"""scripts/use/overview.py, read_run.py and render_part.py on made-up results."""
 
 import json
 import os
@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import image
 
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts"))
+sys.path.insert(0, str(PROJECT / "scripts/use"))
 sys.path.insert(0, str(Path(__file__).parent))
 import fake_results
 import overview
@@ -23,7 +23,7 @@ from read_run import Run
 
 
 def run(script, *arguments, **environment):
-    return subprocess.run(["/usr/bin/python3", PROJECT / "scripts" / script, *map(str, arguments)], capture_output=True,
+    return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use" / script, *map(str, arguments)], capture_output=True,
                           text=True, env={**os.environ, **environment})
 
 
@@ -87,7 +87,7 @@ class Pictures(unittest.TestCase):
 
     def test_render_part_draws_a_layer_picture(self):
         picture = Path(self.folder.name) / "part.png"
-        done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/render_part.py",
+        done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/render_part.py",
                                self.solid / "result.h5", picture, "--pixels", "400"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(self.colours_of(picture), 0.05)

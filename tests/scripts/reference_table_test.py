@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""scripts/reference_table.py with a stand-in for the program."""
+"""scripts/dev/reference_table.py with a stand-in for the program."""
 
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts/reference_table.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts/dev/reference_table.py"
 GUIDE = "# Guide\n<!-- reference table -->\n{}\n<!-- end of reference table -->\nThe rest.\n"
 TABLE = "| key | default |\n| --- | --- |\n| `a` | 1 |"
 

@@ -6,7 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "virtual_display.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts/use/virtual_display.py"
 
 
 def start(*command, **environment):

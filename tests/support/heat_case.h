@@ -4,7 +4,7 @@
 
 #include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/solve/lane_heat.h"
-#include "fabseq/solve/reference_heat.h"
+#include "fabseq/solve/reference/reference_heat.h"
 
 #include "support/small_parts.h"
 #include <memory>

@@ -4,8 +4,8 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/files/field_set.h"
 #include "fabseq/grid/grid.h"
-#include "fabseq/io/field_set.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>

@@ -3,7 +3,7 @@
 /// decades between neighbours.
 #pragma once
 
-#include "fabseq/solve/lane_problem.h"
+#include "fabseq/lanes/lane_problem.h"
 
 #include "support/brute_force.h"
 #include "support/masked_box.h"

@@ -3,7 +3,7 @@
 /// reference path's solutions.
 #pragma once
 
-#include "fabseq/io/config.h"
+#include "fabseq/config/config.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/solve/lane_elasticity.h"
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/fem/lane_mesh.h"
-#include "fabseq/solve/lane_array.h"
-#include "fabseq/solve/unknown_numbering.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_mesh.h"
 
 #include "support/masked_box.h"
 #include <algorithm>

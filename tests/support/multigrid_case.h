@@ -2,8 +2,8 @@
 /// Lane multigrids on masked grids.
 #pragma once
 
-#include "fabseq/solve/lane_multigrid.h"
-#include "fabseq/solve/lane_multigrid_impl.h"
+#include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/lanes/lane_multigrid_impl.h"
 
 #include "support/lane_physics.h"
 #include "support/masked_grid.h"

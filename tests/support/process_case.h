@@ -4,7 +4,7 @@
 
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/process/process_simulation.h"
-#include "fabseq/solve/reference_elasticity.h"
+#include "fabseq/solve/reference/reference_elasticity.h"
 
 #include "support/brute_force.h"
 #include "support/small_parts.h"

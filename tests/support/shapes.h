@@ -2,7 +2,7 @@
 /// Short ways to write shapes in tests.
 #pragma once
 
-#include "fabseq/grid/shape.h"
+#include "fabseq/part/shape.h"
 
 #include <utility>
 #include <vector>

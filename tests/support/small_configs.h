@@ -2,8 +2,8 @@
 /// Two small configs, and what becomes of them with some keys set: for the tests of the configuration.
 #pragma once
 
-#include "fabseq/io/command_line.h"
-#include "fabseq/io/config.h"
+#include "fabseq/config/command_line.h"
+#include "fabseq/config/config.h"
 
 #include <gtest/gtest.h>
 

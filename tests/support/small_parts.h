@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/part.h"
+#include "fabseq/part/part.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 /// Design variables of the layers themselves, beside the sequence's: time points or print angles.
 #pragma once
 
-#include "fabseq/io/config.h"
-#include "fabseq/io/json.h"
+#include "fabseq/base/json.h"
+#include "fabseq/layers/layer_settings.h"
 
 #include <limits>
 #include <span>

@@ -2,9 +2,9 @@
 /// Sub-parts of planar layers, each with a print direction of its own (docs/formulation.md 3.2).
 #pragma once
 
-#include "fabseq/grid/part.h"
-#include "fabseq/io/config.h"
+#include "fabseq/layers/layer_settings.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/part/part.h"
 
 #include <span>
 #include <vector>

@@ -2,7 +2,7 @@
 /// The design a run ends with: the best feasible iterate at the last sharpness (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/io/checkpoint_state.h"
+#include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/iterate.h"
 

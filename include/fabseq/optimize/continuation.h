@@ -3,8 +3,8 @@
 /// (docs/formulation.md 3.1, 9).
 #pragma once
 
-#include "fabseq/io/checkpoint_state.h"
-#include "fabseq/io/config.h"
+#include "fabseq/config/config.h"
+#include "fabseq/files/checkpoint_state.h"
 
 namespace fabseq {
 

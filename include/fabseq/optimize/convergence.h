@@ -2,8 +2,8 @@
 /// When a run is done (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/io/checkpoint_state.h"
-#include "fabseq/io/config.h"
+#include "fabseq/config/config.h"
+#include "fabseq/files/checkpoint_state.h"
 
 #include <string>
 #include <vector>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/io/checkpoint_state.h"
+#include "fabseq/files/checkpoint_state.h"
 #include "fabseq/layers/layer_variables.h"
-#include "fabseq/optimize/mma.h"
+#include "fabseq/mma/mma.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/sequence/sequence.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
-#include "fabseq/io/checkpoint_state.h"
+#include "fabseq/files/checkpoint_state.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/setup.h"

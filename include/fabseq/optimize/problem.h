@@ -2,8 +2,8 @@
 /// Responses scaled and stacked into an optimization problem (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/io/checkpoint_state.h"
-#include "fabseq/io/json.h"
+#include "fabseq/base/json.h"
+#include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/pipeline.h"
 #include "fabseq/responses/distortion_functionals.h"
 

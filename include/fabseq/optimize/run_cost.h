@@ -2,8 +2,8 @@
 /// What a run will cost, and the layer groups that make it cost least.
 #pragma once
 
-#include "fabseq/io/config.h"
-#include "fabseq/process/layer_dealing.h"
+#include "fabseq/config/config.h"
+#include "fabseq/parallel/layer_dealing.h"
 
 #include <mpi.h>
 

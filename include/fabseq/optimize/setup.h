@@ -2,14 +2,14 @@
 /// From a config to the things that do not change during a run: grid, part, node sets, counts.
 #pragma once
 
-#include "fabseq/grid/node_set.h"
-#include "fabseq/grid/part.h"
-#include "fabseq/grid/supports.h"
-#include "fabseq/io/config.h"
-#include "fabseq/io/design_layout.h"
+#include "fabseq/config/config.h"
+#include "fabseq/files/design_layout.h"
 #include "fabseq/layers/layer_variables.h"
 #include "fabseq/optimize/run_cost.h"
-#include "fabseq/process/layer_groups.h"
+#include "fabseq/parallel/layer_groups.h"
+#include "fabseq/part/node_set.h"
+#include "fabseq/part/part.h"
+#include "fabseq/part/supports.h"
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/design_support.h"
 #include "fabseq/sequence/start_region.h"

@@ -7,8 +7,8 @@
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/release.h"
 #include "fabseq/sequence/sequence.h"
-#include "fabseq/solve/assembled_system.h"
 #include "fabseq/solve/elasticity_solver.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <functional>
 #include <memory>

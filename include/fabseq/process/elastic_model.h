@@ -4,11 +4,11 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/grid/part.h"
-#include "fabseq/grid/supports.h"
-#include "fabseq/io/config.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/part/part.h"
+#include "fabseq/part/supports.h"
+#include "fabseq/process/process_settings.h"
 #include "fabseq/process/strain_field.h"
-#include "fabseq/solve/unknown_numbering.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/io/config.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/process/process_settings.h"
 #include "fabseq/process/strain_field.h"
 #include "fabseq/sequence/sequence.h"
 

@@ -3,12 +3,12 @@
 /// (docs/formulation.md 4.1, 8).
 #pragma once
 
-#include "fabseq/fem/lanes.h"
 #include "fabseq/fem/parity.h"
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/strain_field.h"
-#include "fabseq/solve/lane_vector.h"
 
 #include <span>
 #include <utility>

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
+#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/layer_groups.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/process/layer_dealing.h"
 #include "fabseq/process/layer_elements.h"
-#include "fabseq/process/layer_groups.h"
 #include "fabseq/process/release.h"
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"

@@ -2,10 +2,10 @@
 /// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3).
 #pragma once
 
-#include "fabseq/grid/rigid_motions.h"
+#include "fabseq/part/rigid_motions.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/solve/assembled_system.h"
 #include "fabseq/solve/lane_free_body.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <memory>
 #include <span>

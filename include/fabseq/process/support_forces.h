@@ -2,10 +2,10 @@
 /// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md 4.3).
 #pragma once
 
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/strain_field.h"
-#include "fabseq/solve/lane_vector.h"
 
 #include <span>
 #include <vector>

@@ -2,9 +2,10 @@
 /// What is measured on a fabrication sequence: one interface for objective terms and constraints.
 #pragma once
 
-#include "fabseq/grid/node_set.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/part/node_set.h"
 #include "fabseq/process/process_simulation.h"
+#include "fabseq/responses/term_settings.h"
 #include "fabseq/sequence/sequence.h"
 
 #include <map>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/grid/part.h"
+#include "fabseq/part/part.h"
 
 #include <optional>
 #include <span>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/grid/part.h"
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
-#include "fabseq/solve/lane_vector.h"
 
 #include <span>
 #include <vector>

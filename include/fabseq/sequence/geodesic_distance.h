@@ -3,7 +3,7 @@
 /// optimization and the automatic layer count.
 #pragma once
 
-#include "fabseq/grid/part.h"
+#include "fabseq/part/part.h"
 
 #include <span>
 #include <vector>

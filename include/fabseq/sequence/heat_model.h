@@ -4,9 +4,9 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/grid/part.h"
-#include "fabseq/io/config.h"
-#include "fabseq/solve/unknown_numbering.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/part/part.h"
+#include "fabseq/sequence/sequence_settings.h"
 
 namespace fabseq {
 

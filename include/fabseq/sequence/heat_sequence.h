@@ -2,11 +2,11 @@
 /// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
 #pragma once
 
-#include "fabseq/io/config.h"
 #include "fabseq/sequence/averaging_filter.h"
 #include "fabseq/sequence/heat_chain_rule.h"
 #include "fabseq/sequence/heat_model.h"
 #include "fabseq/sequence/sequence.h"
+#include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/heat_solver.h"
 
 #include <memory>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/grid/part.h"
+#include "fabseq/part/part.h"
 #include "fabseq/sequence/design_support.h"
 
 #include <span>

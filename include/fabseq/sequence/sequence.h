@@ -2,7 +2,7 @@
 /// Where the pseudo-time comes from: the first stage of the pipeline (docs/formulation.md 2, 3.3).
 #pragma once
 
-#include "fabseq/grid/part.h"
+#include "fabseq/part/part.h"
 
 #include <limits>
 #include <memory>

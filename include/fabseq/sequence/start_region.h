@@ -2,8 +2,8 @@
 /// Where a direct sequence starts, and how far all else is from there (docs/formulation.md 2.3).
 #pragma once
 
-#include "fabseq/grid/part.h"
-#include "fabseq/io/config.h"
+#include "fabseq/part/part.h"
+#include "fabseq/sequence/sequence_settings.h"
 
 #include <vector>
 

@@ -3,8 +3,8 @@
 /// their elements.
 #pragma once
 
-#include "fabseq/solve/assembled_system.h"
-#include "fabseq/solve/lane_vector.h"
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <cstddef>
 #include <limits>

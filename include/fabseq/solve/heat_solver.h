@@ -2,8 +2,8 @@
 /// What the heat sequence asks of a solver: one conduction problem, many right-hand sides.
 #pragma once
 
-#include "fabseq/solve/assembled_system.h"
-#include "fabseq/solve/lane_vector.h"
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <span>
 #include <vector>

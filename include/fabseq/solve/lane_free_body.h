@@ -3,10 +3,10 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
-#include "fabseq/solve/assembled_system.h"
-#include "fabseq/solve/lane_layout.h"
-#include "fabseq/solve/lane_multigrid.h"
-#include "fabseq/solve/spectrum_estimate.h"
+#include "fabseq/lanes/lane_layout.h"
+#include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/lanes/spectrum_estimate.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <array>
 #include <span>

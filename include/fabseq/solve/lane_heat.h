@@ -3,10 +3,10 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/lanes/lane_cg.h"
+#include "fabseq/lanes/lane_layout.h"
 #include "fabseq/solve/heat_solver.h"
-#include "fabseq/solve/lane_cg.h"
-#include "fabseq/solve/lane_layout.h"
-#include "fabseq/solve/reference_heat.h"
+#include "fabseq/solve/reference/reference_heat.h"
 
 #include <array>
 #include <cstdint>

@@ -1,0 +1,16 @@
+/// \file
+/// Whether two configs pose the same problem.
+#pragma once
+
+#include "fabseq/base/json.h"
+
+#include <string>
+
+namespace fabseq {
+
+/// The first key in which two effective configs differ, with both values ("/layers/count was 4, is 5 now");
+/// "" if they pose the same problem. What a run may change on its way does not count: name, output, solver,
+/// the number of iterations and the tolerance of the optimizer, and where a voxel file lies.
+std::string config_difference(const Json& then, const Json& now);
+
+}  // namespace fabseq

@@ -1,0 +1,40 @@
+/// \file
+/// Checkpoints a run can trust: written, synced, read back, and only then pointed to.
+#pragma once
+
+#include "fabseq/files/checkpoint_state.h"
+#include "fabseq/files/design_layout.h"
+#include "fabseq/files/output_directory.h"
+
+#include <string>
+
+namespace fabseq {
+
+/// Writes `checkpoint/slot_0.h5` or `slot_1.h5` of the directory, whichever the file `checkpoint/newest` does
+/// not name, reads it back, and makes `newest` name it. At any moment, `newest` names a whole checkpoint or
+/// is not there.
+///
+/// Fields become datasets on the full grid, [z][y][x], arrays datasets with one axis, all in double
+/// precision, each with a checksum; scalars become attributes of the file, in binary, with one checksum for
+/// all of them; a seal (seal.h) covers the file. The file does not depend on the number of ranks, nor on how
+/// they are spread over grids. Throws OutputError on all ranks if anything fails; `newest` then names what it named before. Collective on the
+/// directory's communicator, whose first ranks must be those of the layout's grid.
+template <int Dim>
+void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>& layout,
+                      const CheckpointState& state);
+
+/// Reads a slot and compares its seal and all checksums; returns the number of datasets. Memory: one slab of
+/// a dataset. Throws OutputError that names file and dataset where they differ or something is missing. Not
+/// collective.
+int verify_checkpoint(const std::string& path);
+
+/// Name of the slot that `checkpoint/newest` of a directory points to, as a path within the directory; "" if
+/// there is none. Not collective.
+std::string newest_checkpoint(const std::string& directory);
+
+extern template void write_checkpoint<2>(const OutputDirectory&, const DesignLayout<2>&,
+                                         const CheckpointState&);
+extern template void write_checkpoint<3>(const OutputDirectory&, const DesignLayout<3>&,
+                                         const CheckpointState&);
+
+}  // namespace fabseq

@@ -1,0 +1,29 @@
+/// \file
+/// Scalars as HDF5 attributes. Nothing here is collective.
+#pragma once
+
+#include "fabseq/base/json.h"
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Writes a boolean (as h5py does: an enum of FALSE and TRUE), integer (64 bits), number (a double, bit for
+/// bit) or string (UTF-8, variable length) to `object`; one of this name that is there is replaced. False if
+/// HDF5 fails. Throws std::invalid_argument for null, arrays and objects.
+bool write_attribute(hid_t object, const std::string& name, const Json& value);
+/// The same for a checksum: an unsigned 64-bit integer.
+bool write_checksum(hid_t object, const std::string& name, std::uint64_t value);
+
+/// Value of an attribute write_attribute() wrote; none if it is missing, damaged or of another type.
+std::optional<Json> read_attribute(hid_t object, const std::string& name);
+std::optional<std::uint64_t> read_checksum(hid_t object, const std::string& name);
+/// Names of all attributes, sorted.
+std::vector<std::string> attribute_names(hid_t object);
+
+}  // namespace fabseq

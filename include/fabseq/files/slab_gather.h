@@ -1,0 +1,49 @@
+/// \file
+/// Brings a distributed field to rank 0 in pieces that fit its memory.
+#pragma once
+
+#include "fabseq/files/field_set.h"
+
+#include <mpi.h>
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Gathers a field on rank 0, one slab (one index of the slowest axis) at a time. Construction and gather()
+/// are collective on `comm`, whose first ranks must be those of the grid: further ranks may hold copies of the
+/// field, of which nothing is sent. Grid and values must outlive the object.
+template <int Dim>
+class SlabGather {
+ public:
+  using Field = typename FieldSet<Dim>::Field;
+
+  SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& field);
+
+  /// Number of slabs: extent of the slowest axis.
+  int count() const { return whole_.size[Dim - 1]; }
+  /// Axes of the field in a file, slowest first: [z][y][x] and [component] if there are several.
+  std::vector<std::int64_t> shape() const;
+  /// Values of a slab on rank 0, [y][x][component], valid until the next call; empty on the other ranks.
+  std::span<const double> gather(int slab);
+
+ private:
+  /// Values this box contributes to a slab.
+  int values_in_slab(const IndexBox<Dim>& box, int slab) const;
+  void place(const IndexBox<Dim>& box, const double* piece);
+
+  MPI_Comm comm_;
+  int components_;
+  std::span<const double> values_;
+  IndexBox<Dim> whole_, owned_;
+  // Rank 0 only:
+  std::vector<IndexBox<Dim>> boxes_;  ///< share of each rank
+  std::vector<int> counts_, offsets_;
+  std::vector<double> pieces_, slab_;
+};
+
+extern template class SlabGather<2>;
+extern template class SlabGather<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,138 @@
+/// \file
+/// Conjugate gradients for several lanes at once.
+#pragma once
+
+#include "fabseq/lanes/island_modes.h"
+#include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/lanes/spectrum_estimate.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// How a lane's solve ended.
+struct LaneOutcome {
+  int iterations = 0;
+  double residual =
+      0.0;  ///< |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
+  bool converged = false;
+  bool finite = true;  ///< false: something was not a number
+};
+
+/// When to stop: at a preconditioned residual of `tolerance`, and not before the error, as the spectrum lets it
+/// be estimated, is within `error_factor` times as much.
+struct LaneStop {
+  double tolerance = 1e-6;
+  int max_iterations = 200;
+  double error_factor = 2.0;
+};
+
+/// Flexible conjugate gradients in double precision with lane multigrid in single precision, every lane with
+/// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
+/// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M) with
+/// Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as wide.
+/// Collective on the grid's communicator.
+template <class Problem, int Width>
+class LaneCg {
+ public:
+  using Operator = LaneOperator<Problem, Width>;
+  using Multigrid = LaneMultigrid<Problem, Width, float>;
+  using Scalars = LaneScalars<Width>;
+  using Half = LaneCg<Problem, std::max(1, Width / 2)>;
+
+  /// `hierarchy` and `problem` must outlive the solver.
+  LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
+
+  /// The solver for half as many lanes, made at first use.
+  Half& half();
+  /// K, whose coefficients are to be filled in. Takes the solver's memory, if it has none.
+  Operator& matrix() {
+    allocate();
+    return *matrix_;
+  }
+  /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
+  void release();
+  /// Sets up the multigrid for the coefficients given to matrix().
+  void set_up();
+  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the same again,
+  /// for further right-hand sides of these systems.
+  void set_up_from_half(int count);
+  /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
+  /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
+  std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
+
+ private:
+  template <class, int>
+  friend class LaneCg;
+
+  /// Where the iteration is, apart from the vectors.
+  struct State {
+    int iteration = 0;
+    std::array<bool, Width> active{};
+    Scalars scale{};     ///< of the lane while it is solved
+    Scalars start{};     ///< |M f|^2
+    Scalars length{};    ///< |u|^2, this rank's part
+    Scalars decrease{};  ///< r . M r of the last step
+    Scalars energy{};    ///< p . K p of the last step
+    std::array<SpectrumEstimate, Width> spectrum;
+    std::array<LaneOutcome, Width> outcome{};
+  };
+  void allocate();
+  template <int Other>
+  void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
+  void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
+  void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+  void find_islands();
+  void precondition(const LaneArray& rest);
+  void turn(const Scalars& beta, bool first);
+  Scalars advance(const Scalars& alpha, LaneArray& rest, LaneArray& solution);
+  void judge(State& state, const Scalars& size, const Scalars& length, const LaneStop& stop) const;
+  bool narrow(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+
+  LaneHierarchy<Problem::dim>& hierarchy_;
+  const Problem& problem_;
+  LaneCycle cycle_;
+  std::unique_ptr<Operator> matrix_;
+  std::unique_ptr<Multigrid> multigrid_;
+  std::array<bool, Width> positive_{};
+  LaneArray direction_, image_;
+  LaneValues<float> rounded_rest_, preconditioned_;
+  std::unique_ptr<IslandMap<Problem::dim>> island_map_;
+  IslandModes<Problem, Width> islands_;
+  LaneArray corrected_, left_over_;  ///< of the rigid motions, if there are islands
+  std::unique_ptr<Half> half_;       ///< made at first use
+};
+
+/// Calls `use` with the narrowest solver for this many lanes, 1 to 8, and its width as template argument.
+template <class Problem, class Use>
+void with_narrowest(LaneCg<Problem, 8>& widest, int lanes, Use&& use) {
+  if (lanes > 4)
+    use.template operator()<8>(widest);
+  else if (lanes > 2)
+    use.template operator()<4>(widest.half());
+  else if (lanes > 1)
+    use.template operator()<2>(widest.half().half());
+  else
+    use.template operator()<1>(widest.half().half().half());
+}
+
+extern template class LaneCg<LaneElasticityProblem<2>, 8>;
+extern template class LaneCg<LaneElasticityProblem<2>, 4>;
+extern template class LaneCg<LaneElasticityProblem<2>, 2>;
+extern template class LaneCg<LaneElasticityProblem<2>, 1>;
+extern template class LaneCg<LaneElasticityProblem<3>, 8>;
+extern template class LaneCg<LaneElasticityProblem<3>, 4>;
+extern template class LaneCg<LaneElasticityProblem<3>, 2>;
+extern template class LaneCg<LaneElasticityProblem<3>, 1>;
+extern template class LaneCg<LaneHeatProblem<2>, 8>;
+extern template class LaneCg<LaneHeatProblem<2>, 4>;
+extern template class LaneCg<LaneHeatProblem<2>, 2>;
+extern template class LaneCg<LaneHeatProblem<2>, 1>;
+extern template class LaneCg<LaneHeatProblem<3>, 8>;
+extern template class LaneCg<LaneHeatProblem<3>, 4>;
+extern template class LaneCg<LaneHeatProblem<3>, 2>;
+extern template class LaneCg<LaneHeatProblem<3>, 1>;
+
+}  // namespace fabseq

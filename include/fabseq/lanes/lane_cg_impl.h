@@ -1,0 +1,289 @@
+/// \file
+/// Definitions of LaneCg, for the files that instantiate it.
+#pragma once
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
+#include "fabseq/lanes/flush_to_zero.h"
+#include "fabseq/lanes/lane_cg.h"
+#include "fabseq/lanes/lane_multigrid_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+
+template <class Problem, int Width>
+LaneCg<Problem, Width>::LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem,
+                               const LaneCycle& cycle)
+    : hierarchy_(hierarchy), problem_(problem), cycle_(cycle) {}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::allocate() {
+  if (matrix_) return;
+  matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
+  multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
+  for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
+  for (auto* array : {&rounded_rest_, &preconditioned_}) array->resize(matrix_->size());
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::release() {
+  matrix_.reset();
+  multigrid_.reset();
+  half_.reset();
+  for (LaneArray* array : {&direction_, &image_, &corrected_, &left_over_}) free_memory(*array);
+  for (auto* array : {&rounded_rest_, &preconditioned_}) free_memory(*array);
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up() {
+  const LaneArray& coefficients = matrix_->coefficients();
+  multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
+  positive_ = multigrid_->set_up();
+  find_islands();
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::find_islands() {
+  if constexpr (Problem::own_operators) {
+    if (!cycle_.islands || hierarchy_.count() == 1) return;
+    if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
+    islands_.set_up(*matrix_, island_map_->find(matrix_->coefficients(), Width));
+  }
+}
+
+template <class Problem, int Width>
+std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
+                                                       const LaneStop& stop) {
+  const FlushToZero flush_to_zero;
+  solution.assign(load.size(), 0.0);
+  State state;
+  start(state, load, solution, lanes);
+  iterate(state, load, solution, stop);
+  const auto back = Lanes<Width>::broadcast(1.0) / Lanes<Width>::load(state.scale.data());
+  for (std::size_t i = 0; i < solution.size(); i += Width)
+    (Lanes<Width>::load(&solution[i]) * back).store(&solution[i]);
+  return {state.outcome.begin(), state.outcome.begin() + lanes};
+}
+
+/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual down to
+/// any tolerance, and solves for rigid motions of islands.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
+  matrix_->clear_held(load.data());
+  const Scalars squares = [&] {
+    auto sums = matrix_->dot(load.data(), load.data());
+    sum_in_place(matrix_->level().comm, sums);
+    return sums;
+  }();
+  for (int lane = 0; lane < Width; ++lane) {
+    const double size = std::sqrt(squares[lane]);
+    state.scale[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
+    if (lane >= lanes) continue;
+    state.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
+    state.outcome[lane].residual = 1.0;
+  }
+  const auto scale = Lanes<Width>::load(state.scale.data());
+  for (std::size_t i = 0; i < load.size(); i += Width) (Lanes<Width>::load(&load[i]) * scale).store(&load[i]);
+  if constexpr (Problem::own_operators) {
+    if (!islands_.empty()) {
+      islands_.add_correction(matrix_->level(), load.data(), solution.data());
+      matrix_->apply(solution.data(), image_.data());
+      for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
+      state.length = matrix_->dot(solution.data(), solution.data());
+    }
+  }
+  std::copy(load.begin(), load.end(), rounded_rest_.begin());
+}
+
+/// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution, too:
+/// where a part hangs by little, |M f| is not |u| but what rounding f does to it.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scalars& length,
+                                   const LaneStop& stop) const {
+  for (int lane = 0; lane < Width; ++lane) {
+    if (!state.active[lane]) continue;
+    // At the start there is nothing but the rigid motions of islands, which are part of M f.
+    if (state.iteration == 0) state.start[lane] = size[lane] + length[lane];
+    const double reference =
+        state.iteration == 0 ? state.start[lane] : std::min(state.start[lane], length[lane]);
+    LaneOutcome& outcome = state.outcome[lane];
+    outcome.iterations = state.iteration;
+    outcome.finite = std::isfinite(size[lane]);
+    outcome.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
+    outcome.converged =
+        outcome.finite && outcome.residual <= stop.tolerance &&
+        outcome.residual <= stop.error_factor * stop.tolerance * state.spectrum[lane].smallest();
+    if (outcome.converged || !outcome.finite) state.active[lane] = false;
+  }
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& solution,
+                                     const LaneStop& stop) {
+  const MPI_Comm comm = matrix_->level().comm;
+  const auto any_active = [&] {
+    return std::find(state.active.begin(), state.active.end(), true) != state.active.end();
+  };
+  while (any_active()) {
+    multigrid_->be_patient(state.iteration >= cycle_.patience);
+    precondition(rest);
+    // The image is none before the first iteration: what it adds then is not used.
+    const auto products =
+        matrix_->dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
+    // A request to stop travels along: all ranks follow it in the same iteration.
+    const Scalars stops{stop_requested() ? 1.0 : 0.0};
+    std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
+    sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width + 1));
+    const auto& [size, decrease, overlap, length, asked] = sums;
+    if (asked[0] > 0.0) throw_stopped(comm);
+    judge(state, size, length, stop);
+    if (!any_active() || state.iteration == stop.max_iterations) break;
+    Scalars beta, alpha;
+    for (int lane = 0; lane < Width; ++lane) {
+      const bool moves = state.active[lane] && state.energy[lane] > 0.0;
+      beta[lane] = moves ? -overlap[lane] / state.energy[lane] : 0.0;
+      state.decrease[lane] = decrease[lane];
+    }
+    turn(beta, state.iteration == 0);
+    state.energy = matrix_->apply(direction_.data(), image_.data());
+    sum_in_place(comm, state.energy);
+    for (int lane = 0; lane < Width; ++lane) {
+      const bool moves = state.active[lane] && state.energy[lane] > 0.0;
+      alpha[lane] = moves ? state.decrease[lane] / state.energy[lane] : 0.0;
+      state.spectrum[lane].add(alpha[lane], beta[lane]);
+    }
+    state.length = advance(alpha, rest, solution);
+    ++state.iteration;
+    if (narrow(state, rest, solution, stop)) return;
+  }
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::precondition(const LaneArray& rest) {
+  multigrid_->apply(rounded_rest_.data(), preconditioned_.data());
+  if constexpr (Problem::own_operators) {
+    if (islands_.empty()) return;
+    corrected_.assign(preconditioned_.begin(), preconditioned_.end());
+    left_over_.resize(rest.size());
+    matrix_->apply(corrected_.data(), left_over_.data());
+    for (std::size_t i = 0; i < rest.size(); ++i) left_over_[i] = rest[i] - left_over_[i];
+    islands_.add_correction(matrix_->level(), left_over_.data(), preconditioned_.data());
+  }
+}
+
+/// direction = preconditioned residual + beta direction
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::turn(const Scalars& beta, bool first) {
+  using Value = Lanes<Width>;
+  const auto factor = Value::load(beta.data());
+  for (std::size_t i = 0; i < direction_.size(); i += Width) {
+    auto direction = Value::load(&preconditioned_[i]);
+    if (!first) direction += factor * Value::load(&direction_[i]);
+    direction.store(&direction_[i]);
+  }
+}
+
+/// solution += alpha direction, rest -= alpha image; this rank's part of |solution|^2.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& rest,
+                                                   LaneArray& solution) {
+  using Value = Lanes<Width>;
+  constexpr std::size_t block = Operator::block;
+  const auto factor = Value::load(alpha.data());
+  auto squares = Value::zero();
+  std::size_t next = 0;
+  const auto advance_to = [&](std::size_t end, bool counted) {
+    for (; next < end; next += Width) {
+      const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
+      value.store(&solution[next]);
+      if (counted) squares += value * value;
+      const auto left = Value::load(&rest[next]) - factor * Value::load(&image_[next]);
+      left.store(&rest[next]);
+      left.store(&rounded_rest_[next]);
+    }
+  };
+  for (const auto& range : matrix_->level().counted) {
+    advance_to(range.begin * block, false);
+    advance_to(range.end * block, true);
+  }
+  advance_to(rest.size(), false);
+  Scalars result;
+  squares.store(result.data());
+  return result;
+}
+
+template <class Problem, int Width>
+typename LaneCg<Problem, Width>::Half& LaneCg<Problem, Width>::half() {
+  if (!half_) half_ = std::make_unique<Half>(hierarchy_, problem_, cycle_);
+  return *half_;
+}
+
+/// Lane i becomes lane lanes[i] of another solver.
+template <class Problem, int Width>
+template <int Other>
+void LaneCg<Problem, Width>::copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes) {
+  allocate();
+  multigrid_->template select<Other>(*other.multigrid_, lanes);
+  matrix_->template select<Other>(*other.matrix_, lanes);
+  if constexpr (Problem::own_operators) islands_.template select<Other>(other.islands_, lanes);
+  for (int lane = 0; lane < Width; ++lane)
+    positive_[lane] = other.positive_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up_from_half(int count) {
+  if constexpr (Width > 1) {
+    std::array<int, Width> lanes{};
+    for (int i = 0; i < 2 * count; ++i) lanes[i] = i % count;
+    copy_set_up(half(), std::span<const int>(lanes.data(), 2 * count));
+  }
+}
+
+/// Lets the lanes that are left go on in a solver half as wide; false if there are too many.
+template <class Problem, int Width>
+bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& solution,
+                                    const LaneStop& stop) {
+  if constexpr (Width == 1) {
+    return false;
+  } else {
+    constexpr int half_width = Width / 2;
+    std::array<int, half_width> left{};
+    int count = 0;
+    for (int lane = 0; lane < Width; ++lane) {
+      if (!state.active[lane]) continue;
+      if (count == half_width) return false;
+      left[count++] = lane;
+    }
+    if (count == 0) return false;
+    const std::span<const int> lanes(left.data(), count);
+    half().copy_set_up(*this, lanes);
+    typename LaneCg<Problem, half_width>::State narrower;
+    narrower.iteration = state.iteration;
+    for (int i = 0; i < std::min(count, half_width); ++i) {
+      narrower.active[i] = true;
+      narrower.start[i] = state.start[lanes[i]];
+      narrower.length[i] = state.length[lanes[i]];
+      narrower.decrease[i] = state.decrease[lanes[i]];
+      narrower.energy[i] = state.energy[lanes[i]];
+      narrower.spectrum[i] = state.spectrum[lanes[i]];
+      narrower.outcome[i] = state.outcome[lanes[i]];
+    }
+    LaneArray half_rest, half_solution;
+    select_lanes(rest, Width, lanes, half_rest, half_width);
+    select_lanes(rounded_rest_, Width, lanes, half_->rounded_rest_, half_width);
+    select_lanes(solution, Width, lanes, half_solution, half_width);
+    select_lanes(direction_, Width, lanes, half_->direction_, half_width);
+    select_lanes(image_, Width, lanes, half_->image_, half_width);
+    half_->iterate(narrower, half_rest, half_solution, stop);
+    for (int i = 0; i < std::min(count, half_width); ++i) {
+      state.outcome[lanes[i]] = narrower.outcome[i];
+      for (std::size_t at = 0; at < solution.size() / Width; ++at)
+        solution[at * Width + lanes[i]] = half_solution[at * half_width + i];
+    }
+    return true;
+  }
+}
+
+}  // namespace fabseq

@@ -1,0 +1,103 @@
+/// \file
+/// Geometric multigrid for several lanes at once.
+#pragma once
+
+#include "fabseq/lanes/band_cholesky.h"
+#include "fabseq/lanes/lane_operator.h"
+#include "fabseq/lanes/solver_cycle.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// What the multigrid does in a cycle. Levels below the finest are visited once (V), several times as a fixed
+/// iteration (W: fewer reductions, for many ranks), or in several steps of conjugate gradients (K: strongest;
+/// needs a flexible method outside).
+struct LaneCycle {
+  SolverCycle kind = SolverCycle::k;
+  int degree = 2;       ///< of the Chebyshev smoother, before and after
+  bool islands = true;  ///< LaneCg: rigid motions of stiff islands, where lanes have operators of their own
+  std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
+  std::vector<int> patient_steps{6, 4, 2};  ///< the same for lanes that take long (K only)
+  int patience = 10;                        ///< iterations before a lane counts as one that takes long
+  double shift = 0.0;  ///< added to the last level's diagonal, relative to it: for bodies that nothing holds
+
+  int steps_on(int level, bool patient) const {
+    if (kind == SolverCycle::v) return 1;
+    const std::vector<int>& list = patient && kind == SolverCycle::k ? patient_steps : steps;
+    return list[std::min<std::size_t>(level - 1, list.size() - 1)];
+  }
+};
+
+/// A preconditioner for K x = b in every lane: Chebyshev smoothing with node blocks, coarse operators by
+/// re-discretization with the mean of the children's coefficients, band Cholesky on the last level. Vectors
+/// as LaneOperator's, on the finest level. Collective on the grid's communicator.
+///
+/// `Real`: of vectors and coefficients; the solves on the last level are in double precision all the same. A
+/// preconditioner in single precision moves half the bytes. Its rounding, about 1e-7 of the forces, is little in
+/// energy but may move what hangs by little: see LaneCg.
+template <class Problem, int Width, class Real = double>
+class LaneMultigrid {
+ public:
+  static constexpr int dim = Problem::dim;
+  static constexpr int components = Problem::components;
+  static constexpr int block = components * Width;
+  using Operator = LaneOperator<Problem, Width, Real>;
+  using Scalars = LaneScalars<Width>;
+
+  /// `hierarchy` must outlive the multigrid.
+  LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
+
+  Operator& finest() { return *levels_.front().matrix; }
+  /// To be called when the finest level's coefficients have been filled in. False in lanes whose last level
+  /// is not positive definite (then their operators are not).
+  std::array<bool, Width> set_up();
+  /// Takes over lanes of a wider multigrid on the same hierarchy, without setting up.
+  template <int Wider>
+  void select(LaneMultigrid<Problem, Wider, Real>& from, std::span<const int> lanes);
+
+  /// From now on with more steps on the coarse levels, or not; only for flexible methods.
+  void be_patient(bool patient) { patient_ = patient; }
+  /// x = M b.
+  void apply(const Real* b, Real* x) { visit(0, b, x); }
+
+ private:
+  template <class, int, class>
+  friend class LaneMultigrid;
+  using Array = LaneValues<Real>;
+
+  struct Level {
+    std::unique_ptr<Operator> matrix;
+    Array residual, step;                            ///< of the smoother
+    Array right, solution;                           ///< below the finest
+    Array rest, direction, image, scratch, product;  ///< of conjugate gradients
+  };
+  void coarsen_coefficients(int level);
+  std::array<bool, Width> factor();
+  void assemble(int lane, BandCholesky& band);
+  /// One cycle from zero on a level: x = M b.
+  void visit(int index, const Real* b, Real* x);
+  void restrict_residual(int index);
+  /// Solves on a level below the finest, from its `right` to its `solution`.
+  void solve(int index);
+  void iterate(int index, int steps);
+  void conjugate_gradients(int index, int steps);
+  /// The vector updates of a step.
+  template <bool First>
+  void advance(Level& level, const Scalars& alpha, const Scalars& beta, bool last);
+  void solve_directly();
+  void sum(int index, std::span<double> scalars) const;
+
+  LaneHierarchy<dim>& hierarchy_;
+  LaneCycle cycle_;
+  bool patient_ = false;
+  std::vector<Level> levels_;
+  BandNumbering<dim> numbering_;
+  static constexpr int factors = Problem::template operators<Width>;
+  std::array<std::shared_ptr<BandCholesky>, factors> factors_;  ///< of the lanes dealt to this rank
+  std::vector<double> direct_values_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,55 @@
+/// \file
+/// Nodes that elements of several ranks touch: each rank sums its own elements, then the ranks sum up.
+#pragma once
+
+#include "fabseq/lanes/lane_mesh.h"
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace fabseq {
+
+/// The nodes of a rank's mesh that other ranks' meshes hold, too, and how to sum over their holders. Every
+/// holder gets the very same bits. The values of all lanes travel in one message a neighbour.
+class SharedNodes {
+ public:
+  /// Nobody else.
+  SharedNodes() = default;
+  /// Collective on `comm`, whose ranks hold meshes of one level of the same grid.
+  template <int Dim>
+  SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh);
+
+  /// Node numbers, ascending; positions in this list are how kernels refer to them.
+  const std::vector<std::int64_t>& nodes() const { return nodes_; }
+  /// Whether this rank is the one that counts a node in inner products, by position.
+  const std::vector<char>& counted() const { return counted_; }
+
+  /// Sums `values`, [position][entry] with `block` entries a node, over the holders of each node. Collective.
+  /// `Real`: double or float.
+  template <class Real>
+  void sum(std::span<Real> values, int block);
+
+ private:
+  struct Neighbor {
+    int rank = 0;
+    std::vector<int> positions;  ///< of the nodes held in common, in the same order on both sides
+  };
+  template <class Real>
+  struct Buffers {
+    std::vector<std::vector<Real>> outgoing, incoming;  ///< a neighbour each
+    std::vector<Real> own;
+  };
+
+  MPI_Comm comm_ = MPI_COMM_SELF;
+  int rank_ = 0;
+  std::vector<std::int64_t> nodes_;
+  std::vector<char> counted_;
+  std::vector<Neighbor> neighbors_;  ///< ascending ranks
+  std::tuple<Buffers<double>, Buffers<float>> buffers_;
+};
+
+}  // namespace fabseq

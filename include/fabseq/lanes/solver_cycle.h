@@ -1,0 +1,9 @@
+/// \file
+/// Cycle of the lane multigrid.
+#pragma once
+
+namespace fabseq {
+
+enum class SolverCycle { v, w, k };
+
+}  // namespace fabseq

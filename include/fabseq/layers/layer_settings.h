@@ -1,0 +1,40 @@
+/// \file
+/// How the pseudo-time is cut into layers.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace fabseq {
+
+/// No part has as many layers; more are a slip, such as a target thickness in another unit.
+constexpr int most_layers = 10000;
+
+/// Sub-parts of planar layers, docs/formulation.md 3.2.
+struct MultiPlanarSettings {
+  int subparts = 1;                ///< N_P
+  std::vector<double> timestamps;  ///< tau_1 ... tau_{N_P - 1}, ascending
+  double thickness = 3.0;          ///< w, length unit
+  /// To start from, and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
+  std::vector<double> angles, lowest_angles, highest_angles;
+  double time_sharpness = 100.0, slab_sharpness = 100.0;  ///< k1, k2
+  bool fixed_angles = false, fixed_time = false;          ///< kept from the optimizer
+};
+
+struct LayerSettings {
+  std::optional<int> count;           ///< none: ceil(geodesic height / target thickness)
+  bool variable_time_points = false;  ///< T_1 ... T_{N-1} are design variables
+  std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers
+};
+
+/// Sharpness beta of the layers and its continuation, docs/formulation.md 3.1.
+struct ProjectionSettings {
+  std::optional<double> beta;  ///< start; none: 4 N
+  double factor = 1.5;
+  double increment = 0.0;
+  int interval = 15;          ///< iterations between two steps
+  std::optional<double> max;  ///< none: 13.5 N
+  bool binary = false;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,29 @@
+/// \file
+/// The replicated half of the MMA subproblem: the rows' multipliers for a linear model of the rows.
+#pragma once
+
+#include "fabseq/mma/mma.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Multipliers and artificial variables of the rows, one a row, and z.
+struct MmaMultipliers {
+  std::vector<double> lambda, y;
+  double z = 0.0;
+};
+
+/// The optimality conditions of the subproblem if the rows' values were b - H lambda: finds lambda >= least
+/// and y, z, s >= 0 with b_i - (H lambda)_i - a_i z - y_i + s_i = 0, (lambda_i - least_i) s_i = 0, y_i (c_i +
+/// d_i y_i - lambda_i) = 0, z (a_0 - a^T lambda) = 0, and c + d y - lambda, a_0 - a^T lambda >= 0.
+/// Primal-dual interior-point method with Mehrotra's predictor and corrector. Entries may come out not finite
+/// where the data are beyond all bounds. \param matrix  H, symmetric and positive semidefinite, by columns,
+/// lower triangle, leading dimension `stride` \param right   b \param least   least multipliers, >= 0;
+/// fulfilling the bounds above with room, c > least where c > 0
+MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t stride,
+                               std::span<const double> right, const MmaRows& rows,
+                               std::span<const double> least);
+
+}  // namespace fabseq

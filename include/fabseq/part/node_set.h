@@ -1,0 +1,38 @@
+/// \file
+/// Named sets of nodes on which distortion is measured.
+#pragma once
+
+#include "fabseq/part/part.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// What the config says of a node set: all nodes in or on `shape` that touch the part or the
+/// substrate, or `samples` of them.
+struct NodeSetDescription {
+  Shape shape;
+  int samples = 0;  ///< 0: all; else k nodes equally spaced along the longest edge of the set's bounding box
+  double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
+};
+
+/// The nodes of a set, distributed like the grid's nodes.
+struct NodeSet {
+  std::string name;
+  std::vector<int> owned;  ///< offsets in Grid::owned_nodes(), ascending
+  std::int64_t count = 0;  ///< nodes of all ranks
+};
+
+/// Collective. Nodes up to 1e-6 of the smallest spacing outside the shape count. With samples k: nodes
+/// ordered along the longest edge of the set's bounding box, ties by lexicographic node number, index floor(i
+/// (n-1)/(k-1) + 1/2). Throws InputError naming /node_sets/NAME for a set without nodes or with fewer nodes
+/// than samples.
+template <int Dim>
+NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
+
+extern template NodeSet make_node_set<2>(const Part<2>&, const std::string&, const NodeSetDescription&);
+extern template NodeSet make_node_set<3>(const Part<3>&, const std::string&, const NodeSetDescription&);
+
+}  // namespace fabseq

@@ -1,0 +1,34 @@
+/// \file
+/// Material and material model of the simulation.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace fabseq {
+
+/// Inherent strain along and across the layers, docs/formulation.md 4.2.
+struct TurningStrain {
+  double tangential = 0.0, normal = 0.0;
+};
+
+struct MaterialSettings {
+  double young = 1.0;  ///< stress unit
+  double poisson = 0.3;
+  /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it turns
+  std::vector<double> inherent_strain;
+  std::optional<TurningStrain> turning_strain = std::nullopt;
+  std::vector<double> strain_scale = {};  ///< a factor an axis, for strains that turn
+};
+
+enum class VoidModel { absent, quiet };
+
+/// docs/formulation.md 4.1.
+struct ProcessSettings {
+  double stiffness_penalty = 3.0;
+  double strain_penalty = 3.0;
+  double min_stiffness = 1e-9;
+  VoidModel void_model = VoidModel::absent;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,40 @@
+/// \file
+/// The tasks beside the optimization itself (docs/users-guide.md). All are collective on the world.
+#pragma once
+
+#include "fabseq/base/phase_timer.h"
+#include "fabseq/config/command_line.h"
+#include "fabseq/optimize/design.h"
+#include "fabseq/optimize/setup.h"
+#include "fabseq/sequence/sequence.h"
+
+namespace fabseq {
+
+/// Tolerances of the tasks that compare digits.
+double evaluation_tolerance(const Config& config);
+constexpr double gradient_check_tolerance = 1e-12;
+
+/// The design to start from: that of -design FILE, or the initial values, with a warning where the file has none.
+/// Throws InputError if it does not fit the part or leaves the bounds.
+template <int Dim>
+Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
+                       const CommandLine& command_line);
+
+/// -task evaluate: values and gradients at one design; evaluation.json, gradients.h5.
+template <int Dim>
+void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task simulate: the process simulation of a sequence; result.h5, summary.json. If only the release fails,
+/// both are written without it before the NumericalError.
+template <int Dim>
+void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task check_gradients: adjoints against central differences; gradient_check.csv, .json and .svg.
+template <int Dim>
+void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task check: prints the part, the node sets and what a run will cost; writes nothing.
+template <int Dim>
+void run_check(const Setup<Dim>& setup);
+
+}  // namespace fabseq

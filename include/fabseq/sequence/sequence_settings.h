@@ -1,0 +1,36 @@
+/// \file
+/// Where the pseudo-time comes from.
+#pragma once
+
+#include "fabseq/part/shape.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+enum class SequenceType { heat, direct, planar, file };
+enum class DesignLocation { elements, nodes };
+enum class VariableScale { log, linear };
+enum class MassRule { automatic, consistent, lumped };
+
+/// docs/formulation.md 2.1, 2.2 (heat), 2.3 (direct), 3.3 (planar), 3.1 (file).
+struct SequenceSettings {
+  SequenceType type = SequenceType::heat;
+  VariableScale scale = VariableScale::log;
+  MassRule mass = MassRule::automatic;
+  std::optional<double> initial;  ///< uniform diffusivity; none: from the distance to the plate
+  double drain = 1.0;
+  std::optional<double>
+      characteristic_length;  ///< length unit; none: longest edge of the part's bounding box
+  double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
+  double filter_radius = 0.0;                          ///< length unit; 0: no filter
+  DesignLocation location = DesignLocation::elements;  ///< direct: where the pseudo-time lives
+  std::optional<Shape> start;                          ///< direct: where it is 0; none: on the plate
+  std::vector<double> direction;                       ///< planar: build direction; empty: the plate's normal
+  std::string file;                                    ///< file: absolute path of an HDF5 file
+  std::string dataset = "time";                        ///< file: its dataset, axes [z][y][x]
+};
+
+}  // namespace fabseq

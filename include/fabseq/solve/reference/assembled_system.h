@@ -1,0 +1,92 @@
+/// \file
+/// The reference solver: an assembled sparse matrix and stock PETSc, one system at a time.
+#pragma once
+
+#include "fabseq/base/petsc.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/solve/reference/preconditioner.h"
+#include "fabseq/solve/solver_settings.h"
+
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// How a solve ended.
+struct SolveReport {
+  int iterations = 0;
+  double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
+  bool converged = true;
+  std::string reason;  ///< PETSc's word for how it ended; empty for a zero right-hand side
+};
+
+/// What to solve with.
+struct AssembledSolverSettings {
+  ReferenceMethod method = ReferenceMethod::automatic;
+  double tolerance = 1e-6;
+  int max_iterations = 1000;
+  std::string options_prefix;  ///< of PETSc options, such as "elasticity_": -elasticity_ksp_monitor
+};
+
+/// A symmetric positive definite system on the nodes of a model: conduction (one component) or elasticity
+/// (Dim components). Prescribed values are zero: a lifted solution is the caller's. Solved by conjugate
+/// gradients to a preconditioned residual, with algebraic multigrid (GAMG, rigid-body or constant near-null
+/// space), geometric multigrid with Galerkin coarse operators and Chebyshev/Jacobi smoothing (as in Aage et
+/// al. 2015), or a Cholesky factorization (MUMPS) as preconditioner.
+template <int Dim>
+class AssembledSystem {
+ public:
+  /// A sum of element matrices: sum over elements of coefficient[element] * matrix. `coefficients` is empty
+  /// for 1 throughout.
+  struct Term {
+    std::span<const double> matrix;        ///< (components * corners)^2, row by row
+    std::span<const double> coefficients;  ///< one an element of the domain, in its order
+  };
+
+  /// Collective. `domain` must outlive the system; `numbering` is shared between systems on the same
+  /// unknowns.
+  AssembledSystem(const SystemDomain& domain, std::shared_ptr<const UnknownNumbering<Dim>> numbering,
+                  const AssembledSolverSettings& settings);
+
+  /// Fills the matrix and sets up the preconditioner. Collective.
+  void assemble(std::initializer_list<Term> terms);
+  /// Solves for one right-hand side, [owned node][component]; entries at fixed nodes are ignored and come
+  /// back 0, as do nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw
+  /// if it does not converge.
+  SolveReport solve(std::span<const double> load, std::span<double> solution);
+  /// The same for several right-hand sides, with a report each. A factorization takes them side by side
+  /// (block_solve.h; -ksp_monitor does not see those), an iterative method one after the other.
+  std::vector<SolveReport> solve(std::span<const std::vector<double>> loads,
+                                 std::span<std::vector<double>> solutions);
+
+  /// The method in use (usable_method())
+  ReferenceMethod method() const { return method_; }
+  std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
+
+ private:
+  void create_matrix();
+  void create_solver();
+  void gather_load(std::span<const double> load, PetscScalar* values) const;
+  void scatter_solution(const PetscScalar* values, std::span<double> solution) const;
+  std::vector<SolveReport> solve_side_by_side(std::span<const std::vector<double>> loads,
+                                              std::span<std::vector<double>> solutions);
+  SolveReport last_report() const;
+  bool relax();
+
+  const SystemDomain& domain_;
+  std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
+  AssembledSolverSettings settings_;
+  ReferenceMethod method_;
+  bool relaxed_ = false;
+  MatHandle matrix_;
+  KspHandle solver_;
+  VecHandle load_, solution_;
+};
+
+extern template class AssembledSystem<2>;
+extern template class AssembledSystem<3>;
+
+}  // namespace fabseq

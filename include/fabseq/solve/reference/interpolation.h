@@ -1,0 +1,29 @@
+/// \file
+/// Multilinear interpolation between nested box grids, restricted to the unknowns of a model.
+#pragma once
+
+#include "fabseq/base/petsc.h"
+#include "fabseq/grid/unknown_numbering.h"
+
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Interpolation matrices for PCMG, finest first: entry l maps unknowns of level l + 1 (twice as coarse) to
+/// those of level l. Coarsening goes on while every axis has an even element count, every process keeps a
+/// node along every axis, and more than `coarsest` unknown nodes remain. A coarse node is an unknown if it
+/// interpolates to an unknown of the finer level. Collective. Empty if the grid cannot be coarsened.
+template <int Dim>
+std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest);
+
+/// Why a grid cannot be coarsened even once, in words; empty if it can. Collective.
+template <int Dim>
+std::string coarsening_obstacle(const Grid<Dim>& grid);
+
+extern template std::string coarsening_obstacle<2>(const Grid<2>&);
+extern template std::string coarsening_obstacle<3>(const Grid<3>&);
+extern template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
+extern template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
+
+}  // namespace fabseq

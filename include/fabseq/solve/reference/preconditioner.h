@@ -1,0 +1,26 @@
+/// \file
+/// The preconditioners of the reference solver, made of stock PETSc: which one, and its set-up.
+#pragma once
+
+#include "fabseq/base/petsc.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/solve/solver_settings.h"
+
+#include <string>
+
+namespace fabseq {
+
+/// The method to use. `automatic` stands for a factorization for small systems, geometric multigrid where the
+/// grid can be coarsened far enough, else GAMG; `multigrid` becomes GAMG where the grid cannot be coarsened
+/// (coarsening_obstacle()), and a factorization where it is as small as a coarsest level. Collective.
+template <int Dim>
+ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim>& numbering);
+
+/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (one that usable_method() gave).
+/// `safe`: slower, but positive definite in layers in which the fast settings are not. The user's options
+/// come on top, by KSPSetFromOptions. Collective.
+template <int Dim>
+void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& numbering,
+                           ReferenceMethod method, bool safe);
+
+}  // namespace fabseq

@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""Checks who includes whom: scripts/dev/check_include_graph.py [PROJECT]
+
+Modules are the folders of include/fabseq and src. A module may use itself and those above it in MODULES, never those below
+(docs/architecture.md); headers include each other without a circle; every included header of fabseq exists. src/main.cc and
+the tests may use everything. Prints each offence as FILE:LINE: TEXT; exit status 1 if there is one.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+MODULES = ["base", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers", "process", "responses", "config",
+           "mma", "optimize", "run"]
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
+
+
+def includes(path):
+    """(line number, included header relative to include/) of each header of fabseq that a file includes."""
+    with open(path, encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            if match := INCLUDE.match(line):
+                yield number, match.group(1)
+
+
+def module_of(path, root):
+    """Folder that a file of include/fabseq or src lies in; None for a file directly in one of them."""
+    for base in ("include/fabseq", "src"):
+        if path.is_relative_to(root / base):
+            parts = path.relative_to(root / base).parts
+            return parts[0] if len(parts) > 1 else None
+    return None
+
+
+def layering_offences(root, files):
+    """Includes of a module further down, of a header that does not exist, and folders that are no module."""
+    for path in files:
+        module = module_of(path, root)
+        where = path.relative_to(root)
+        if module is not None and module not in MODULES:
+            yield f"{where}:1: folder '{module}' is no module; the modules are {', '.join(MODULES)}"
+            continue
+        for number, header in includes(path):
+            target = root / "include" / header
+            if not target.is_file():
+                yield f"{where}:{number}: {header} does not exist"
+            elif module is not None:
+                used = module_of(target, root)
+                if used in MODULES and MODULES.index(used) > MODULES.index(module):
+                    yield f"{where}:{number}: module '{module}' must not use '{used}', which comes after it"
+
+
+def circle(root, headers):
+    """A list of headers each of which includes the next and whose last is its first; None if there is none."""
+    graph = {str(h.relative_to(root / "include")): [name for _, name in includes(h)] for h in headers}
+    finished, trail = set(), []
+
+    def visit(name):
+        if name in finished or name not in graph:
+            return None
+        if name in trail:
+            return trail[trail.index(name):] + [name]
+        trail.append(name)
+        for following in graph[name]:
+            if found := visit(following):
+                return found
+        trail.pop()
+        finished.add(name)
+        return None
+
+    for name in sorted(graph):
+        if found := visit(name):
+            return found
+    return None
+
+
+def offences(root):
+    """All offences of the project at `root`, as lines of text."""
+    headers = sorted((root / "include").rglob("*.h"))
+    sources = sorted(p for p in (root / "src").rglob("*") if p.suffix in (".cc", ".h"))
+    found = list(layering_offences(root, headers + sources))
+    if ring := circle(root, headers):
+        found.append(f"include/{ring[0]}:1: headers include each other in a circle: {' -> '.join(ring)}")
+    return found
+
+
+def main():
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]).resolve()
+    found = offences(root)
+    for line in found:
+        print(line)
+    sys.exit(1 if found else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""clang-tidy over the program's sources, with the flags of the release build.
+
+    scripts/dev/check_tidy.py [--jobs N] [FILE.cc...]     with files: these only
+
+Most of its time goes into the headers of PETSc and the standard library, so the files of a folder are looked at together, as
+one source that includes them. Where that finds something, or names of two files clash, each of them is looked at alone, and
+only this counts. (The program is what is checked; the tests would double the time.)
+"""
+
+import argparse
+import concurrent.futures
+import itertools
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BUILD = os.path.join(ROOT, "build", "release")
+GROUP = 12
+# Warnings in system headers are counted on stderr, to no one's use.
+CHATTER = re.compile(r"^\d+ warnings? (and \d+ errors? )?generated\.$|^Suppressed |^Use -header-filter|^Error while processing ")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("files", nargs="*", metavar="FILE.cc")
+    arguments = parser.parse_args()
+    sources = program_sources()
+    groups = [[os.path.abspath(name)] for name in arguments.files] or list(folders(sources))
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        found = pool.map(lambda group: look_at_group(group, sources), groups)
+        suspects = [name for group, suspected in zip(groups, found) if suspected for name in group]
+        messages = [text for text in pool.map(look_at_file, suspects) if text]
+    print("\n".join(messages), end="\n" if messages else "")
+    sys.exit(1 if messages else 0)
+
+
+def program_sources():
+    """Command of each source file of the program."""
+    with open(os.path.join(BUILD, "compile_commands.json"), encoding="utf-8") as file:
+        commands = {entry["file"]: entry["command"] for entry in json.load(file)}
+    return {name: command for name, command in commands.items() if name.startswith(os.path.join(ROOT, "src") + os.sep)}
+
+
+def folders(sources):
+    """Groups of files in one folder with the same flags. Neighbours, which may be parts of one class, go into different ones."""
+    def kind(name):
+        return os.path.dirname(name), flags(sources[name])
+    for _, names in itertools.groupby(sorted(sources, key=kind), kind):
+        names = list(names)
+        count = -(-len(names) // GROUP)
+        for first in range(count):
+            yield names[first::count]
+
+
+def flags(command):
+    """What a compiler is told besides the names of files."""
+    words = shlex.split(command)[1:]
+    return [word for word in words if word not in ("-c", "-o") and not word.endswith((".cc", ".o"))]
+
+
+def look_at_group(names, sources):
+    """Whether the files have to be looked at one by one."""
+    if len(names) == 1:
+        return True
+    with tempfile.TemporaryDirectory() as folder:
+        together = os.path.join(folder, "together.cc")
+        with open(together, "w", encoding="utf-8") as file:
+            file.writelines(f'#include "{name}"  // NOLINT(bugprone-suspicious-include)\n' for name in names)
+        command = ["clang-tidy", "--quiet", f"--config-file={os.path.join(ROOT, '.clang-tidy')}",
+                   f"--header-filter={re.escape(ROOT)}/(src|include)/.*", together, "--",
+                   *flags(sources[names[0]]), "-Wno-shadow"]  # one file's names hide no other's when compiled
+        return subprocess.run(command, capture_output=True, cwd=ROOT, check=False).returncode != 0
+
+
+def look_at_file(name):
+    """What is wrong with a file; nothing where nothing is."""
+    result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", name], capture_output=True, text=True, cwd=ROOT, check=False)
+    lines = [line for line in (result.stdout + result.stderr).splitlines() if line.strip() and not CHATTER.match(line)]
+    if result.returncode == 0:
+        return ""
+    return "\n".join(lines) or f"{name}: clang-tidy ends with status {result.returncode}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Checks that need no run: format, clang-tidy, include graph, scripts, reference table. Needs the release build
+# (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
+#
+#   scripts/dev/lint.sh [FILE.cc...]     with files: clang-tidy looks at these only
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+source scripts/environment.sh
+
+failed=()
+step() {
+  local name=$1
+  shift
+  echo "== $name"
+  "$@" || failed+=("$name")
+}
+
+sources() { find include src tests benchmarks \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
+shell_scripts() { find scripts benchmarks .ci -type f \( -name '*.sh' -o -path '.ci/run' \) -print0; }
+python_scripts() { find scripts tests benchmarks -name '*.py' -print0 2>/dev/null || true; }
+
+format() { sources | xargs -0 clang-format --dry-run -Werror; }
+bash_syntax() { shell_scripts | xargs -0 -n 1 bash -n; }
+python_syntax() {
+  python_scripts | xargs -0 /usr/bin/python3 -c 'import ast, sys; [ast.parse(open(n, encoding="utf-8").read(), n) for n in sys.argv[1:]]'
+}
+
+step "clang-format" format
+step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
+step "shell syntax" bash_syntax
+step "Python syntax" python_syntax
+step "reference table of the user's guide" /usr/bin/python3 scripts/dev/reference_table.py
+step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
+
+if ((${#failed[@]})); then
+  printf 'lint: failed: %s\n' "${failed[@]}"
+  exit 1
+fi
+echo "lint: all checks passed"

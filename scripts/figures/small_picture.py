@@ -1,0 +1,65 @@
+#!/usr/bin/python3
+"""A small picture of a finished optimization for a table of results: layers and distorted shape, planar beside optimized.
+
+    scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
+
+Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/use/overview.py. As many colours
+and pixels as fit into the bytes. Without a display it draws in memory (virtual_display.py).
+"""
+
+import argparse
+import io
+import os
+import sys
+
+import numpy as np
+from PIL import Image
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
+
+import overview
+import render_part
+from read_run import Run, RunError
+from virtual_display import ensure_display
+
+COLOURS = (64, 32, 16)
+GAP = 12  # pixels of the drawn pictures between two of them
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", metavar="RUN_DIR")
+    parser.add_argument("picture", metavar="PICTURE.png")
+    parser.add_argument("--width", type=int, default=960, help="pixels (default: %(default)s)")
+    parser.add_argument("--bytes", type=int, default=80000, help="size of the file at most (default: %(default)s)")
+    arguments = parser.parse_args()
+    try:
+        run = Run(arguments.directory)
+    except RunError as error:
+        sys.exit(f"small_picture.py: {error}")
+    ensure_display()
+    data = compressed(side_by_side(overview.Pictures(run).images), arguments.width, arguments.bytes)
+    with open(arguments.picture, "wb") as file:
+        file.write(data)
+
+
+def side_by_side(images):
+    gap = np.full((images[0].shape[0], GAP, 3), 255, np.uint8)
+    return np.hstack([piece for image in images for piece in (image, gap)][:-1])
+
+
+def compressed(image, width, most_bytes):
+    """PNG of at most so many bytes: first with fewer colours, then with fewer pixels."""
+    whole = Image.fromarray(np.ascontiguousarray(image))
+    while True:
+        small = whole.resize((width, max(1, round(width * whole.height / whole.width))), Image.Resampling.LANCZOS)
+        for colours in COLOURS:
+            stream = io.BytesIO()
+            small.quantize(colours, dither=Image.Dither.NONE).save(stream, "png", optimize=True)
+            if stream.tell() <= most_bytes or width < 64:
+                return stream.getvalue()
+        width = int(0.85 * width)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,248 @@
+#!/usr/bin/python3
+"""How thick the layers of a result are, measured between their boundaries (docs/formulation.md 6), beside the program's thickness.
+
+    scripts/use/geometric_thickness.py RUN_DIR [--target LENGTH] [--points 1000] [--seed 1]
+
+RUN_DIR is the output directory of an optimization or a simulation. The boundaries of layer j are the isosurfaces (2D: isolines) of
+the pseudo-time at T_{j-1} and T_j, inside the part. Points are drawn on the first, evenly over its area, and the thickness is their
+distance to the second; a point farther away than 1.3 times the target is drawn again, for it faces no part of the second. The target
+is that of the config's layer_thickness; without one nothing is drawn again. The first and the last layer are reported apart: of
+these the outer boundary is not an isosurface but the end of the part, and one close to it is taken.
+
+Prints a table and writes RUN_DIR/geometric_thickness.json.
+"""
+
+import argparse
+import json
+import os
+import sys
+
+import h5py
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import reference
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStaticCellLocator
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
+
+from read_run import RunError, read_json
+
+FARTHEST = 1.3  # of the target
+MOST_DRAWS = 50  # rounds of drawing again; a layer that then has too few points is reported with those
+END = 1e-3  # of a layer's time: how far from the part's end its isosurface is taken
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", metavar="RUN_DIR")
+    parser.add_argument("--target", type=float, help="target thickness (default: the config's)")
+    parser.add_argument("--points", type=int, default=1000, help="points a layer (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of the random numbers (default: %(default)s)")
+    arguments = parser.parse_args()
+    try:
+        record = measure(arguments.directory, arguments.target, arguments.points, arguments.seed)
+    except RunError as error:
+        sys.exit(f"geometric_thickness.py: {error}")
+    path = os.path.join(arguments.directory, "geometric_thickness.json")
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(record, file, indent=1)
+        file.write("\n")
+    print(table(record))
+
+
+def measure(directory, target=None, points=1000, seed=1):
+    """What goes to geometric_thickness.json, for the result in an output directory. Raises RunError if there is none."""
+    config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
+    layers = summary.get("optimized", summary).get("layers")
+    if layers is None:
+        raise RunError(f"{directory}: holds no finished optimization or simulation")
+    time, time_points = read_times(directory, config, len(layers))
+    if target is None:
+        target = next((c["target"] for c in config.get("constraints", []) if c["type"] == "layer_thickness"), None)
+    rows = measure_layers(time, time_points, FARTHEST * target if target else np.inf, points, seed)
+    for row, layer in zip(rows, layers):
+        row["gradient"] = layer["thickness"]
+    inner = [row for row in rows if row["mean"] is not None and row["place"] == "inner"]
+    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": over_layers(inner)}
+
+
+def over_layers(rows):
+    """Of the layers between the first and the last."""
+    if not rows:
+        return None
+    means, variances = (np.array([row[key] for row in rows]) for key in ("mean", "variance"))
+    return {"layers": len(rows), "mean": means.mean(), "least": means.min(), "largest": means.max(),
+            "variance": variances.mean(), "drawn_again": sum(row["drawn_again"] for row in rows)}
+
+
+def measure_layers(time, time_points, farthest, points, seed):
+    """A dictionary a layer: `place` (first, inner, last, or empty), `mean`, `variance`, `least`, `largest` of the distances,
+    `points` they are of, `drawn_again`."""
+    random = np.random.default_rng(seed)
+    used = max(j for j in range(1, len(time_points)) if time.largest > time_points[j - 1])
+    rows = []
+    for j in range(1, len(time_points)):
+        lower, upper = time_points[j - 1], time_points[j]
+        if j == 1:
+            lower = max(lower, time.smallest) + END * (upper - lower)
+        if j == used:
+            upper = min(upper, time.largest) - END * (upper - lower)
+        place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
+        row = {"layer": j, "place": place, "mean": None, "variance": None, "least": None, "largest": None, "points": 0, "drawn_again": 0}
+        if place != "empty" and upper > lower:
+            distances, row["drawn_again"] = draw_distances(time.isosurface(lower), time.isosurface(upper), farthest, points, random)
+            if len(distances):
+                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(), "largest": distances.max(),
+                        "points": len(distances)}
+        rows.append(row)
+    return rows
+
+
+def draw_distances(lower, upper, farthest, points, random):
+    """Distances of points of one surface from the other, and how many points were drawn again."""
+    kept, drawn_again = np.array([]), 0
+    for _ in range(MOST_DRAWS if lower.exists and upper.exists else 0):
+        distances = upper.distances(lower.sample(points - len(kept), random))
+        near = distances <= farthest
+        kept = np.append(kept, distances[near])
+        drawn_again += int((~near).sum())
+        if len(kept) == points:
+            break
+    return kept, drawn_again
+
+
+class Surface:
+    """Triangles or, in 2D, lines."""
+
+    def __init__(self, contour):
+        self.contour = contour
+        self.exists = contour.GetNumberOfCells() > 0
+        if not self.exists:
+            return
+        corners = 3 if contour.GetNumberOfPolys() else 2
+        cells = contour.GetPolys() if corners == 3 else contour.GetLines()
+        points = vtk_to_numpy(contour.GetPoints().GetData()).astype(float)
+        self.corners = points[vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, corners)]
+        edges = self.corners[:, 1:] - self.corners[:, :1]
+        self.sizes = np.linalg.norm(edges[:, 0] if corners == 2 else np.cross(edges[:, 0], edges[:, 1]), axis=1)
+        self.exists = self.sizes.sum() > 0
+        self.locator = vtkStaticCellLocator()
+        self.locator.SetDataSet(contour)
+        self.locator.BuildLocator()
+
+    def sample(self, count, random):
+        """Points (count, 3), evenly over the area."""
+        cells = random.choice(len(self.sizes), count, p=self.sizes / self.sizes.sum())
+        weights = random.exponential(size=(count, self.corners.shape[1]))  # normalized: even over a triangle
+        weights /= weights.sum(axis=1, keepdims=True)
+        return np.einsum("pc,pcx->px", weights, self.corners[cells])
+
+    def distances(self, points):
+        """Of points from the nearest one of this surface."""
+        nearest, cell, part, square = [0.0, 0.0, 0.0], reference(0), reference(0), reference(0.0)
+        result = np.empty(len(points))
+        for i, point in enumerate(points):
+            self.locator.FindClosestPoint(point, nearest, cell, part, square)
+            result[i] = square.get()
+        return np.sqrt(result)
+
+
+class NodalTime:
+    """Pseudo-time on the nodes of the part's elements, as VTK takes it. `values`: [z][y][x] on the nodes; `built`: which elements
+    there are; `size`: edge lengths of the box, x first; `origin`: where the values come from, for the record."""
+
+    def __init__(self, values, built, size, origin):
+        self.origin = origin
+        counts = list(built.shape[::-1])
+        image = vtkImageData()
+        image.SetDimensions(*[n + 1 for n in counts], *[1] * (3 - len(counts)))
+        image.SetSpacing(*[length / n for length, n in zip(size, counts)], *[1.0] * (3 - len(counts)))
+        for data, name, array in ((image.GetPointData(), "time", values), (image.GetCellData(), "built", built)):
+            vtk_array = numpy_to_vtk(np.ascontiguousarray(array, float).ravel(), deep=True)
+            vtk_array.SetName(name)
+            data.SetScalars(vtk_array)
+        part = vtkThreshold()
+        part.SetInputData(image)
+        part.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_CELLS, "built")
+        part.SetUpperThreshold(0.5)
+        part.SetThresholdFunction(vtkThreshold.THRESHOLD_UPPER)
+        part.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
+        part.Update()
+        self.part = part.GetOutput()
+        self.smallest, self.largest = self.part.GetPointData().GetScalars().GetRange()
+
+    def isosurface(self, level):
+        contour = vtkContourFilter()
+        contour.SetInputData(self.part)
+        contour.SetValue(0, level)
+        contour.ComputeScalarsOff()
+        contour.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
+        contour.Update()
+        return Surface(contour.GetOutput())
+
+
+def read_times(directory, config, count):
+    """NodalTime of a result and T_0 ... T_N."""
+    path = os.path.join(directory, "result.h5")
+    size, sequence = config["domain"]["size"], config.get("sequence", {})
+    try:
+        with h5py.File(path, "r") as file:
+            built = file["density"][()] > 0
+            inner = file["time_points"][()] if "time_points" in file else np.arange(1, count) / count
+            if "temperature" in file:
+                time = NodalTime(1.0 - file["temperature"][()], built, size, "temperature of the nodes")
+            elif sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
+                time = NodalTime(file["design"][()], built, size, "times of the nodes")
+            else:
+                time = NodalTime(times_of_nodes(file["time"][()], built), built, size, "times of the elements, continued to the nodes")
+    except (OSError, KeyError) as error:
+        raise RunError(f"{path} cannot be read: {error}") from error
+    return time, np.concatenate([[0.0], inner, [1.0]])
+
+
+def times_of_nodes(time, built):
+    """Times of nodes from those of elements: the mean of what the elements around a node say there, each continued from its centre
+    with the slope towards its neighbours in the part. Right for linear fields, on the part's surface, too."""
+    time = np.where(built, time, 0.0)
+    slopes = [half_slopes(time, built, axis) for axis in range(time.ndim)]
+    shape = [n + 1 for n in time.shape]
+    total, elements = np.zeros(shape), np.zeros(shape)
+    for corner in np.ndindex(*(2,) * time.ndim):
+        place = tuple(slice(c, c + n) for c, n in zip(corner, time.shape))
+        there = time + sum((2 * c - 1) * slope for c, slope in zip(corner, slopes))
+        total[place] += np.where(built, there, 0.0)
+        elements[place] += built
+    return total / np.maximum(elements, 1)
+
+
+def half_slopes(time, built, axis):
+    """Half of the difference to the next element along an axis: the mean over the neighbours that there are, 0 without any."""
+    time, built = np.moveaxis(time, axis, 0), np.moveaxis(built, axis, 0)
+    steps, pairs = np.diff(time, axis=0), built[1:] & built[:-1]
+    total, neighbours = np.zeros(time.shape), np.zeros(time.shape)
+    for place in (slice(0, -1), slice(1, None)):
+        total[place] += np.where(pairs, steps, 0.0)
+        neighbours[place] += pairs
+    return np.moveaxis(0.5 * total / np.maximum(neighbours, 1), 0, axis)
+
+
+def table(record):
+    """The record as lines of text."""
+    lines = [f"{'layer':>9}{'gradient':>12}{'geometric':>12}{'deviation':>12}{'least':>12}{'largest':>12}{'drawn again':>13}"]
+    for row in record["layers"]:
+        if row["mean"] is None:
+            continue
+        name = f"{row['layer']}" + ("" if row["place"] == "inner" else f" {row['place']}")
+        values = (row["gradient"], row["mean"], row["variance"]**0.5, row["least"], row["largest"])
+        lines.append(f"{name:>9}" + "".join(f"{'-' if v is None else format(v, '.4g'):>12}" for v in values) + f"{row['drawn_again']:>13}")
+    inner = record["inner"]
+    if inner:
+        lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} ({inner['least']:.4g} to {inner['largest']:.4g}), "
+                     f"mean variance {inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
+    lines.append(f"from {record['time']}, {record['points']} points a layer" +
+                 (f", target {record['target']:.4g}" if record["target"] else ", no target: none drawn again"))
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,110 @@
+#!/usr/bin/python3
+"""Which setting matters: one picture of runs that differ from defaults by one setting each.
+
+    scripts/use/plot_settings.py GROUP... [--picture settings.png]
+
+A GROUP is a directory of runs, each in a folder SETTING_VOID with VOID `absent` or `quiet`, as a study with a table like
+configs/defaults_study.csv leaves them; its folders `defaults_VOID` are what the others are compared with. For each setting a
+row: how many times less than planar layers the optimized sequence distorts, with smooth layers (circles) and with binary ones
+(diamonds); hollow where a constraint is violated. Lines show the defaults. A panel each group and void model; the rows are in the
+order of the best binary figure of the first.
+"""
+
+import argparse
+import os
+import sys
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator, NullLocator
+
+from read_run import Run, RunError
+
+SMOOTH, BINARY, GRID, SOFT_INK = "#1f6f8b", "#22262b", "#e6e8eb", "#6b727b"
+VOIDS = ("absent", "quiet")
+
+
+class Panel:
+    """The finished runs of one group with one void model, by setting."""
+
+    def __init__(self, directory, void):
+        self.title = f"{os.path.basename(os.path.normpath(directory))}, void {void}"
+        self.runs = {}
+        for folder in sorted(os.listdir(directory)):
+            setting, _, end = folder.rpartition("_")
+            if end != void or not setting:
+                continue
+            try:
+                self.runs[setting] = Run(os.path.join(directory, folder), with_fields=False)
+            except RunError as reason:
+                print(f"plot_settings.py: warning: {reason}", file=sys.stderr)
+
+    def gain(self, setting, block):
+        """Distortion of planar layers over that of the run; 0 if there is no run."""
+        if setting not in self.runs:
+            return 0.0
+        run = self.runs[setting]
+        return run.distortion("baseline") / run.distortion(block)
+
+
+def draw(panels):
+    first = panels[0]
+    settings = sorted(dict.fromkeys(s for panel in panels for s in panel.runs if s != "defaults"),
+                      key=lambda s: max(first.gain(s, "binary"), 1e-9))
+    settings.append("defaults")
+    figure, axes = plt.subplots(1, len(panels), figsize=(3.0 + 2.6 * len(panels), 1.2 + 0.26 * len(settings)), sharey=True,
+                                squeeze=False, constrained_layout=True)
+    for axis, panel in zip(axes[0], panels):
+        draw_panel(axis, panel, settings)
+    axes[0, 0].set_yticks(range(len(settings)), [s.replace("_", " ") for s in settings])
+    axes[0, 0].legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.07), ncols=2, borderaxespad=0.0)
+    return figure
+
+
+def widen(axis):
+    """A decade at least, so that a small factor looks small."""
+    low, high = axis.get_xlim()
+    stretch = max(1.0, 10.0 * low / high) ** 0.5
+    axis.set_xlim(low / stretch, high * stretch)
+
+
+def draw_panel(axis, panel, settings):
+    for block, colour, mark, label in (("optimized", SMOOTH, "o", "smooth layers"), ("binary", BINARY, "D", "binary layers")):
+        if "defaults" in panel.runs:
+            axis.axvline(panel.gain("defaults", block), color=colour, lw=1.0, ls="--" if block == "optimized" else "-", alpha=0.5)
+        for row, setting in enumerate(settings):
+            if setting not in panel.runs:
+                continue
+            feasible = panel.runs[setting].summary.get("feasible", True)
+            axis.plot(panel.gain(setting, block), row, mark, ms=6, mec=colour, mfc=colour if feasible else "white", label=label)
+            label = None
+    axis.set_xscale("log")
+    widen(axis)
+    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.set_title(panel.title, fontsize=9, loc="left")
+    axis.set_xlabel("planar / optimized", color=SOFT_INK)
+    axis.grid(color=GRID)
+    axis.set_axisbelow(True)
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("groups", nargs="+", metavar="GROUP")
+    parser.add_argument("--picture", default="settings.png", help="picture to write (default: %(default)s)")
+    arguments = parser.parse_args()
+    try:
+        panels = [panel for group in arguments.groups for void in VOIDS if (panel := Panel(group, void)).runs]
+    except OSError as error:
+        sys.exit(f"plot_settings.py: {error}")
+    if not panels:
+        sys.exit("plot_settings.py: no finished run in any folder SETTING_absent or SETTING_quiet")
+    draw(panels).savefig(arguments.picture, dpi=150)
+    print(arguments.picture)
+
+
+if __name__ == "__main__":
+    main()

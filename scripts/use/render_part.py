@@ -1,0 +1,320 @@
+#!/usr/bin/python3
+"""Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or displaced.
+
+As a module it gives render(); as a program it draws one picture of a result:
+    scripts/use/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
+(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it draws in memory (virtual_display.py).
+"""
+
+import argparse
+import json
+import os
+from dataclasses import dataclass, field
+
+import h5py
+import numpy as np
+from matplotlib import colormaps
+from matplotlib import image as matplotlib_image
+
+from virtual_display import ensure_display
+
+LAYER_COLOURS = "viridis"
+DISPLACEMENT_COLOURS = "YlOrRd"
+PLATE_COLOUR = (0.84, 0.85, 0.87)
+MOST_ELEMENTS_WITH_EDGES = 48  # along the longest side; finer grids would turn grey
+VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
+
+
+@dataclass
+class VoxelPart:
+    """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in length units."""
+    density: np.ndarray
+    size: tuple
+    plate: str = "z-"
+    nodes: np.ndarray = field(init=False)        # coordinates of all nodes, (n, 3), x fastest
+    faces: np.ndarray = field(init=False)        # node numbers of the surface's quadrilaterals, (m, 4)
+    face_element: np.ndarray = field(init=False)  # element behind each of them, (m,)
+
+    def __post_init__(self):
+        counts = self.density.shape[::-1]
+        axes = [np.linspace(0.0, length, n + 1) for n, length in zip(counts, self.size)]
+        grids = np.meshgrid(*axes[::-1], indexing="ij")[::-1]
+        columns = [g.ravel() for g in grids] + [np.zeros(grids[0].size)] * (3 - len(counts))
+        self.nodes = np.stack(columns, axis=1)
+        self.faces, self.face_element = surface(self.density > 0)
+
+    @property
+    def dimension(self):
+        return self.density.ndim
+
+
+def surface(present):
+    """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element numbers (m,)).
+
+    In 2D the elements themselves.
+    """
+    shape = present.shape
+    elements = np.arange(present.size).reshape(shape)
+    node_numbers = np.arange(np.prod(np.array(shape) + 1)).reshape(np.array(shape) + 1)
+    if present.ndim == 2:
+        y, x = np.nonzero(present)
+        corners = [node_numbers[y + b, x + a] for a, b in ((0, 0), (0, 1), (1, 1), (1, 0))]
+        return np.stack(corners, axis=1), elements[y, x]
+    padded = np.pad(present, 1)
+    quads, owners = [], []
+    for axis in range(3):
+        first, second = [a for a in range(3) if a != axis]
+        for side in (0, 1):
+            shift = [slice(1, -1)] * 3
+            shift[axis] = slice(2, None) if side else slice(0, -2)
+            at = np.array(np.nonzero(present & ~padded[tuple(shift)]))
+            corners = []
+            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                corner = at.copy()
+                corner[axis] += side
+                corner[first] += a
+                corner[second] += b
+                corners.append(node_numbers[tuple(corner)])
+            if (side == 1) == (axis != 1):  # anticlockwise seen from outside
+                corners.reverse()
+            quads.append(np.stack(corners, axis=1))
+            owners.append(elements[tuple(at)])
+    return np.concatenate(quads), np.concatenate(owners)
+
+
+def layer_colours(part, layer, count):
+    """One colour a face (m, 3) bytes: from first to last layer along the colour map, every other layer a shade darker."""
+    index = np.asarray(layer).ravel()[part.face_element]
+    colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
+    colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
+    return (255 * colours).astype(np.uint8)
+
+
+def scalar_colours(values, largest, name):
+    """Colours (n, 3) bytes of `values` between 0 and `largest` in the colour map `name`."""
+    return (255 * colormaps[name](np.ravel(values) / (largest or 1.0))[:, :3]).astype(np.uint8)
+
+
+def node_vectors(part, displacement):
+    """`displacement` [z][y][x][component] as (n, 3)."""
+    flat = np.asarray(displacement, dtype=float).reshape(len(part.nodes), part.dimension)
+    return np.pad(flat, ((0, 0), (0, 3 - part.dimension)))
+
+
+def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
+    """A picture (height, width, 3) bytes of `part` on its plate, white behind, in parallel projection.
+
+    `face_colours` (a face) or `node_colours` (a node): bytes (., 3). `offset` (n, 3): drawn displacement of the nodes.
+    `ghost`: the undisplaced part as a pale shell behind. `frame`: the points (k, 3) that have to fit in; pictures
+    with the same frame and pixels have the same view and scale. `marked`: node numbers drawn as dots.
+    """
+    from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    points = part.nodes if offset is None else part.nodes + offset
+    renderer = vtkRenderer()
+    renderer.SetBackground(1, 1, 1)
+    add_plate(renderer, part)
+    if ghost:
+        add_ghost(renderer, part)
+    add_surface(renderer, part, points, face_colours, node_colours)
+    if marked is not None and len(marked):
+        add_dots(renderer, part, points[marked])
+    if part.dimension == 3:
+        add_light(renderer)
+    renderer.SetUseDepthPeeling(True)
+    renderer.SetMaximumNumberOfPeels(8)
+    aim_camera(renderer, part, points if frame is None else frame, pixels)
+
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(True)
+    window.SetMultiSamples(0)  # depth peeling does not go with it; pictures are drawn large and shrunk instead
+    window.SetAlphaBitPlanes(True)
+    window.SetSize(*pixels)
+    window.AddRenderer(renderer)
+    window.Render()
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ReadFrontBufferOff()
+    grab.Update()
+    image = grab.GetOutput()
+    width, height, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1, :, :3].copy()
+
+
+def poly_data(points, faces):
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+    vertices = vtkPoints()
+    vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
+    cells = vtkCellArray()
+    width = faces.shape[1]
+    connectivity = np.hstack([np.full((len(faces), 1), width), faces]).astype(np.int64)
+    cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(connectivity.ravel(), deep=True))
+    data = vtkPolyData()
+    data.SetPoints(vertices)
+    data.SetPolys(cells)
+    return data
+
+
+def add_actor(renderer, data):
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(data)
+    mapper.ScalarVisibilityOn()
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetInterpolationToFlat()
+    actor.GetProperty().SetAmbient(0.45)
+    actor.GetProperty().SetDiffuse(0.55)
+    renderer.AddActor(actor)
+    return actor
+
+
+def add_surface(renderer, part, points, face_colours, node_colours):
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    data = poly_data(points, part.faces)
+    if face_colours is not None:
+        data.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(face_colours), deep=True))
+    if node_colours is not None:
+        data.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(node_colours), deep=True))
+    actor = add_actor(renderer, data)
+    actor.GetMapper().SetResolveCoincidentTopologyToPolygonOffset()
+    unlit_if_flat(actor, part)
+    if max(part.density.shape) > MOST_ELEMENTS_WITH_EDGES:
+        return
+    edges = add_actor(renderer, poly_data(points, part.faces))
+    edges.GetProperty().SetRepresentationToWireframe()
+    edges.GetProperty().SetColor(0, 0, 0)
+    edges.GetProperty().SetLighting(False)
+    edges.GetProperty().SetLineWidth(2.0)
+    edges.GetProperty().SetOpacity(0.10)
+
+
+def add_light(renderer):
+    """One far lamp such that top, front and right faces of a voxel each have their own, bright shade."""
+    from vtkmodules.vtkRenderingCore import vtkLight
+
+    toward_lamp = np.array((0.40, -0.75, 1.0))
+    light = vtkLight()
+    light.SetLightTypeToSceneLight()
+    light.SetPositional(False)
+    light.SetPosition(*toward_lamp)
+    light.SetFocalPoint(0.0, 0.0, 0.0)
+    light.SetIntensity(np.linalg.norm(toward_lamp))
+    renderer.AddLight(light)
+
+
+def unlit_if_flat(actor, part):
+    if part.dimension == 2:
+        actor.GetProperty().SetLighting(False)
+
+
+def add_ghost(renderer, part):
+    actor = add_actor(renderer, poly_data(part.nodes - ([0, 0, 1e-3 * max(part.size)] if part.dimension == 2 else 0), part.faces))
+    actor.GetProperty().SetColor(0.55, 0.58, 0.62)
+    actor.GetProperty().SetOpacity(0.16 if part.dimension == 3 else 0.35)
+    if part.dimension == 3:
+        actor.GetProperty().FrontfaceCullingOn()  # only its far side, or it would veil the displaced part
+    unlit_if_flat(actor, part)
+
+
+def add_plate(renderer, part):
+    """The build plate: a thin grey slab beyond its face of the box, a little larger than the box."""
+    axis = "xyz".index(part.plate[0])
+    margin = 0.06 * max(part.size)
+    low = np.array([-margin] * part.dimension)
+    high = np.array(part.size) + margin
+    if part.plate[1] == "-":
+        low[axis], high[axis] = -0.7 * margin, 0.0
+    else:
+        low[axis], high[axis] = part.size[axis], part.size[axis] + 0.7 * margin
+    slab = VoxelPart(np.ones((1,) * part.dimension), tuple(high - low), part.plate)
+    origin = np.pad(low, (0, 3 - part.dimension))
+    gap = np.zeros(3)
+    gap[axis] = (-1e-3 if part.plate[1] == "-" else 1e-3) * max(part.size)
+    actor = add_actor(renderer, poly_data(slab.nodes + origin + gap, slab.faces))
+    actor.GetProperty().SetColor(*PLATE_COLOUR)
+    unlit_if_flat(actor, part)
+
+
+def add_dots(renderer, part, points):
+    from vtkmodules.vtkFiltersSources import vtkSphereSource
+
+    for point in points:
+        ball = vtkSphereSource()
+        ball.SetCenter(*point)
+        ball.SetRadius(0.011 * max(part.size))
+        ball.SetThetaResolution(16)
+        ball.SetPhiResolution(16)
+        ball.Update()
+        data = ball.GetOutput()
+        data.GetPointData().SetNormals(None)
+        actor = add_actor(renderer, data)
+        actor.GetProperty().SetColor(0.10, 0.11, 0.13)
+        actor.GetProperty().SetLighting(False)
+
+
+def aim_camera(renderer, part, frame, pixels):
+    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the plate."""
+    margin = 0.06 * max(part.size)
+    box = np.array(np.meshgrid(*[(-margin, s + margin) for s in part.size])).reshape(part.dimension, -1).T
+    points = np.vstack([frame, np.pad(box, ((0, 0), (0, 3 - part.dimension)))])
+    view = np.array(VIEW_DIRECTION if part.dimension == 3 else (0.0, 0.0, 1.0))
+    view /= np.linalg.norm(view)
+    up = np.array((0.0, 0.0, 1.0) if part.dimension == 3 else (0.0, 1.0, 0.0))
+    right = np.cross(up, view)
+    right /= np.linalg.norm(right)
+    upward = np.cross(view, right)
+    horizontal, vertical, depth = points @ right, points @ upward, points @ view
+    middle = 0.5 * (horizontal.min() + horizontal.max()) * right + 0.5 * (vertical.min() + vertical.max()) * upward
+    distance = depth.max() + 2.0 * np.ptp(depth) + max(part.size)
+    camera = renderer.GetActiveCamera()
+    camera.ParallelProjectionOn()
+    camera.SetFocalPoint(*middle)
+    camera.SetPosition(*(middle + distance * view))
+    camera.SetViewUp(*up)
+    camera.SetParallelScale(0.51 * max(np.ptp(vertical), np.ptp(horizontal) * pixels[1] / pixels[0]))
+    renderer.ResetCameraClippingRange()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("result")
+    parser.add_argument("picture")
+    parser.add_argument("--colour", choices=["layer", "time", "density", "displacement"], default="layer")
+    parser.add_argument("--planar", action="store_true", help="the planar baseline instead of the optimized sequence")
+    parser.add_argument("--exaggeration", type=float, default=0.0, help="draw the displacement, this many times larger")
+    parser.add_argument("--pixels", type=int, default=1400)
+    arguments = parser.parse_args()
+    ensure_display()
+    with open(os.path.join(os.path.dirname(os.path.abspath(arguments.result)), "config.json"), encoding="utf-8") as file:
+        config = json.load(file)
+    group = "planar/" if arguments.planar else ""
+    with h5py.File(arguments.result) as file:
+        part = VoxelPart(file["density"][:], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
+        name = arguments.colour if arguments.colour == "density" else group + arguments.colour
+        values = file[name][:]
+        offset = None
+        if arguments.exaggeration:
+            offset = arguments.exaggeration * node_vectors(part, file[group + "displacement"][:])
+    colours = {}
+    if arguments.colour == "layer":
+        colours["face_colours"] = layer_colours(part, values, int(values.max()))
+    elif arguments.colour == "displacement":
+        length = np.linalg.norm(node_vectors(part, values), axis=1)
+        largest = length[np.unique(part.faces)].max()
+        colours["node_colours"] = scalar_colours(length, largest, DISPLACEMENT_COLOURS)
+    else:
+        colours["face_colours"] = scalar_colours(values, 1.0, LAYER_COLOURS)[part.face_element]
+    picture = render(part, offset=offset, ghost=offset is not None, pixels=(arguments.pixels, arguments.pixels), **colours)
+    matplotlib_image.imsave(arguments.picture, picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+"""Runs a command that draws where there is no display, with one in memory (Xvfb).
+
+    scripts/use/virtual_display.py COMMAND [ARGUMENTS]
+
+Other than with xvfb-run, any number of these may start at once, as the server picks its own number, and a command may close its last
+window and open another, as the server does not reset in between. Exit status: the command's, or 1 with a line where Xvfb is missing
+or does not start.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+
+
+def ensure_display():
+    """Where there is no display, starts this Python program again with one in memory; VTK would crash without."""
+    if not os.environ.get("DISPLAY"):
+        os.execv(sys.executable, [sys.executable, os.path.abspath(__file__), sys.executable, *sys.argv])
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that the server ends as well
+    server, number = start_server()
+    try:
+        status = subprocess.call(sys.argv[1:], env={**os.environ, "DISPLAY": f":{number}"})
+    except OSError as error:
+        sys.exit(f"virtual_display.py: {sys.argv[1]}: {error.strerror}")
+    finally:
+        server.terminate()
+        server.wait()
+    sys.exit(status if status >= 0 else 128 - status)
+
+
+def start_server():
+    """The process of Xvfb and the number of its display, once it takes connections."""
+    reading, writing = os.pipe()
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
+    try:
+        server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    except OSError:
+        sys.exit(f"{named(sys.argv)}: needs a display, or Xvfb, which scripts/setup.sh installs")
+    os.close(writing)
+    with os.fdopen(reading) as answer:
+        number = answer.readline().strip()
+    if not number:
+        sys.exit(f"{named(sys.argv)}: Xvfb does not start: {server.communicate()[1].decode(errors='replace').strip()}")
+    return server, number
+
+
+def named(arguments):
+    """The program that wants a display: the script behind a Python, or the command."""
+    words = arguments[2:] if arguments[1] == sys.executable and len(arguments) > 2 else arguments[1:]
+    return os.path.basename(words[0])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,173 @@
+#include "fabseq/config/command_line.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/stop.h"
+#include "fabseq/config/schema.h"
+
+#include <cctype>
+#include <string_view>
+
+namespace fabseq {
+
+namespace {
+
+struct NamedTask {
+  std::string_view name;
+  Task task;
+};
+
+constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
+                               {"simulate", Task::simulate},
+                               {"evaluate", Task::evaluate},
+                               {"check_gradients", Task::check_gradients},
+                               {"check", Task::check}};
+
+/// "-name" but not a negative number or a lone '-', the way PETSc tells options from values.
+bool is_option(std::string_view word) {
+  return word.size() > 1 && word[0] == '-' &&
+         (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
+}
+
+Task parse_task(const std::string& name) {
+  std::vector<std::string> names;
+  for (const NamedTask& candidate : tasks) {
+    if (candidate.name == name) return candidate.task;
+    names.emplace_back(candidate.name);
+  }
+  refuse("-task", shown(name), join(names, ", "));
+}
+
+/// JSON text of what PETSc takes for a boolean, empty for other words.
+std::string boolean_value(std::string_view word) {
+  if (word == "true" || word == "yes" || word == "on" || word == "1") return "true";
+  if (word == "false" || word == "no" || word == "off" || word == "0") return "false";
+  return "";
+}
+
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$*?[]{}()<>|&;#`") == std::string::npos;
+  if (plain) return word;
+  std::string result = "'";
+  for (const char character : word)
+    result += character == '\'' ? std::string("'\\''") : std::string(1, character);
+  return result + "'";
+}
+
+class Parser {
+ public:
+  Parser(int argc, const char* const* argv) : words_(argv, argv + argc) {}
+
+  CommandLine parse() {
+    if (!words_.empty()) result_.petsc_arguments.push_back(words_.front());
+    for (position_ = 1; position_ < words_.size(); ++position_) take(words_[position_]);
+    for (const std::string& word : words_) result_.text += (result_.text.empty() ? "" : " ") + quoted(word);
+    const bool only_prints = result_.help || result_.help_markdown || result_.version;
+    if (result_.config_file.empty() && !only_prints) {
+      throw InputError("-config: missing; allowed: -config FILE.json (-help lists all options)");
+    }
+    check_restart();
+    check_sequence();
+    return std::move(result_);
+  }
+
+ private:
+  bool next_is_value() const { return position_ + 1 < words_.size() && !is_option(words_[position_ + 1]); }
+
+  /// The word after an own option.
+  const std::string& value(const std::string& option) {
+    if (!next_is_value()) throw InputError(option + ": missing value; allowed: " + option + " VALUE");
+    return words_[++position_];
+  }
+
+  void take(const std::string& word) {
+    if (word == "-config") {
+      result_.config_file = value(word);
+    } else if (word == "-task") {
+      result_.task = parse_task(value(word));
+    } else if (word == "-output") {
+      result_.output = value(word);
+    } else if (word == "-design") {
+      result_.design_file = value(word);
+    } else if (word == "-sequence") {
+      result_.sequence_file = value(word);
+    } else if (word == "-restart") {
+      result_.restart = value(word);
+    } else if (word == "-max_wall_time") {
+      take_wall_time(value(word));
+    } else if (word == "-overwrite") {
+      result_.overwrite = true;
+    } else if (word == "-help" || word == "--help" || word == "-h") {
+      result_.help = true;
+    } else if (word == "-help_markdown") {
+      result_.help_markdown = true;
+    } else if (word == "-version" || word == "--version") {
+      result_.version = true;
+    } else if (word == "-set") {
+      take_setting(value(word));
+    } else if (const ConfigKey* key = find_flat_option(word)) {
+      take_flat_option(*key, word);
+    } else {
+      pass_on(word);
+    }
+  }
+
+  void take_wall_time(const std::string& text) {
+    result_.max_wall_time = parse_duration(text);
+    if (!result_.max_wall_time) refuse("-max_wall_time", shown(text), "a time > 0 as seconds or H:M:S");
+  }
+
+  void check_restart() const {
+    if (!result_.restart) return;
+    if (result_.task != Task::optimize && result_.task != Task::check)
+      throw InputError("-restart: only an optimization can be continued; allowed: with -task optimize");
+    if (result_.overwrite &&
+        (*result_.restart == "auto" || !result_.output || *result_.output == *result_.restart))
+      throw InputError(
+          "-restart: -overwrite would remove the checkpoint it is to continue from; allowed: one of "
+          "the two, or another directory with -output");
+  }
+
+  void check_sequence() const {
+    if (!result_.sequence_file) return;
+    if (result_.task != Task::simulate && result_.task != Task::check)
+      throw InputError("-sequence: a given sequence is only simulated; allowed: with -task simulate");
+    if (result_.design_file)
+      throw InputError("-sequence: -design gives a sequence as well; allowed: one of the two");
+  }
+
+  void take_setting(const std::string& setting) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) refuse("-set", shown(setting), "-set path.to.key=VALUE");
+    result_.overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+
+  /// A flag without a value means true, as in PETSc.
+  void take_flat_option(const ConfigKey& key, const std::string& option) {
+    if (key.type != KeyType::flag) {
+      result_.overrides.emplace_back(dotted_path(key), flat_option_value(key, value(option)));
+      return;
+    }
+    const std::string given = next_is_value() ? boolean_value(words_[position_ + 1]) : "";
+    if (!given.empty()) ++position_;
+    result_.overrides.emplace_back(dotted_path(key), given.empty() ? "true" : given);
+  }
+
+  /// PETSc takes an option and at most one value, and would skip further words without a sound.
+  void pass_on(const std::string& word) {
+    if (!is_option(word)) {
+      throw InputError(shown(word) + ": belongs to no option; allowed: options, each with at most one value");
+    }
+    result_.petsc_arguments.push_back(word);
+    if (next_is_value()) result_.petsc_arguments.push_back(words_[++position_]);
+  }
+
+  std::vector<std::string> words_;
+  std::size_t position_ = 0;
+  CommandLine result_;
+};
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) { return Parser(argc, argv).parse(); }
+
+}  // namespace fabseq

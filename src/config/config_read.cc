@@ -1,0 +1,155 @@
+/// From the config file and the command line to a Config.
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/config/command_line.h"
+#include "fabseq/config/config_rules.h"
+#include "fabseq/config/reslicing.h"
+#include "fabseq/config/schema.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace fabseq {
+
+namespace {
+
+/// Why a file cannot be read, empty where it can.
+std::string reading_problem(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) return "is a directory";
+  errno = 0;
+  const std::ifstream stream(file);
+  return stream ? "" : std::strerror(errno != 0 ? errno : ENOENT);
+}
+
+struct ConfigFile {
+  std::string problem, text, directory;
+};
+
+ConfigFile load(const std::string& file) {
+  ConfigFile result;
+  result.problem = reading_problem(file);
+  if (!result.problem.empty()) {
+    result.problem =
+        "-config: cannot read " + shown(file) + " (" + result.problem + "); allowed: a readable JSON file";
+    return result;
+  }
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  result.text = text.str();
+  std::error_code error;
+  result.directory = std::filesystem::absolute(file, error).parent_path().string();
+  return result;
+}
+
+/// Throws on all ranks what rank 0 found, if it found something.
+void throw_problem_of_rank_0(MPI_Comm comm, const std::string& problem) {
+  const std::string text = broadcast(comm, problem);
+  if (!text.empty()) throw InputError(text);
+}
+
+std::string missing_file(const std::string& pointer, const std::string& file) {
+  const std::string problem = reading_problem(file);
+  if (problem.empty()) return "";
+  return pointer + ": found " + shown(file) + ", which cannot be read (" + problem +
+         "); allowed: a readable HDF5 file";
+}
+
+/// Rank 0 looks whether the files a config names are there.
+void check_files(MPI_Comm comm, const Config& config) {
+  std::string problem;
+  if (rank_of(comm) == 0) {
+    if (const auto* voxels = std::get_if<VoxelFile>(&config.part.source)) {
+      problem = missing_file("/part/voxels/file", voxels->file);
+    }
+    if (problem.empty() && config.sequence.type == SequenceType::file) {
+      problem = missing_file("/sequence/file", config.sequence.file);
+    }
+  }
+  throw_problem_of_rank_0(comm, problem);
+}
+
+void warn_about(const Config& config) {
+  const ProcessSettings& process = config.process;
+  if (process.strain_penalty >= process.stiffness_penalty) return;
+  const Json& given = config.effective.at("process");
+  warn("/process/strain_penalty: found " + shown(given.at("strain_penalty")) +
+       ", less than stiffness_penalty (" + shown(given.at("stiffness_penalty")) +
+       "): half-built elements shrink more than they resist");
+}
+
+/// The JSON value of a text from the command line, the text itself where it is no JSON.
+Json value_of(const std::string& text) {
+  try {
+    return Json::parse(text, "value");
+  } catch (const InputError&) {
+    return text;
+  }
+}
+
+/// Index of a list's entry: a number, or the "type" of the entry.
+std::size_t find_entry(const Json& list, const std::string& segment, const std::string& pointer) {
+  const std::size_t count = list.items().size();
+  const auto digit = [](unsigned char character) { return std::isdigit(character) != 0; };
+  if (std::all_of(segment.begin(), segment.end(), digit)) {
+    const std::size_t index = segment.size() < 10 ? std::stoul(segment) : count;
+    if (index < count) return index;
+    const std::string allowed =
+        count == 0 ? "none, as the list is empty" : "0 to " + std::to_string(count - 1);
+    refuse(pointer_to(pointer, segment), "index " + segment, allowed);
+  }
+  std::vector<std::string> types;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Json* type = list.items()[i].find("type");
+    if (type == nullptr || !type->is_string()) continue;
+    if (type->string() == segment) return i;
+    types.push_back(type->string());
+  }
+  refuse(pointer, "no entry of type " + shown(segment),
+         types.empty() ? "an index" : "an index, or one of the types " + join(types, ", "));
+}
+
+}  // namespace
+
+void apply_override(Json& document, const std::string& path, const std::string& text) {
+  Json* place = &document;
+  std::string pointer;
+  for (const std::string& segment : split(path, '.')) {
+    if (segment.empty()) refuse("-set " + path, "an empty key", "keys joined by single dots");
+    if (place->is_array()) {
+      const std::size_t index = find_entry(*place, segment, pointer);
+      place = &place->items()[index];
+      pointer = pointer_to(pointer, index);
+      continue;
+    }
+    if (!place->is_object() && !place->is_null()) {
+      refuse(pointer, shown(*place), "an object or a list, for -set " + path);
+    }
+    Json* member = place->find(segment);
+    place = member != nullptr ? member : &place->set(segment, Json());
+    pointer = pointer_to(pointer, segment);
+  }
+  *place = value_of(text);
+}
+
+Config read_config(MPI_Comm comm, const CommandLine& command_line) {
+  ConfigFile file;
+  if (rank_of(comm) == 0) file = load(command_line.config_file);
+  throw_problem_of_rank_0(comm, file.problem);
+  Json document = Json::parse(broadcast(comm, file.text), command_line.config_file);
+  for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
+  reslice(comm, command_line, document);
+  Config config = make_config(document, broadcast(comm, file.directory));
+  check_task(config, command_line.task);
+  check_files(comm, config);
+  warn_about(config);
+  return config;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,256 @@
+#include "fabseq/config/config_rules.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/config/schema.h"
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+
+namespace fabseq {
+
+namespace {
+
+std::string entry(const char* list, std::size_t index, const char* key) {
+  return pointer_to(pointer_to(pointer_to("", std::string(list)), index), std::string(key));
+}
+
+/// A value as the user gave it.
+std::string given(const Config& config, const char* section, const char* key) {
+  return shown(config.effective.at(section).at(key));
+}
+
+/// Node sets end in paths of -set and the name in a path of the file system.
+bool is_plain_name(const std::string& name, const std::string& forbidden) {
+  const auto bad = [&](unsigned char character) {
+    return std::iscntrl(character) != 0 || forbidden.find(static_cast<char>(character)) != std::string::npos;
+  };
+  return !name.empty() && std::none_of(name.begin(), name.end(), bad);
+}
+
+void check_names(const Config& config) {
+  if (!is_plain_name(config.name, "/") || config.name == "." || config.name == "..") {
+    refuse("/name", shown(config.name), "a text without '/' and control characters, other than . and ..");
+  }
+  for (const auto& [name, description] : config.node_sets) {
+    const std::string pointer = pointer_to("/node_sets", name);
+    if (!is_plain_name(name, "/.")) {
+      refuse(pointer, "the name " + shown(name), "names without '.', '/' and control characters, not empty");
+    }
+    if (description.samples == 1)
+      refuse(pointer_to(pointer, "samples"), "1", "0 (all nodes) or an integer >= 2");
+  }
+}
+
+void check_direction(const Config& config, const char* section, const std::vector<double>& direction) {
+  const bool zero =
+      std::all_of(direction.begin(), direction.end(), [](double value) { return value == 0.0; });
+  if (direction.empty() || !zero) return;
+  refuse(pointer_to(pointer_to("", std::string(section)), "direction"), given(config, section, "direction"),
+         "\"auto\" or a vector other than 0");
+}
+
+void check_initial_diffusivity(const Config& config) {
+  const SequenceSettings& sequence = config.sequence;
+  if (!sequence.initial) return;
+  if (*sequence.initial >= sequence.min_diffusivity && *sequence.initial <= sequence.max_diffusivity) return;
+  refuse("/sequence/initial", given(config, "sequence", "initial"),
+         "\"distance\" or a number within bounds " + given(config, "sequence", "bounds"));
+}
+
+void check_node_set_of_term(const Config& config, const ObjectiveTerm& term, const std::string& pointer) {
+  std::vector<std::string> known;
+  for (const auto& member : config.node_sets) known.push_back(member.first);
+  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
+  if (term.nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
+  if (config.node_sets.contains(term.nodes)) return;
+  const std::string nearest = nearest_word(term.nodes, known);
+  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
+  refuse(pointer, "unknown node set " + shown(term.nodes) + hint, list);
+}
+
+void check_distortion(const Config& config, std::size_t index) {
+  const ObjectiveTerm& term = config.objective[index];
+  const std::string nodes = entry("objective", index, "nodes"), axis = entry("objective", index, "axis");
+  if (term.measure == "layerwise") {
+    if (!term.nodes.empty())
+      refuse(nodes, shown(term.nodes), "no node set with measure layerwise, which takes all nodes");
+  } else {
+    check_node_set_of_term(config, term, nodes);
+  }
+  if (term.measure == "flatness") {
+    if (term.axis < 0)
+      throw InputError(axis + ": missing; allowed: " + (config.dimension == 2 ? "x, y" : "x, y, z"));
+  } else if (term.axis >= 0) {
+    refuse(axis, shown(std::string(1, static_cast<char>('x' + term.axis))), "only with measure flatness");
+  }
+  if (term.mean && term.measure != "displacement") {
+    refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
+           "true only with measure displacement");
+  }
+  if (term.after_release && term.measure == "layerwise") {
+    refuse(entry("objective", index, "after_release"), "true with measure layerwise",
+           "true only with measures displacement and flatness");
+  }
+  if (term.least_squares.value_or(false) && term.measure == "layerwise") {
+    refuse(entry("objective", index, "least_squares"), "true with measure layerwise",
+           "true only with measures displacement and flatness; \"auto\" or false");
+  }
+}
+
+/// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.
+std::string without_gradient(const Config& config) {
+  const bool file = config.sequence.type == SequenceType::file;
+  return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
+         ", for which the gradient of the pseudo-time is not defined";
+}
+
+void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
+  if (config.has_time_gradient()) return;
+  refuse(pointer, shown(type) + without_gradient(config),
+         "this type with sequence type heat, planar, or direct with location nodes");
+}
+
+/// Layers share the whole: they cannot all have more than an equal part.
+void check_least_volume(const Config& config, std::size_t index) {
+  const double fraction = config.constraints[index].fraction;
+  if (!config.layers.count || fraction * *config.layers.count <= 1.0) return;
+  refuse(entry("constraints", index, "fraction"),
+         shown(fraction) + " for each of " + std::to_string(*config.layers.count) + " layers",
+         "at most 1 / layers.count");
+}
+
+void check_strain(const Config& config) {
+  if (!config.material.turning_strain || config.has_time_gradient() || config.layers.multi_planar) return;
+  refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
+         "a list of numbers, or sequence type heat, planar, or direct with location nodes");
+}
+
+/// Terms of one kind of layers are refused with the other.
+void check_kind_of_layers(const Config& config, const std::string& pointer, const std::string& type) {
+  const bool of_subparts = type == "segmentation_alignment" || type == "subpart_volume";
+  const bool of_curved = type == "layer_uniformity" || type == "layer_thickness" ||
+                         type == "deposition_speed" || type == "minimum_layer_volume" || type == "last_layer";
+  const bool multi_planar = config.layers.multi_planar.has_value();
+  if (multi_planar ? !of_curved : !of_subparts) return;
+  refuse(pointer, shown(type) + " with layers of type \"" + (multi_planar ? "multi_planar" : "curved") + "\"",
+         std::string("this type with layers of type ") + (multi_planar ? "curved" : "multi_planar"));
+}
+
+void check_alignment(const Config& config, std::size_t index) {
+  check_gradient_is_defined(config, entry("objective", index, "type"), config.objective[index].type);
+  for (const double timestamp : config.layers.multi_planar->timestamps)
+    if (timestamp + config.objective[index].band >= 1.0)
+      refuse(entry("objective", index, "band"),
+             shown(config.objective[index].band) + " after the timestamp " + shown(timestamp),
+             "a band that ends before 1");
+}
+
+void check_terms(const Config& config) {
+  for (std::size_t i = 0; i < config.objective.size(); ++i) {
+    const std::string& type = config.objective[i].type;
+    if (type == "distortion") check_distortion(config, i);
+    check_kind_of_layers(config, entry("objective", i, "type"), type);
+    if (type == "segmentation_alignment") check_alignment(config, i);
+    if (type == "layer_uniformity") check_gradient_is_defined(config, entry("objective", i, "type"), type);
+  }
+  for (std::size_t i = 0; i < config.constraints.size(); ++i) {
+    const std::string& type = config.constraints[i].type;
+    check_kind_of_layers(config, entry("constraints", i, "type"), type);
+    if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
+    if (type == "minimum_layer_volume") check_least_volume(config, i);
+  }
+}
+
+void check_angles(const Config& config) {
+  const MultiPlanarSettings& layers = *config.layers.multi_planar;
+  const auto angles = static_cast<std::size_t>(config.dimension) - 1,
+             subparts = static_cast<std::size_t>(layers.subparts);
+  const std::string of_subparts = " for " + std::to_string(subparts) + " sub-parts";
+  if (layers.angles.size() != subparts * angles)
+    refuse("/layers/angles", given(config, "layers", "angles") + of_subparts,
+           "a list of angles for each of them");
+  const Json& bounds = config.effective.at("layers").at("angle_bounds");
+  const std::size_t pairs = bounds.items()[0].is_number() ? 1 : bounds.items().size();
+  if (pairs != 1 && pairs != angles && pairs != subparts * angles)
+    refuse("/layers/angle_bounds", std::to_string(pairs) + " pairs",
+           "one pair, " + std::to_string(angles) + " or " + std::to_string(subparts * angles));
+  for (std::size_t i = 0; i < layers.angles.size(); ++i)
+    if (layers.angles[i] < layers.lowest_angles[i] || layers.angles[i] > layers.highest_angles[i])
+      refuse("/layers/angles/" + std::to_string(i / angles) + "/" + std::to_string(i % angles),
+             shown(layers.angles[i]),
+             "a number within its bounds, " + shown(layers.lowest_angles[i]) + " to " +
+                 shown(layers.highest_angles[i]));
+}
+
+void check_multi_planar(const Config& config) {
+  const MultiPlanarSettings& layers = *config.layers.multi_planar;
+  const std::vector<double>& timestamps = layers.timestamps;
+  if (timestamps.size() + 1 != static_cast<std::size_t>(layers.subparts) ||
+      !std::is_sorted(timestamps.begin(), timestamps.end(), std::less_equal<>()))
+    refuse("/layers/timestamps", given(config, "layers", "timestamps"),
+           "\"auto\" or " + std::to_string(layers.subparts - 1) +
+               " ascending numbers in (0, 1), one less than subparts");
+  check_angles(config);
+  if (layers.fixed_angles && layers.fixed_time)
+    refuse("/layers/fixed", given(config, "layers", "fixed"), "[], [\"angles\"] or [\"time\"]");
+  for (const char* key : {"beta", "max"})
+    if (config.effective.at("projection").at(key).is_number())
+      refuse(pointer_to("/projection", std::string(key)), given(config, "projection", key),
+             "\"auto\" with layers of type multi_planar, whose sharpness is layers.sharpness");
+}
+
+void check_layers(const Config& config) {
+  if (config.layers.multi_planar) return check_multi_planar(config);
+  if (config.layers.count || config.target_thickness()) return;
+  refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
+         "an integer in [1, " + std::to_string(most_layers) +
+             "], or \"auto\" with a constraint of type layer_thickness");
+}
+
+void check_projection(const Config& config) {
+  const ProjectionSettings& projection = config.projection;
+  std::optional<double> start = projection.beta;
+  if (!start && config.layers.count) start = 4.0 * *config.layers.count;
+  if (!start || !projection.max || *projection.max >= *start) return;
+  const char* origin = projection.beta ? " (beta)" : " (beta, 4 times the number of layers)";
+  refuse("/projection/max", given(config, "projection", "max"),
+         "\"auto\" or a number >= " + shown(*start) + origin);
+}
+
+void check_optimizer(const Config& config) {
+  const OptimizerSettings& optimizer = config.optimizer;
+  if (optimizer.final_move_limit <= optimizer.move_limit) return;
+  refuse("/optimizer/final_move_limit", given(config, "optimizer", "final_move_limit"),
+         "\"auto\" or a number in (0, " + shown(optimizer.move_limit) + "], at most move_limit");
+}
+
+}  // namespace
+
+void check_rules(const Config& config) {
+  check_names(config);
+  check_direction(config, "sequence", config.sequence.direction);
+  check_direction(config, "baseline", config.baseline.direction);
+  check_initial_diffusivity(config);
+  check_strain(config);
+  check_terms(config);
+  check_layers(config);
+  check_projection(config);
+  check_optimizer(config);
+}
+
+void check_task(const Config& config, Task task) {
+  if (task != Task::optimize && task != Task::check_gradients) return;
+  const std::string with_task =
+      std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");
+  if (config.sequence.type != SequenceType::heat && config.sequence.type != SequenceType::direct) {
+    refuse("/sequence/type", given(config, "sequence", "type") + ", which has nothing to vary",
+           "heat, direct " + with_task + ", all with -task simulate");
+  }
+  if (config.projection.binary)
+    refuse("/projection/binary", "true", "false " + with_task + ", which needs derivatives");
+  if (task == Task::optimize && config.objective.empty())
+    refuse("/objective", "[]", "at least one term " + with_task);
+}
+
+}  // namespace fabseq

@@ -1,0 +1,86 @@
+#include "fabseq/config/reslicing.h"
+
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/config/schema.h"
+#include "fabseq/files/hdf5_attribute.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+namespace fabseq {
+
+namespace {
+
+/// Layers that a result was made with, and their sharpness; 0 where a file does not say.
+struct Slicing {
+  double layers = 0.0, beta = 0.0;
+};
+
+double positive_attribute(hid_t file, const std::string& name) {
+  const std::optional<Json> value = read_attribute(file, name);
+  return value && value->is_number() ? std::max(0.0, value->number()) : 0.0;
+}
+
+Slicing slicing_of(MPI_Comm comm, const std::string& name) {
+  silence_hdf5();
+  Slicing found;
+  if (rank_of(comm) == 0) {
+    const Hdf5File file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    if (file) found = {positive_attribute(file, "layers"), positive_attribute(file, "beta")};
+  }
+  return {max(comm, found.layers), max(comm, found.beta)};
+}
+
+bool is_given(const CommandLine& command_line, const std::string& path) {
+  return std::any_of(command_line.overrides.begin(), command_line.overrides.end(),
+                     [&](const auto& setting) { return setting.first == path; });
+}
+
+bool needs_gradient(const Json& term) {
+  const Json* type = term.find("type");
+  return type != nullptr && type->is_string() &&
+         (type->string() == "layer_thickness" || type->string() == "layer_uniformity");
+}
+
+void leave_out_terms_of_gradient(Json& document, const std::string& list) {
+  Json* terms = document.find(list);
+  if (terms == nullptr || !terms->is_array()) return;
+  Json kept = Json::array();
+  for (std::size_t i = 0; i < terms->items().size(); ++i) {
+    const Json& term = terms->items()[i];
+    if (needs_gradient(term)) {
+      warn("-sequence: " + pointer_to(pointer_to("", list), i) + " (" + term.at("type").string() +
+           ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
+    } else {
+      kept.append(term);
+    }
+  }
+  *terms = kept;
+}
+
+}  // namespace
+
+void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
+  if (!command_line.sequence_file) return;
+  std::error_code error;
+  const std::string file = std::filesystem::absolute(*command_line.sequence_file, error).string();
+  const Slicing of_file = slicing_of(comm, file);
+  document.set("sequence", Json::object({{"type", "file"}, {"file", file}}));
+  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count"))
+    apply_override(document, "layers.count", std::to_string(static_cast<int>(of_file.layers)));
+  const Json* layers = document.find("layers");
+  const Json* count = layers == nullptr ? nullptr : layers->find("count");
+  const bool known = of_file.layers > 0.0 && of_file.beta > 0.0 && count != nullptr && count->is_number();
+  if (known && !is_given(command_line, "projection.beta")) {
+    const double beta = of_file.beta * (count->number() / of_file.layers);
+    apply_override(document, "projection.beta", Json(beta).dump());
+    apply_override(document, "projection.max", Json(beta).dump());
+  }
+  leave_out_terms_of_gradient(document, "objective");
+  leave_out_terms_of_gradient(document, "constraints");
+}
+
+}  // namespace fabseq

@@ -1,0 +1,211 @@
+#include "fabseq/base/error.h"
+#include "fabseq/config/schema_value.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+using Keys = std::vector<const ConfigKey*>;
+
+std::vector<std::string> names(const Keys& keys) {
+  std::vector<std::string> result;
+  for (const ConfigKey* key : keys) {
+    if (key->type != KeyType::unavailable) result.emplace_back(key->name);
+  }
+  return result;
+}
+
+std::string name_list(const Keys& keys) { return join(names(keys), ", "); }
+
+[[noreturn]] void refuse_unknown_key(const std::string& pointer, const std::string& name,
+                                     const std::string& variant, const Keys& keys) {
+  std::string message = pointer_to(pointer, name) + ": unknown key";
+  if (!variant.empty()) message += " for type \"" + variant + "\"";
+  const std::string nearest = nearest_word(name, names(keys));
+  message += nearest.empty() ? ";" : "; did you mean \"" + nearest + "\"?";
+  throw InputError(message + " allowed here: " + name_list(keys));
+}
+
+/// Fills in one document against the table.
+class Completion {
+ public:
+  Completion(int dimension, std::string directory) : context_{dimension, std::move(directory)} {}
+
+  /// The object `value` with the keys of a section, complete.
+  Json section(const Json& value, const std::string& pointer, const std::string& path) const {
+    if (!value.is_object()) refuse(pointer, shown(value), "an object");
+    const std::string variant = variant_of(value, pointer, path);
+    const Keys keys = keys_of(path, variant);
+    refuse_strangers(value, pointer, path, variant, keys);
+    Json result = Json::object();
+    for (const ConfigKey* key : keys) add(result, *key, value.find(std::string(key->name)), pointer);
+    return result;
+  }
+
+ private:
+  /// Keys of a section that exist in this dimension.
+  Keys keys_of(std::string_view path, std::string_view variant) const {
+    Keys result;
+    for (const ConfigKey& key : config_keys()) {
+      if (key.section != path || (!key.variant.empty() && key.variant != variant)) continue;
+      if (key.dimension == 0 || key.dimension == context_.dimension) result.push_back(&key);
+    }
+    return result;
+  }
+
+  /// The object's "type", if the table has keys that depend on it.
+  std::string variant_of(const Json& value, const std::string& pointer, const std::string& path) const {
+    const ConfigKey* type = nullptr;
+    bool varies = false;
+    for (const ConfigKey& key : config_keys()) {
+      if (key.section != path) continue;
+      if (key.name == "type") type = &key;
+      varies = varies || !key.variant.empty();
+    }
+    if (type == nullptr || !varies) return "";
+    Json holder = Json::object();
+    add(holder, *type, value.find("type"), pointer);
+    return holder.at("type").string();
+  }
+
+  /// Refuses members that are none of `keys`, those of the section `path` in this dimension and maybe others.
+  void refuse_strangers(const Json& value, const std::string& pointer, std::string_view path,
+                        const std::string& variant, const Keys& keys) const {
+    for (const auto& [name, found] : value.members()) {
+      const auto same = [&name = name](const ConfigKey* key) { return key->name == name; };
+      const auto place = std::find_if(keys.begin(), keys.end(), same);
+      if (place == keys.end()) {
+        refuse_other_dimension(pointer_to(pointer, name), found, path, name);
+        refuse_unknown_key(pointer, name, variant, keys);
+      }
+      if ((*place)->type == KeyType::unavailable) {
+        throw InputError(pointer_to(pointer, name) +
+                         ": not available in this version; allowed here: " + name_list(keys));
+      }
+    }
+  }
+
+  /// A key that domains of another dimension have deserves more than "unknown key".
+  void refuse_other_dimension(const std::string& pointer, const Json& found, std::string_view path,
+                              const std::string& name) const {
+    for (const ConfigKey& key : config_keys()) {
+      if (key.section != path || key.name != name || key.dimension == 0) continue;
+      refuse(pointer, shown(found),
+             key.dimension == 2 ? "only in 2D, that is with 2 entries in domain.elements"
+                                : "only in 3D, that is with 3 entries in domain.elements");
+    }
+  }
+
+  /// Adds the checked value of a key, or its default, to `result`.
+  void add(Json& result, const ConfigKey& key, const Json* given, const std::string& parent) const {
+    const std::string name(key.name), pointer = pointer_to(parent, name);
+    if (given != nullptr) {
+      result.set(name, checked(key, *given, pointer));
+      return;
+    }
+    if (key.required)
+      throw InputError(pointer + ": missing; allowed: " + allowed_values(key, context_.dimension));
+    const bool other = context_.dimension == 2 && !key.default_2d.empty();
+    const std::string text(other ? key.default_2d : key.default_value);
+    if (!text.empty()) result.set(name, checked(key, Json::parse(text, "default of " + name), pointer));
+  }
+
+  Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
+    switch (key.type) {
+      case KeyType::shapes:
+        return shape_list(key, value, pointer);
+      case KeyType::section:
+        return section(value, pointer, subsection(key));
+      case KeyType::sections:
+        return section_list(key, value, pointer);
+      case KeyType::shape:
+        return value.is_string() && !key.words.empty() ? checked_value(key, value, pointer, context_)
+                                                       : shape(value, pointer, "");
+      case KeyType::part:
+        return shape(value, pointer, "part");
+      case KeyType::node_sets:
+        return node_set_map(key, value, pointer);
+      default:
+        return checked_value(key, value, pointer, context_);
+    }
+  }
+
+  Json shape_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
+    if (!value.is_array() || value.items().empty()) refuse_value(key, value, pointer, context_);
+    Json result = Json::array();
+    for (std::size_t i = 0; i < value.items().size(); ++i) {
+      result.append(shape(value.items()[i], pointer_to(pointer, i), ""));
+    }
+    return result;
+  }
+
+  Json section_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
+    if (!value.is_array()) refuse_value(key, value, pointer, context_);
+    Json result = Json::array();
+    for (std::size_t i = 0; i < value.items().size(); ++i) {
+      result.append(section(value.items()[i], pointer_to(pointer, i), subsection(key)));
+    }
+    return result;
+  }
+
+  Json node_set_map(const ConfigKey& key, const Json& value, const std::string& pointer) const {
+    if (!value.is_object()) refuse_value(key, value, pointer, context_);
+    Json result = Json::object();
+    for (const auto& [name, member] : value.members()) {
+      result.set(name, shape(member, pointer_to(pointer, name), "node_sets.NAME"));
+    }
+    return result;
+  }
+
+  /// An object with exactly one shape (or voxels) and the further keys of the section `extra`.
+  Json shape(const Json& value, const std::string& pointer, const std::string& extra) const {
+    Keys keys = keys_of("shape", ""), sources, given;
+    if (!extra.empty()) {
+      for (const ConfigKey* key : keys_of(extra, "")) keys.push_back(key);
+    }
+    const auto is_source = [](const ConfigKey* key) {
+      return key->type == KeyType::section || key->type == KeyType::shapes;
+    };
+    std::copy_if(keys.begin(), keys.end(), std::back_inserter(sources), is_source);
+    if (!value.is_object()) refuse(pointer, shown(value), "an object with one of " + name_list(sources));
+    refuse_strangers(value, pointer, "shape", "", keys);
+    const auto is_given = [&](const ConfigKey* key) { return value.find(std::string(key->name)) != nullptr; };
+    std::copy_if(sources.begin(), sources.end(), std::back_inserter(given), is_given);
+    if (given.size() != 1) {
+      refuse(pointer, given.empty() ? "no shape" : name_list(given), "exactly one of " + name_list(sources));
+    }
+    Json result = Json::object();
+    for (const ConfigKey* key : keys) {
+      if (!is_source(key) || key == given.front())
+        add(result, *key, value.find(std::string(key->name)), pointer);
+    }
+    return result;
+  }
+
+  ValueContext context_;
+};
+
+/// The entries of domain.elements decide; what else may be wrong with them is found later.
+int find_dimension(const Json& document) {
+  const Json* domain = document.find("domain");
+  const Json* elements = domain != nullptr ? domain->find("elements") : nullptr;
+  if (elements == nullptr) return 3;
+  const bool valid = elements->is_array() && (elements->items().size() == 2 || elements->items().size() == 3);
+  if (!valid) refuse("/domain/elements", shown(*elements), "a list of 2 or 3 integers >= 1");
+  return static_cast<int>(elements->items().size());
+}
+
+}  // namespace
+
+Json complete_config(const Json& document, const std::string& directory) {
+  if (!document.is_object()) refuse("", shown(document), "an object");
+  Json input = Json::object();
+  for (const auto& [name, value] : document.members()) {
+    if (name != "run") input.set(name, value);  // a record of the run that wrote the file
+  }
+  return Completion(find_dimension(input), directory).section(input, "", "");
+}
+
+}  // namespace fabseq

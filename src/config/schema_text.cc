@@ -1,0 +1,136 @@
+/// The table of config keys for people: -help and the reference in the manual.
+#include "fabseq/config/command_line.h"
+#include "fabseq/config/schema.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace fabseq {
+
+namespace {
+
+constexpr const char* usage =
+    R"(fabseq: fabrication sequences for parts built by arc welding, optimized for little distortion.
+
+Usage:
+  fabseq -config FILE.json [-task TASK] [-output DIR] [-set path.to.key=VALUE]... [PETSc options]
+  mpirun -np P fabseq -config FILE.json ...
+
+Options:
+  -config FILE.json      what to do: a JSON file, comments allowed, with the keys listed below
+  -task TASK             optimize (default), simulate, evaluate, check_gradients, or check (writes nothing)
+  -output DIR            output directory (default: output/NAME)
+  -overwrite             write into a directory that already holds a run
+  -restart DIR           continue the run in DIR from its newest intact checkpoint, there or in -output; -restart auto
+                         continues the run in the output directory, and starts one where there is none yet
+  -max_wall_time TIME    stop after this time, in seconds or as H:M:S, with a checkpoint
+  -design FILE.h5        design to start from, for every task but check: dataset design, as in result.h5 (missing:
+                         the initial values)
+  -sequence FILE.h5      for -task simulate: the pseudo-time of this file (dataset time, as in result.h5), cut into
+                         -layers N; as sharp as it was there, unless -beta or -binary are given
+  -set path.to.key=VALUE sets a config key: VALUE is JSON, or else a string; entries of lists by index or type:
+                         -set objective.1.weight=0.1, -set objective.layer_uniformity.weight=0.1
+  -help, -version        print and end; -help_markdown: the keys as tables for the manual
+All other options are PETSc's. Own options apply in the order given.
+
+SIGUSR1, SIGUSR2, SIGTERM, SIGINT and a file "stop" in the output directory end a run with a checkpoint; a file
+"output_now" makes the next iteration write fields and a checkpoint.
+
+Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could not be written.
+)";
+
+bool is_listed(const ConfigKey& key) { return key.type != KeyType::unavailable; }
+
+/// What the key takes, with the dimension it is restricted to.
+std::string allowed_text(const ConfigKey& key) {
+  if (key.type == KeyType::part) return "an object with one shape or voxels";
+  if (key.type == KeyType::node_sets) return "an object of named shapes";
+  std::string text = allowed_values(key, 0);
+  if (key.dimension != 0) text += " (only in " + std::to_string(key.dimension) + "D)";
+  return text;
+}
+
+std::string default_text(const ConfigKey& key) {
+  if (key.required) return "required";
+  std::string text(key.default_value);
+  if (!key.default_2d.empty()) text += ", in 2D " + std::string(key.default_2d);
+  return text.empty() ? "none" : text;
+}
+
+std::string title(const ConfigSection& section) {
+  std::string path(section.path);
+  return path.empty() ? std::string(section.title) : path + ": " + std::string(section.title);
+}
+
+/// "heat: scale" where the key exists only for one type.
+std::string key_name(const ConfigKey& key) {
+  return key.variant.empty() ? std::string(key.name)
+                             : std::string(key.variant) + ": " + std::string(key.name);
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text + std::string(text.size() < width ? width - text.size() : 1, ' ');
+}
+
+void write_flat_options(std::ostream& stream) {
+  stream << "\nOptions for frequent keys (unit, default):\n";
+  for (const ConfigKey& key : config_keys()) {
+    if (key.option.empty()) continue;
+    const std::string unit = key.unit.empty() ? "" : std::string(key.unit) + ", ";
+    stream << "  " << padded(std::string(key.option), 24) << padded(dotted_path(key), 42) << "(" << unit
+           << default_text(key) << ")\n";
+  }
+}
+
+void write_key(std::ostream& stream, const ConfigKey& key) {
+  stream << "  " << padded(key_name(key), 34) << key.meaning << "\n"
+         << std::string(36, ' ') << allowed_text(key);
+  if (!key.unit.empty()) stream << " [" << key.unit << "]";
+  stream << "; " << (key.required ? "" : "default ") << default_text(key) << "\n";
+}
+
+/// A cell of a Markdown table.
+std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+
+void write_row(std::ostream& stream, const ConfigKey& key) {
+  const bool plain = key.required || default_text(key) == "none";
+  std::string fallback = plain ? default_text(key) : code(std::string(key.default_value));
+  if (!key.default_2d.empty()) fallback += ", in 2D " + code(std::string(key.default_2d));
+  stream << "| " << code(std::string(key.name)) << " | "
+         << (key.variant.empty() ? "" : code(std::string(key.variant))) << " | " << key.unit << " | "
+         << fallback << " | " << allowed_text(key) << " | " << key.meaning << " | "
+         << code(std::string(key.option)) << " |\n";
+}
+
+}  // namespace
+
+std::string help_text() {
+  std::ostringstream stream;
+  stream << usage;
+  write_flat_options(stream);
+  stream << "\nConfig keys:\n";
+  for (const ConfigSection& section : config_sections()) {
+    stream << "\n" << title(section) << "\n";
+    for (const ConfigKey& key : config_keys()) {
+      if (key.section == section.path && is_listed(key)) write_key(stream, key);
+    }
+  }
+  return stream.str();
+}
+
+std::string reference_table() {
+  std::ostringstream stream;
+  for (const ConfigSection& section : config_sections()) {
+    const std::string path(section.path);
+    stream << "### " << (path.empty() ? "" : code(path) + ": ") << section.title << "\n\n"
+           << "| key | only for type | unit | default | allowed | meaning | option |\n"
+           << "| --- | --- | --- | --- | --- | --- | --- |\n";
+    for (const ConfigKey& key : config_keys()) {
+      if (key.section == section.path && is_listed(key)) write_row(stream, key);
+    }
+    stream << "\n";
+  }
+  return stream.str();
+}
+
+}  // namespace fabseq

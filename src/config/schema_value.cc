@@ -1,0 +1,237 @@
+#include "fabseq/config/schema_value.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+bool has_word(std::string_view words, const Json& value) {
+  if (!value.is_string()) return false;
+  const std::vector<std::string> list = split(words, ' ');
+  return std::find(list.begin(), list.end(), value.string()) != list.end();
+}
+
+/// One value and its key.
+class ValueCheck {
+ public:
+  ValueCheck(const ConfigKey& key, const Json& value, const std::string& pointer, const ValueContext& context)
+      : key_(key), value_(value), pointer_(pointer), context_(context) {}
+
+  Json checked() const {
+    if (key_.type != KeyType::choice && has_word(key_.words, value_)) return value_;
+    switch (key_.type) {
+      case KeyType::flag:
+        return flag();
+      case KeyType::integer:
+        return integer();
+      case KeyType::number:
+        return required(is_number_in_range(value_));
+      case KeyType::text:
+        return required(is_text());
+      case KeyType::path:
+        return path();
+      case KeyType::choice:
+        return choice();
+      case KeyType::axis:
+        return required(is_direction(1));
+      case KeyType::face:
+        return required(is_direction(2) && (value_.string()[1] == '-' || value_.string()[1] == '+'));
+      case KeyType::vector:
+      case KeyType::integer_vector:
+      case KeyType::bounds:
+        return numbers();
+      case KeyType::strain:
+        return value_.is_object() ? turning_strain() : numbers();
+      case KeyType::points:
+        return points();
+      case KeyType::list:
+        return list();
+      case KeyType::angles:
+        return angles();
+      case KeyType::angle_bounds:
+        return angle_bounds();
+      case KeyType::word_list:
+        return word_list();
+      case KeyType::shape:
+        refuse_found();  // a word it does not take
+      default:
+        return value_;  // objects and lists of them are checked key by key
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse_found() const { refuse_value(key_, value_, pointer_, context_); }
+  [[noreturn]] void refuse_later() const {
+    refuse_unavailable(pointer_, shown(value_), allowed_values(key_, context_.dimension));
+  }
+  Json required(bool valid) const {
+    if (!valid) refuse_found();
+    return value_;
+  }
+
+  bool is_text() const { return value_.is_string() && !value_.string().empty(); }
+
+  bool is_number_in_range(const Json& value) const {
+    if (!value.is_number() || !std::isfinite(value.number())) return false;
+    return Interval::parse(key_.range).contains(value.number());
+  }
+
+  bool is_integer_in_range(const Json& value) const {
+    return is_number_in_range(value) && std::floor(value.number()) == value.number() &&
+           std::abs(value.number()) <= std::numeric_limits<int>::max();
+  }
+
+  /// The name of an axis, alone or with a character more.
+  bool is_direction(std::size_t length) const {
+    return value_.is_string() && value_.string().size() == length && value_.string()[0] >= 'x' &&
+           value_.string()[0] < 'x' + context_.dimension;
+  }
+
+  Json flag() const {
+    if (!value_.is_boolean()) refuse_found();
+    if (!key_.later.empty() && value_.boolean()) refuse_later();
+    return value_;
+  }
+
+  Json integer() const {
+    if (!is_integer_in_range(value_)) refuse_found();
+    if (!key_.later.empty() && value_.number() != 0.0) refuse_later();
+    return static_cast<std::int64_t>(value_.number());  // 1e3 is an integer, too
+  }
+
+  Json path() const {
+    if (!is_text()) refuse_found();
+    const std::filesystem::path full = std::filesystem::path(context_.directory) / value_.string();
+    std::error_code error;
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(full, error);
+    return error ? full.lexically_normal().string() : canonical.string();
+  }
+
+  Json choice() const {
+    if (has_word(key_.later, value_)) refuse_later();
+    return required(has_word(key_.words, value_));
+  }
+
+  std::size_t entries() const {
+    if (key_.type == KeyType::bounds) return 2;
+    if (key_.type == KeyType::strain) return context_.dimension == 2 ? 3 : 6;
+    return static_cast<std::size_t>(context_.dimension);
+  }
+
+  Json numbers() const {
+    if (!value_.is_array() || value_.items().size() != entries()) refuse_found();
+    Json result = Json::array();
+    for (std::size_t i = 0; i < value_.items().size(); ++i) {
+      const Json& item = value_.items()[i];
+      const bool integers = key_.type == KeyType::integer_vector;
+      const bool valid = integers ? is_integer_in_range(item) : is_number_in_range(item);
+      if (!valid) refuse_value(key_, item, pointer_to(pointer_, i), context_);
+      result.append(integers ? Json(static_cast<std::int64_t>(item.number())) : item);
+    }
+    const bool ascending =
+        key_.type != KeyType::bounds || value_.items()[0].number() < value_.items()[1].number();
+    if (!ascending) refuse_found();
+    return result;
+  }
+
+  /// A strain along and across the layers.
+  Json turning_strain() const {
+    const char* const names[] = {"tangential", "normal"};
+    if (value_.members().size() != std::size(names)) refuse_found();
+    for (const char* name : names) {
+      const Json* member = value_.find(name);
+      if (member == nullptr) refuse_found();
+      if (!is_number_in_range(*member))
+        refuse(pointer_to(pointer_, std::string(name)), shown(*member), "a number");
+    }
+    return value_;
+  }
+
+  Json list() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      if (!is_number_in_range(value_.items()[i]))
+        refuse_value(key_, value_.items()[i], pointer_to(pointer_, i), context_);
+    return value_;
+  }
+
+  /// Refuses an entry that is no list of `count` numbers.
+  void require_numbers(std::size_t entry, std::size_t count) const {
+    const Json& item = value_.items()[entry];
+    bool valid = item.is_array() && item.items().size() == count;
+    for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item.items()[i]);
+    if (!valid)
+      refuse(pointer_to(pointer_, entry), shown(item),
+             "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers"));
+  }
+
+  Json angles() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      require_numbers(i, static_cast<std::size_t>(context_.dimension) - 1);
+    return value_;
+  }
+
+  Json angle_bounds() const {
+    if (!value_.is_array() || value_.items().empty()) refuse_found();
+    const auto is_ascending = [](const Json& pair) {
+      return pair.items()[0].number() < pair.items()[1].number();
+    };
+    const Json::Array& items = value_.items();
+    if (items[0].is_number())
+      return required(items.size() == 2 && is_number_in_range(items[0]) && is_number_in_range(items[1]) &&
+                      is_ascending(value_));
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      require_numbers(i, 2);
+      if (!is_ascending(items[i])) refuse(pointer_to(pointer_, i), shown(items[i]), "two ascending numbers");
+    }
+    return value_;
+  }
+
+  Json word_list() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i)
+      if (!has_word(key_.words, value_.items()[i]))
+        refuse(pointer_to(pointer_, i), shown(value_.items()[i]), join(split(key_.words, ' '), ", "));
+    return value_;
+  }
+
+  Json points() const {
+    if (!value_.is_array() || value_.items().size() < 3) refuse_found();
+    for (std::size_t i = 0; i < value_.items().size(); ++i) {
+      const Json& item = value_.items()[i];
+      const bool valid = item.is_array() && item.items().size() == 2 && is_number_in_range(item.items()[0]) &&
+                         is_number_in_range(item.items()[1]);
+      if (!valid) refuse(pointer_to(pointer_, i), shown(item), "a list of 2 numbers");
+    }
+    return value_;
+  }
+
+  const ConfigKey& key_;
+  const Json& value_;
+  const std::string& pointer_;
+  const ValueContext& context_;
+};
+
+}  // namespace
+
+void refuse_value(const ConfigKey& key, const Json& value, const std::string& pointer,
+                  const ValueContext& context) {
+  std::string allowed = allowed_values(key, context.dimension);
+  if (key.type == KeyType::vector) allowed += " (as many as domain.elements)";
+  if (key.type == KeyType::integer && std::isinf(Interval::parse(key.range).high))
+    allowed += ", at most 2147483647";
+  refuse(pointer, shown(value), allowed);
+}
+
+Json checked_value(const ConfigKey& key, const Json& value, const std::string& pointer,
+                   const ValueContext& context) {
+  return ValueCheck(key, value, pointer, context).checked();
+}
+
+}  // namespace fabseq

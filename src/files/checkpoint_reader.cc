@@ -1,0 +1,137 @@
+#include "fabseq/files/checkpoint_reader.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/posix_file.h"
+#include "fabseq/base/session.h"
+#include "fabseq/base/verdict.h"
+#include "fabseq/files/checkpoint.h"
+#include "fabseq/files/hdf5_attribute.h"
+#include "fabseq/files/hdf5_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+constexpr std::array<const char*, 2> slots = {"checkpoint/slot_0.h5", "checkpoint/slot_1.h5"};
+
+/// What is wrong with a slot, "" if nothing.
+std::string fault_of(const std::string& path) {
+  try {
+    (void)verify_checkpoint(path);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+struct Search {
+  std::string path, warning;
+};
+
+/// For rank 0: the slots in the order in which they are to be tried, the one that is pointed to first.
+Search search(const std::string& directory) {
+  const std::string newest = newest_checkpoint(directory);
+  std::vector<std::string> candidates(slots.begin(), slots.end());
+  if (newest == slots[1]) std::swap(candidates[0], candidates[1]);
+  std::string faults;
+  for (const std::string& slot : candidates) {
+    const std::string path = directory + "/" + slot;
+    std::error_code error;
+    if (newest.empty() && !std::filesystem::exists(path, error)) continue;
+    const std::string fault = fault_of(path);
+    if (fault.empty())
+      return {path, faults.empty() ? "" : faults + "; '" + path + "', which is older, is used"};
+    faults += (faults.empty() ? "" : "; ") + fault;
+  }
+  if (!newest.empty())
+    throw InputError("-restart: " + faults + "; allowed: a directory with an intact checkpoint");
+  return {"", faults};
+}
+
+/// Names of all datasets, split into arrays (one axis) and fields.
+struct Datasets {
+  std::vector<std::string> arrays, fields;
+};
+
+Datasets datasets_of(hid_t file) {
+  Datasets result;
+  for (const std::string& name : dataset_names(file)) {
+    const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+    const Hdf5Dataspace space(H5Dget_space(dataset));
+    (H5Sget_simple_extent_ndims(space) == 1 ? result.arrays : result.fields).push_back(name);
+  }
+  return result;
+}
+
+std::vector<double> read_array(hid_t file, const std::string& name) {
+  const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+  const Hdf5Dataspace space(H5Dget_space(dataset));
+  std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    throw InputError("-restart: dataset '" + name + "' of the checkpoint cannot be read");
+  return values;
+}
+
+/// For rank 0: scalars, arrays and the names of the fields. As text, JSON keeps every bit of a finite number.
+std::string read_description(const std::string& path) {
+  silence_hdf5();
+  const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  if (!file) throw InputError("-restart: '" + path + "' cannot be opened");
+  Json scalars = Json::object(), arrays = Json::object(), fields = Json::array();
+  for (const std::string& name : attribute_names(file))
+    if (const std::optional<Json> value = read_attribute(file, name); value && name != "checksum_of_scalars")
+      scalars.set(name, *value);
+  const Datasets datasets = datasets_of(file);
+  for (const std::string& name : datasets.arrays) arrays.set(name, read_array(file, name));
+  for (const std::string& name : datasets.fields) fields.append(name);
+  return Json::object({{"scalars", scalars}, {"arrays", arrays}, {"fields", fields}}).dump();
+}
+
+Json broadcast_description(MPI_Comm comm, const std::string& path) {
+  std::string text;
+  run_on_first(comm, [&] { text = read_description(path); });
+  return Json::parse(broadcast(comm, text), "checkpoint");
+}
+
+CheckpointState without_fields(const Json& description) {
+  CheckpointState state;
+  for (const auto& [name, value] : description.at("scalars").members()) state.set_scalar(name, value);
+  for (const auto& [name, values] : description.at("arrays").members())
+    state.set_array(name, values.numbers());
+  return state;
+}
+
+}  // namespace
+
+std::string find_checkpoint(MPI_Comm comm, const std::string& directory) {
+  Search found;
+  run_on_first(comm, [&] { found = search(directory); });
+  if (!found.warning.empty()) warn(found.warning);  // rank 0's
+  return broadcast(comm, found.path);
+}
+
+CheckpointState read_checkpoint_scalars(MPI_Comm comm, const std::string& path) {
+  return without_fields(broadcast_description(comm, path));
+}
+
+template <int Dim>
+CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>& layout) {
+  const Json description = broadcast_description(layout.grid.comm(), path);
+  CheckpointState state = without_fields(description);
+  for (const Json& name : description.at("fields").items())
+    state.set_field(name.string(), layout.from_grid(read_field(layout.grid, layout.on_nodes, path,
+                                                               name.string(), "-restart", "-restart")));
+  return state;
+}
+
+template CheckpointState read_checkpoint<2>(const std::string&, const DesignLayout<2>&);
+template CheckpointState read_checkpoint<3>(const std::string&, const DesignLayout<3>&);
+
+}  // namespace fabseq

@@ -1,0 +1,82 @@
+#include "fabseq/base/hdf5.h"
+#include "fabseq/files/hdf5_writer.h"
+
+#include <array>
+
+namespace fabseq {
+
+namespace {
+
+/// A field stored as one list, x fastest: every rank reads from its first value to its last and picks its own.
+template <int Dim>
+std::vector<double> read_field_as_list(const IndexBox<Dim>& all, const IndexBox<Dim>& owned,
+                                       const Hdf5ParallelDataset& data) {
+  Index<Dim> last = owned.start;
+  for (int axis = 0; axis < Dim; ++axis) last[axis] += owned.size[axis] - 1;
+  const auto first = static_cast<hsize_t>(all.offset(owned.start));
+  const hsize_t count = static_cast<hsize_t>(all.offset(last)) - first + 1;
+  const std::vector<double> values = data.read({&first, 1}, {&count, 1});
+  std::vector<double> result(static_cast<std::size_t>(owned.count()));
+  owned.for_each([&](const Index<Dim>& index, std::int64_t offset) {
+    result[offset] = values[all.offset(index) - static_cast<std::int64_t>(first)];
+  });
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
+                               const std::string& dataset, const std::string& file_key,
+                               const std::string& dataset_key) {
+  const Hdf5ParallelDataset data(grid.comm(), file, dataset, file_key, dataset_key);
+  const IndexBox<Dim> all = on_nodes ? grid.all_nodes() : grid.all_elements();
+  const IndexBox<Dim>& owned = on_nodes ? grid.owned_nodes() : grid.owned_elements();
+  const auto values = static_cast<hsize_t>(all.count());
+  if (data.shape().size() == 1 && data.shape()[0] == values) return read_field_as_list<Dim>(all, owned, data);
+  std::array<hsize_t, Dim> shape{}, start{}, count{};  // slowest axis first
+  for (int axis = 0; axis < Dim; ++axis) {
+    shape[Dim - 1 - axis] = static_cast<hsize_t>(all.size[axis]);
+    start[Dim - 1 - axis] = static_cast<hsize_t>(owned.start[axis]);
+    count[Dim - 1 - axis] = static_cast<hsize_t>(owned.size[axis]);
+  }
+  data.require_shape(
+      shape, on_nodes ? "nodes of the grid, domain.elements plus 1 reversed" : "domain.elements reversed");
+  return data.read(start, count);
+}
+
+template <int Dim>
+std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
+                                       const std::string& dataset, const std::string& file_key,
+                                       const std::string& dataset_key) {
+  return read_field<Dim>(grid, false, file, dataset, file_key, dataset_key);
+}
+
+std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                              std::size_t count, const std::string& meaning, const std::string& file_key,
+                              const std::string& dataset_key, int columns) {
+  const Hdf5ParallelDataset data(comm, file, dataset, file_key, dataset_key);
+  std::vector<hsize_t> shape = {count};
+  if (columns > 0) shape = {count / columns, static_cast<hsize_t>(columns)};
+  data.require_shape(shape, meaning);
+  return data.read(std::vector<hsize_t>(shape.size(), 0), shape);
+}
+
+std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
+                              const std::string& file_key, const std::string& dataset_key) {
+  const Hdf5ParallelDataset data(comm, file, dataset, file_key, dataset_key);
+  const hsize_t start = 0, extent = data.shape().empty() ? 1 : data.shape()[0];
+  data.require_shape({&extent, 1}, "a list");
+  return data.read({&start, 1}, {&extent, 1});
+}
+
+#define FABSEQ_INSTANTIATE(Dim)                                                                             \
+  template std::vector<double> read_field<Dim>(const Grid<Dim>&, bool, const std::string&,                  \
+                                               const std::string&, const std::string&, const std::string&); \
+  template std::vector<double> read_element_field<Dim>(                                                     \
+      const Grid<Dim>&, const std::string&, const std::string&, const std::string&, const std::string&);
+FABSEQ_INSTANTIATE(2)
+FABSEQ_INSTANTIATE(3)
+#undef FABSEQ_INSTANTIATE
+
+}  // namespace fabseq

@@ -1,0 +1,240 @@
+#include "fabseq/files/hdf5_writer.h"
+
+#include "fabseq/base/checksum.h"
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/memory_file.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/posix_file.h"
+#include "fabseq/base/verdict.h"
+#include "fabseq/files/hdf5_attribute.h"
+#include "fabseq/files/seal.h"
+#include "fabseq/files/slab_gather.h"
+#include "fabseq/files/xdmf.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <fcntl.h>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <optional>
+
+namespace fabseq {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "values are written as they lie in memory, little-endian");
+
+}  // namespace
+
+/// The file on rank 0.
+///
+/// HDF5 does not survive a write that fails: what it then keeps of the file crashes the process at its end.
+/// So it gets to see a file in memory only, and there nothing but metadata is written, a few kilobytes. The
+/// values go straight to the disk, to where HDF5 would have put them, and at the end the metadata around
+/// them.
+class Hdf5Writer::File {
+ public:
+  File(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {}
+  ~File() {
+    if (disk_) remove_quietly(partial_name(path_));
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  MPI_Comm comm() const { return comm_; }
+  hid_t root() const { return file_; }
+
+  void require(bool success) const {
+    if (success) return;
+    const std::string reason = hdf5_error();
+    throw OutputError("cannot write '" + path_ + "'" + (reason.empty() ? "" : ": " + reason));
+  }
+
+  void create() {
+    silence_hdf5();
+    disk_.emplace(partial_name(path_), O_RDWR | O_CREAT | O_TRUNC);
+    file_ = Hdf5File(H5Fcreate(memory_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_without_name()));
+    require(static_cast<bool>(file_));
+  }
+
+  void create_dataset(const std::string& name, const std::vector<hsize_t>& shape, bool single_precision) {
+    const hid_t type = single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+    const Hdf5Dataspace space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr));
+    const Hdf5PropertyList links(H5Pcreate(H5P_LINK_CREATE));
+    (void)H5Pset_create_intermediate_group(links, 1);
+    const Hdf5PropertyList creation(H5Pcreate(H5P_DATASET_CREATE));
+    (void)H5Pset_obj_track_times(creation, false);  // the same run gives the same bytes
+    (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    (void)H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+    const Hdf5Dataset dataset(H5Dcreate2(file_, name.c_str(), type, space, links, creation, H5P_DEFAULT));
+    require(static_cast<bool>(dataset));
+    const auto bytes = static_cast<std::int64_t>(H5Dget_storage_size(dataset));
+    const haddr_t offset = H5Dget_offset(dataset);
+    require(bytes == 0 || offset != HADDR_UNDEF);
+    if (bytes > 0) places_[name] = {static_cast<std::int64_t>(offset), bytes};
+  }
+
+  /// Writes values of a dataset from number `first` on, and adds their bytes to the checksum.
+  void write_values(const std::string& name, std::int64_t first, std::span<const double> values,
+                    bool single_precision, Checksum& checksum) const {
+    std::vector<float> rounded;
+    if (single_precision) rounded.assign(values.begin(), values.end());
+    const void* bytes = single_precision ? static_cast<const void*>(rounded.data()) : values.data();
+    const std::size_t value_size = single_precision ? sizeof(float) : sizeof(double);
+    const std::size_t count = values.size() * value_size;
+    if (count == 0) return;
+    disk_->write_at(places_.at(name).offset + first * static_cast<std::int64_t>(value_size), bytes, count);
+    checksum.add(bytes, count);
+  }
+
+  void attach_checksum(const std::string& name, std::uint64_t value) const {
+    const Hdf5Dataset dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
+    require(dataset && fabseq::write_checksum(dataset, "checksum", value));
+  }
+
+  void finish(bool sealed) {
+    require(file_.close());
+    std::vector<Place> places = {{memory_.size(), 0}};
+    for (const auto& [name, place] : places_) places.push_back(place);
+    std::sort(places.begin(), places.end(),
+              [](const Place& a, const Place& b) { return a.offset < b.offset; });
+    std::int64_t end_of_last = 0;
+    for (const Place& place : places) {
+      copy_metadata(end_of_last, place.offset);
+      end_of_last = place.offset + place.bytes;
+    }
+    disk_->resize(memory_.size());
+    if (sealed) seal_file(*disk_, memory_.size());
+    disk_->sync();
+    disk_->close();
+    publish_file(path_);
+    disk_.reset();
+  }
+
+ private:
+  /// Where the values of a dataset are in the file.
+  struct Place {
+    std::int64_t offset = 0, bytes = 0;
+  };
+
+  void copy_metadata(std::int64_t begin, std::int64_t end) const {
+    std::vector<char> bytes;
+    for (std::int64_t next = begin; next < end; next += static_cast<std::int64_t>(bytes.size())) {
+      bytes.resize(static_cast<std::size_t>(std::min<std::int64_t>(end - next, 1 << 20)));
+      require(memory_.read_at(next, bytes));
+      disk_->write_at(next, bytes.data(), bytes.size());
+    }
+  }
+
+  MPI_Comm comm_;
+  std::string path_;
+  MemoryFile memory_;
+  Hdf5File file_;                  ///< in memory_
+  std::optional<PosixFile> disk_;  ///< under the partial name, as long as it is not published
+  std::map<std::string, Place> places_;
+};
+
+namespace {
+
+std::vector<hsize_t> to_extents(const std::vector<std::int64_t>& shape) {
+  return {shape.begin(), shape.end()};
+}
+
+}  // namespace
+
+Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : file_(std::make_unique<File>(comm, path)) {
+  run_on_first(comm, [&] { file_->create(); });
+}
+
+Hdf5Writer::~Hdf5Writer() = default;
+
+template <int Dim>
+std::uint64_t Hdf5Writer::write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
+                                      bool single_precision) {
+  const bool is_first = rank_of(file_->comm()) == 0;
+  FirstFailure failure;
+  Checksum checksum;
+  for (int slab = 0; slab < slabs.count(); ++slab) {
+    const std::span<const double> values = slabs.gather(slab);
+    if (!is_first) continue;
+    failure.run([&] { file_->write_values(name, first, values, single_precision, checksum); });
+    first += static_cast<std::int64_t>(values.size());
+  }
+  run_on_first(file_->comm(), [&] { failure.rethrow(); });
+  return checksum.value();
+}
+
+template <int Dim>
+void Hdf5Writer::write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field) {
+  SlabGather<Dim> slabs(file_->comm(), grid, field);
+  run_on_first(file_->comm(),
+               [&] { file_->create_dataset(field.name, to_extents(slabs.shape()), field.single_precision); });
+  const std::uint64_t checksum = write_slabs(slabs, field.name, 0, field.single_precision);
+  run_on_first(file_->comm(), [&] { file_->attach_checksum(field.name, checksum); });
+}
+
+template <int Dim>
+void Hdf5Writer::write_fields(const FieldSet<Dim>& fields) {
+  for (const auto& field : fields.fields) write_field<Dim>(*fields.grid, field);
+}
+
+template <int Dim>
+void Hdf5Writer::write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage,
+                             int count) {
+  SlabGather<Dim> slabs(file_->comm(), grid, field);
+  std::vector<hsize_t> shape = to_extents(slabs.shape());
+  const auto values_a_stage =
+      static_cast<std::int64_t>(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()));
+  shape.insert(shape.begin(), static_cast<hsize_t>(count));
+  run_on_first(file_->comm(), [&] {
+    if (stage == 0) file_->create_dataset(field.name, shape, true);
+  });
+  write_slabs(slabs, field.name, stage * values_a_stage, true);
+}
+
+void Hdf5Writer::write_array(const std::string& name, std::span<const double> values, int columns) {
+  run_on_first(file_->comm(), [&] {
+    Checksum checksum;
+    const auto row = static_cast<hsize_t>(columns);
+    file_->create_dataset(
+        name,
+        columns == 0 ? std::vector<hsize_t>{values.size()} : std::vector<hsize_t>{values.size() / row, row},
+        false);
+    file_->write_values(name, 0, values, false, checksum);
+    file_->attach_checksum(name, checksum.value());
+  });
+}
+
+void Hdf5Writer::write_attribute(const std::string& name, const Json& value) {
+  run_on_first(file_->comm(), [&] { file_->require(fabseq::write_attribute(file_->root(), name, value)); });
+}
+
+void Hdf5Writer::write_checksum(const std::string& name, std::uint64_t value) {
+  run_on_first(file_->comm(), [&] { file_->require(fabseq::write_checksum(file_->root(), name, value)); });
+}
+
+void Hdf5Writer::close(bool sealed) {
+  run_on_first(file_->comm(), [&] { file_->finish(sealed); });
+}
+
+template <int Dim>
+std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name) {
+  return xdmf_text<Dim>(fields, [&](std::size_t i) {
+    return XdmfSource{"Format=\"HDF\"", hdf5_name + ":/" + fields.fields[i].name};
+  });
+}
+
+template void Hdf5Writer::write_field<2>(const Grid<2>&, const FieldSet<2>::Field&);
+template void Hdf5Writer::write_field<3>(const Grid<3>&, const FieldSet<3>::Field&);
+template void Hdf5Writer::write_fields<2>(const FieldSet<2>&);
+template void Hdf5Writer::write_fields<3>(const FieldSet<3>&);
+template void Hdf5Writer::write_stage<2>(const Grid<2>&, const FieldSet<2>::Field&, int, int);
+template void Hdf5Writer::write_stage<3>(const Grid<3>&, const FieldSet<3>::Field&, int, int);
+template std::string hdf5_xdmf<2>(const FieldSet<2>&, const std::string&);
+template std::string hdf5_xdmf<3>(const FieldSet<3>&, const std::string&);
+
+}  // namespace fabseq

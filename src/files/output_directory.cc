@@ -1,0 +1,155 @@
+#include "fabseq/files/output_directory.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/posix_file.h"
+#include "fabseq/base/verdict.h"
+
+#include <algorithm>
+#include <array>
+#include <fcntl.h>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+namespace fabseq {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Presence of this file makes a directory a run's: written first, removed last.
+constexpr std::string_view mark_of_a_run = "config.json";
+/// What else a run writes (docs/users-guide.md, output directory), and the two files by which a user talks to
+/// it.
+constexpr std::array<std::string_view, 16> files_of_a_run = {"refined.h5",
+                                                             "history.jsonl",
+                                                             "result.h5",
+                                                             "result.xdmf",
+                                                             "summary.json",
+                                                             "evaluation.json",
+                                                             "gradients.h5",
+                                                             "checkpoint/slot_0.h5",
+                                                             "checkpoint/slot_1.h5",
+                                                             "checkpoint/newest",
+                                                             "stop",
+                                                             "output_now",
+                                                             "gradient_check.csv",
+                                                             "gradient_check.json",
+                                                             "gradient_check.svg",
+                                                             mark_of_a_run};
+
+[[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
+  throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);
+}
+
+void remove_file(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);  // nothing there: no error
+  if (error) fail("remove", path, error.message());
+}
+
+bool starts_and_ends(const std::string& text, std::string_view start, std::string_view end) {
+  return text.size() >= start.size() + end.size() && text.compare(0, start.size(), start) == 0 &&
+         text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool is_field_dump(const std::string& name) {
+  constexpr std::array<std::string_view, 3> endings = {".bin", ".xdmf", ".partial"};
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](std::string_view end) { return starts_and_ends(name, "iteration_", end); });
+}
+
+void remove_run(const fs::path& directory) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory / "fields", error))
+    if (is_field_dump(entry.path().filename().string())) remove_file(entry.path());
+  for (const std::string_view name : files_of_a_run) {
+    remove_file(partial_name((directory / name).string()));
+    remove_file(directory / name);
+  }
+  for (const char* folder : {"fields", "checkpoint"})
+    fs::remove(directory / folder, error);  // left if not empty
+}
+
+/// Runs on coarse grids are within each other.
+void remove_coarse_runs(const fs::path& directory) {
+  std::error_code error;
+  const fs::path coarse = directory / coarse_folder;
+  if (!fs::exists(coarse / mark_of_a_run, error)) return;
+  remove_coarse_runs(coarse);
+  remove_run(coarse);
+  fs::remove(coarse, error);
+}
+
+/// Permissions say little (root, read-only mounts, network file systems): try it.
+void require_writable(const fs::path& directory) {
+  const fs::path probe = directory / ".fabseq_can_write";
+  PosixFile(probe.string(), O_WRONLY | O_CREAT | O_TRUNC).close();
+  remove_file(probe);
+}
+
+void set_up(const fs::path& directory, bool overwrite) {
+  std::error_code error;
+  const fs::file_status status = fs::status(directory, error);
+  if (fs::exists(status) && !fs::is_directory(status))
+    fail("make output directory", directory, "it is a file");
+  const bool holds_run = fs::exists(directory / mark_of_a_run, error);
+  if (holds_run && !overwrite)
+    throw InputError("output directory '" + directory.string() +
+                     "' holds a run already; -overwrite replaces it, -output names another directory");
+  fs::create_directories(directory, error);
+  if (error) fail("make output directory", directory, error.message());
+  require_writable(directory);
+  if (holds_run) remove_run(directory);
+}
+
+/// Partial files are of no use to anybody, and the summary is of a run that has ended.
+void prepare_to_continue(const fs::path& directory) {
+  require_writable(directory);
+  for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).string()));
+  remove_file(directory / "summary.json");
+}
+
+}  // namespace
+
+OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
+    : comm_(comm), path_(path) {
+  run_on_first(comm_, [&] { set_up(path_, overwrite); });
+}
+
+OutputDirectory OutputDirectory::continued(MPI_Comm comm, const std::string& path) {
+  run_on_first(comm, [&] { prepare_to_continue(path); });
+  return {comm, path};
+}
+
+void OutputDirectory::remove_coarse_runs() const {
+  run_on_first(comm_, [&] { fabseq::remove_coarse_runs(path_); });
+}
+
+void OutputDirectory::make_folder(const std::string& name) const {
+  run_on_first(comm_, [&] {
+    std::error_code error;
+    fs::create_directory(file(name), error);
+    if (error) fail("make folder", file(name), error.message());
+  });
+}
+
+void OutputDirectory::write(const std::string& name, const std::string& text) const {
+  run_on_first(comm_, [&] { replace_file(file(name), text); });
+}
+
+void OutputDirectory::append_line(const std::string& name, const std::string& line) const {
+  run_on_first(comm_, [&] { append_to_file(file(name), line + "\n"); });
+}
+
+bool OutputDirectory::has(const std::string& name) const {
+  std::error_code error;
+  return any(comm_, rank_of(comm_) == 0 && fs::exists(file(name), error));
+}
+
+void OutputDirectory::remove(const std::string& name) const {
+  run_on_first(comm_, [&] { remove_file(file(name)); });
+}
+
+}  // namespace fabseq

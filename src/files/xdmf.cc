@@ -1,0 +1,69 @@
+#include "fabseq/files/xdmf.h"
+
+#include <cstdio>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+std::string exact_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+/// Entries of an index or a point in XDMF's order z y x, with `third` for the missing axis of a 2D grid.
+template <class Entries>
+std::vector<double> slowest_first(const Entries& entries, double third) {
+  std::vector<double> result(entries.rbegin(), entries.rend());
+  if (result.size() == 2) result.insert(result.begin(), third);
+  return result;
+}
+
+std::string list_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + exact_text(value);
+  return text;
+}
+
+std::string triple_item(const std::vector<double>& values) {
+  return "        <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">" +
+         list_text(values) + "</DataItem>\n";
+}
+
+template <int Dim>
+std::string field_text(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field,
+                       const XdmfSource& source) {
+  std::vector<double> shape =
+      slowest_first(field.on_nodes ? grid.all_nodes().size : grid.all_elements().size, /*third=*/1.0);
+  if (field.components > 1) shape.push_back(field.components);
+  const bool is_vector = field.on_nodes && field.components == Dim;
+  const std::string type = field.components == 1 ? "Scalar" : is_vector ? "Vector" : "Matrix";
+  return "      <Attribute Name=\"" + field.name + "\" AttributeType=\"" + type + "\" Center=\"" +
+         (field.on_nodes ? "Node" : "Cell") + "\">\n        <DataItem Dimensions=\"" + list_text(shape) +
+         "\" NumberType=\"Float\" Precision=\"" + (field.single_precision ? "4" : "8") + "\" " +
+         source.attributes + ">" + source.content + "</DataItem>\n      </Attribute>\n";
+}
+
+}  // namespace
+
+template <int Dim>
+std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source) {
+  const Grid<Dim>& grid = *fields.grid;
+  std::string text =
+      "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    <Grid Name=\"fabseq\" "
+      "GridType=\"Uniform\">\n"
+      "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"" +
+      list_text(slowest_first(grid.all_nodes().size, 1.0)) +
+      "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" + triple_item({0.0, 0.0, 0.0}) +
+      triple_item(slowest_first(grid.spacing(), 1.0)) + "      </Geometry>\n";
+  for (std::size_t i = 0; i < fields.fields.size(); ++i)
+    text += field_text<Dim>(grid, fields.fields[i], source(i));
+  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+}
+
+template std::string xdmf_text<2>(const FieldSet<2>&, const std::function<XdmfSource(std::size_t)>&);
+template std::string xdmf_text<3>(const FieldSet<3>&, const std::function<XdmfSource(std::size_t)>&);
+
+}  // namespace fabseq

@@ -1,0 +1,42 @@
+#include "fabseq/grid/unknown_numbering.h"
+
+#include "fabseq/base/mpi.h"
+
+namespace fabseq {
+
+template <int Dim>
+UnknownNumbering<Dim>::UnknownNumbering(const Grid<Dim>& grid, const SystemDomain& domain)
+    : grid_(grid), components_(domain.components) {
+  const auto owned_count = static_cast<std::size_t>(grid.owned_nodes().count());
+  const auto ghosted_count = static_cast<std::size_t>(grid.ghosted_nodes().count());
+  std::vector<double> ghosted(ghosted_count, 0.0);
+  std::vector<double> owned(owned_count);
+  for (const int first_corner : domain.first_corners)
+    for (const int offset : grid.corner_offsets()) ghosted[first_corner + offset] += 1.0;
+  grid.exchange(1).add_to_owned(ghosted, owned);
+
+  for (std::size_t node = 0; node < owned_count; ++node) {
+    int fixed = 0;
+    for (int c = 0; c < components_; ++c) fixed += domain.fixed[node * components_ + c];
+    if (owned[node] > 0.0 && fixed < components_) owned_nodes_.push_back(static_cast<int>(node));
+  }
+  const auto local = static_cast<std::int64_t>(owned_nodes_.size());
+  first_ = exclusive_sum(grid.comm(), local);
+  count_ = sum(grid.comm(), local);
+
+  owned.assign(owned_count, -1.0);
+  std::int64_t number = first_;
+  for (const int node : owned_nodes_) {
+    for (int c = 0; c < components_; ++c)
+      if (domain.fixed[static_cast<std::size_t>(node) * components_ + c] != 0)
+        fixed_rows_.push_back(static_cast<PetscInt>(number * components_ + c));
+    owned[node] = static_cast<double>(number++);
+  }
+  grid.exchange(1).to_ghosted(owned, ghosted);
+  numbers_.assign(ghosted.begin(), ghosted.end());
+}
+
+template class UnknownNumbering<2>;
+template class UnknownNumbering<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,7 @@
+#include "fabseq/lanes/lane_cg_impl.h"
+
+namespace fabseq {
+
+template class LaneCg<LaneElasticityProblem<3>, 8>;
+
+}  // namespace fabseq

@@ -1,0 +1,114 @@
+#include "fabseq/lanes/shared_nodes.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+
+#include <algorithm>
+#include <map>
+#include <type_traits>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+IndexBox<Dim> intersection(const IndexBox<Dim>& a, const IndexBox<Dim>& b) {
+  IndexBox<Dim> common;
+  for (int axis = 0; axis < Dim; ++axis) {
+    common.start[axis] = std::max(a.start[axis], b.start[axis]);
+    const int end = std::min(a.start[axis] + a.size[axis], b.start[axis] + b.size[axis]);
+    common.size[axis] = std::max(0, end - common.start[axis]);
+  }
+  return common;
+}
+
+template <int Dim>
+std::vector<IndexBox<Dim>> node_boxes(MPI_Comm comm, const IndexBox<Dim>& own) {
+  std::vector<IndexBox<Dim>> boxes(static_cast<std::size_t>(size_of(comm)));
+  static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
+  MPI_Allgather(&own, 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
+  return boxes;
+}
+
+}  // namespace
+
+template <int Dim>
+SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm), rank_(rank_of(comm)) {
+  std::map<std::int64_t, int> lowest_holder;
+  std::map<int, std::vector<std::int64_t>> common_nodes;
+  const auto boxes = node_boxes(comm, mesh.node_box());
+  for (int rank = 0; rank < static_cast<int>(boxes.size()); ++rank) {
+    const IndexBox<Dim> common = intersection(mesh.node_box(), boxes[rank]);
+    if (rank == rank_ || common.count() == 0) continue;
+    std::vector<char> own(static_cast<std::size_t>(common.count())), theirs(own.size());
+    common.for_each([&](const Index<Dim>& node, std::int64_t offset) {
+      own[offset] = mesh.node_number(node) >= 0 ? 1 : 0;
+    });
+    MPI_Sendrecv(own.data(), static_cast<int>(own.size()), MPI_CHAR, rank, 0, theirs.data(),
+                 static_cast<int>(theirs.size()), MPI_CHAR, rank, 0, comm, MPI_STATUS_IGNORE);
+    common.for_each([&](const Index<Dim>& node, std::int64_t offset) {
+      if (own[offset] == 0 || theirs[offset] == 0) return;
+      const std::int64_t number = mesh.node_number(node);
+      common_nodes[rank].push_back(number);
+      lowest_holder.try_emplace(number, std::min(rank, rank_));
+    });
+  }
+  for (const auto& [node, holder] : lowest_holder) {
+    nodes_.push_back(node);
+    counted_.push_back(holder == rank_ ? 1 : 0);
+  }
+  for (const auto& [rank, numbers] : common_nodes) {
+    Neighbor& neighbor = neighbors_.emplace_back();
+    neighbor.rank = rank;
+    for (const std::int64_t node : numbers)
+      neighbor.positions.push_back(
+          static_cast<int>(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin()));
+  }
+}
+
+template <class Real>
+void SharedNodes::sum(std::span<Real> values, int block) {
+  if (neighbors_.empty()) return;
+  const MPI_Datatype type = std::is_same_v<Real, double> ? MPI_DOUBLE : MPI_FLOAT;
+  auto& [outgoing, incoming, own] = std::get<Buffers<Real>>(buffers_);
+  outgoing.resize(neighbors_.size());
+  incoming.resize(neighbors_.size());
+  std::vector<MPI_Request> requests;
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    incoming[n].resize(neighbors_[n].positions.size() * block);
+    MPI_Irecv(incoming[n].data(), static_cast<int>(incoming[n].size()), type, neighbors_[n].rank, 0, comm_,
+              &requests.emplace_back());
+  }
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    const auto& positions = neighbors_[n].positions;
+    outgoing[n].resize(positions.size() * block);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      std::copy_n(&values[static_cast<std::size_t>(positions[i]) * block], block, &outgoing[n][i * block]);
+    MPI_Isend(outgoing[n].data(), static_cast<int>(outgoing[n].size()), type, neighbors_[n].rank, 0, comm_,
+              &requests.emplace_back());
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  // In the order of ranks on every holder: the same bits everywhere.
+  own.assign(values.begin(), values.end());
+  std::fill(values.begin(), values.end(), Real{0});
+  bool own_added = false;
+  const auto add_own = [&values, &own = own, &own_added] {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += own[i];
+    own_added = true;
+  };
+  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
+    if (!own_added && neighbors_[n].rank > rank_) add_own();
+    const auto& positions = neighbors_[n].positions;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      for (int entry = 0; entry < block; ++entry)
+        values[static_cast<std::size_t>(positions[i]) * block + entry] += incoming[n][i * block + entry];
+  }
+  if (!own_added) add_own();
+}
+
+template SharedNodes::SharedNodes(MPI_Comm, const LaneMesh<2>&);
+template SharedNodes::SharedNodes(MPI_Comm, const LaneMesh<3>&);
+template void SharedNodes::sum(std::span<double>, int);
+template void SharedNodes::sum(std::span<float>, int);
+
+}  // namespace fabseq

@@ -1,0 +1,118 @@
+#include "fabseq/parallel/layer_dealing.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <functional>
+#include <numeric>
+
+namespace fabseq {
+
+namespace {
+
+/// Seconds of an iteration with 1, 2, 4 and 8 lanes, over those with 8 (V-shape, 64 x 32 x 64, one core with
+/// AVX-512): narrow blocks fill a part of a register only.
+constexpr double relative_cost(int lanes) {
+  return lanes > 4 ? 1.0 : lanes > 2 ? 0.62 : lanes > 1 ? 0.57 : 0.55;
+}
+
+/// Halving blocks must save more of the longest group's work than this.
+constexpr double worthwhile = 0.02;
+/// Halvings in a row, a group: more blocks than that balance no better.
+constexpr int most_halvings = 8;
+/// Blocks that are tried for the next halving, those with most work.
+constexpr std::size_t most_candidates = 32;
+
+struct WeighedBlock {
+  LayerBlock block;
+  double work = 0.0;
+};
+
+class Dealer {
+ public:
+  Dealer(std::span<const double> work, int groups, BlockSolver solver)
+      : work_(work), groups_(groups), solver_(solver) {}
+
+  WeighedBlock weighed(int first, int lanes) const {
+    return {{first, lanes}, block_work(work_.subspan(first, lanes), solver_)};
+  }
+
+  /// Longest processing time first. Leaves the blocks in that order.
+  LayerDeal deal(std::vector<WeighedBlock>& blocks) const {
+    std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
+      return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
+    });
+    LayerDeal result;
+    result.blocks.resize(groups_);
+    std::vector<double> sums(groups_, 0.0);
+    for (const WeighedBlock& block : blocks) {
+      const auto least = std::min_element(sums.begin(), sums.end()) - sums.begin();
+      result.blocks[least].push_back(block.block);
+      sums[least] += block.work;
+    }
+    result.longest = *std::max_element(sums.begin(), sums.end());
+    for (auto& of_group : result.blocks)
+      std::sort(of_group.begin(), of_group.end(),
+                [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });
+    return result;
+  }
+
+  /// Halves the block that leaves the longest group shortest; nothing is left of `blocks` if all are single layers.
+  LayerDeal halve_best(std::vector<WeighedBlock>& blocks) const {
+    LayerDeal best;
+    std::vector<WeighedBlock> best_blocks;
+    for (std::size_t number = 0; number < std::min(blocks.size(), most_candidates); ++number) {
+      const LayerBlock whole = blocks[number].block;
+      if (whole.lanes == 1) continue;
+      const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
+      std::vector<WeighedBlock> tried = blocks;
+      tried[number] = weighed(whole.first, half);
+      tried.push_back(weighed(whole.first + half, whole.lanes - half));
+      LayerDeal next = deal(tried);
+      if (!best_blocks.empty() && next.longest >= best.longest) continue;
+      best = std::move(next);
+      best_blocks = std::move(tried);
+    }
+    blocks = std::move(best_blocks);
+    return best;
+  }
+
+ private:
+  std::span<const double> work_;
+  int groups_;
+  BlockSolver solver_;
+};
+
+}  // namespace
+
+double block_work(std::span<const double> work, BlockSolver solver) {
+  if (solver == BlockSolver::one_by_one)
+    return relative_cost(8) / 8.0 * std::accumulate(work.begin(), work.end(), 0.0);
+  std::vector<double> sorted(work.begin(), work.end());
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  // With lanes done one after the other, entry l is when more than l are left.
+  const auto left_until = [&](std::size_t lanes) { return lanes < sorted.size() ? sorted[lanes] : 0.0; };
+  return relative_cost(8) * left_until(4) + relative_cost(4) * (left_until(2) - left_until(4)) +
+         relative_cost(2) * (left_until(1) - left_until(2)) +
+         relative_cost(1) * (left_until(0) - left_until(1));
+}
+
+LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver) {
+  const int layers = static_cast<int>(work.size());
+  const Dealer dealer(work, groups, solver);
+  std::vector<WeighedBlock> blocks;
+  for (int first = 0; first < layers; first += widest)
+    blocks.push_back(dealer.weighed(first, std::min(widest, layers - first)));
+  LayerDeal best = dealer.deal(blocks);
+  double total = 0.0;
+  for (const WeighedBlock& block : blocks) total += block.work;
+  for (int step = 0; groups > 1 && step < most_halvings * groups; ++step) {
+    if (best.longest * groups <= (1.0 + worthwhile) * total) break;
+    LayerDeal next = dealer.halve_best(blocks);
+    if (blocks.empty()) break;
+    if (next.longest < (1.0 - worthwhile) * best.longest) best = std::move(next);
+  }
+  return best;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,89 @@
+#include "fabseq/parallel/layer_groups.h"
+
+#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+#include "fabseq/base/verdict.h"
+
+#include <numeric>
+
+namespace fabseq {
+
+LayerGroups::LayerGroups(MPI_Comm world, int count) : world_(world), count_(count) {
+  if (count_ == 1) return;
+  const int rank = rank_of(world_), ranks_a_group = size_of(world_) / count_;
+  index_ = rank / ranks_a_group;
+  domain_ = Communicator(world_, index_, rank);
+  across_ = Communicator(world_, rank % ranks_a_group, rank);
+}
+
+std::vector<double> LayerGroups::share(std::span<const double> field) const {
+  const auto begin = field.begin();
+  return {begin + static_cast<std::ptrdiff_t>(start(field.size(), index_)),
+          begin + static_cast<std::ptrdiff_t>(start(field.size(), index_ + 1))};
+}
+
+std::vector<double> LayerGroups::gather(std::span<const double> share) const {
+  const int own = static_cast<int>(share.size());
+  std::vector<int> counts(count_), starts(count_);
+  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, across());
+  std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
+  std::vector<double> field(static_cast<std::size_t>(starts.back()) + counts.back());
+  MPI_Allgatherv(share.data(), own, MPI_DOUBLE, field.data(), counts.data(), starts.data(), MPI_DOUBLE,
+                 across());
+  return field;
+}
+
+std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vector<double>> own,
+                                                        std::span<const int> owners,
+                                                        std::size_t length) const {
+  if (count_ == 1) return {own.begin(), own.end()};
+  const auto share_of = [&](int group) { return start(length, group + 1) - start(length, group); };
+  std::vector<int> sent(count_), sent_starts(count_), received(count_), received_starts(count_);
+  for (int group = 0; group < count_; ++group) {
+    sent[group] = static_cast<int>(own.size() * share_of(group));
+    for (const int owner : owners)
+      if (owner == group) received[group] += static_cast<int>(share_of(index_));
+  }
+  std::exclusive_scan(sent.begin(), sent.end(), sent_starts.begin(), 0);
+  std::exclusive_scan(received.begin(), received.end(), received_starts.begin(), 0);
+  std::vector<double> outgoing, incoming(static_cast<std::size_t>(received_starts.back()) + received.back());
+  for (int group = 0; group < count_; ++group)
+    for (const std::vector<double>& field : own) {
+      const auto begin = field.begin() + static_cast<std::ptrdiff_t>(start(length, group));
+      outgoing.insert(outgoing.end(), begin, begin + static_cast<std::ptrdiff_t>(share_of(group)));
+    }
+  MPI_Alltoallv(outgoing.data(), sent.data(), sent_starts.data(), MPI_DOUBLE, incoming.data(),
+                received.data(), received_starts.data(), MPI_DOUBLE, across());
+
+  // A group's fields arrive in their order.
+  std::vector<std::vector<double>> shares;
+  for (const int owner : owners) {
+    const auto begin = incoming.begin() + received_starts[owner];
+    const auto entries = static_cast<std::ptrdiff_t>(share_of(index_));
+    shares.emplace_back(begin, begin + entries);
+    received_starts[owner] += static_cast<int>(entries);
+  }
+  return shares;
+}
+
+void LayerGroups::sum(std::span<double> values) const {
+  if (count_ > 1) sum_in_place(across_, values);
+}
+
+void LayerGroups::sum(std::span<int> values) const {
+  if (count_ > 1) sum_in_place(across_, values);
+}
+
+void LayerGroups::sum_at(int owner, std::span<double> values) const {
+  if (count_ == 1) return;
+  const bool is_owner = index_ == owner;
+  MPI_Reduce(is_owner ? MPI_IN_PLACE : values.data(), is_owner ? values.data() : nullptr,
+             static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, owner, across_);
+}
+
+void LayerGroups::broadcast(int owner, std::span<double> values) const {
+  if (count_ > 1) MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, owner, across_);
+}
+
+void LayerGroups::run(const std::function<void()>& work) const { run_in_groups(across(), work); }
+
+}  // namespace fabseq

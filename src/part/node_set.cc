@@ -1,0 +1,107 @@
+#include "fabseq/part/node_set.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/grid/gather_all.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description) {
+  const Grid<Dim>& grid = part.grid();
+  const double tolerance = std::max(description.within, shape_tolerance * grid.smallest_spacing());
+  std::vector<int> owned;
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    const bool there = part.touched_nodes()[offset] != 0 || part.substrate().nodes()[offset] != 0;
+    if (there && description.shape.contains(grid.node_position(node), tolerance))
+      owned.push_back(static_cast<int>(offset));
+  });
+  return owned;
+}
+
+/// Axis of the longest edge of the bounding box of `nodes`, the first among equals.
+template <int Dim>
+int longest_axis(const std::vector<Index<Dim>>& nodes, const Point<Dim>& spacing) {
+  int longest = 0;
+  double longest_edge = -1.0;
+  for (int axis = 0; axis < Dim; ++axis) {
+    int low = std::numeric_limits<int>::max(), high = 0;
+    for (const Index<Dim>& node : nodes) {
+      low = std::min(low, node[axis]);
+      high = std::max(high, node[axis]);
+    }
+    const double edge = (high - low) * spacing[axis];
+    // Edges of equal length may differ by the rounding of the spacings.
+    if (longest_edge >= 0.0 && edge <= longest_edge * (1.0 + 1e-9)) continue;
+    longest = axis;
+    longest_edge = edge;
+  }
+  return longest;
+}
+
+/// `samples` of the nodes given by lexicographic number, equally spaced in the order along the longest edge
+/// of their bounding box; the result is sorted by number.
+template <int Dim>
+std::vector<std::int64_t> equally_spaced(const Grid<Dim>& grid, const std::vector<std::int64_t>& numbers,
+                                         int samples) {
+  const IndexBox<Dim> all = grid.all_nodes();
+  std::vector<Index<Dim>> nodes;
+  for (const std::int64_t number : numbers) nodes.push_back(all.index(number));
+  const int axis = longest_axis<Dim>(nodes, grid.spacing());
+  std::vector<std::pair<int, std::int64_t>> order;  // index along the axis, then number
+  for (std::size_t i = 0; i < nodes.size(); ++i) order.emplace_back(nodes[i][axis], numbers[i]);
+  std::sort(order.begin(), order.end());
+
+  std::vector<std::int64_t> chosen;
+  const auto last = static_cast<std::int64_t>(order.size()) - 1;
+  const std::int64_t steps = std::max(samples - 1, 1);
+  for (std::int64_t i = 0; i < samples; ++i)  // floor(i (n-1)/(k-1) + 1/2) in integers
+    chosen.push_back(order[(2 * i * last + steps) / (2 * steps)].second);
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+/// Keeps the chosen samples among this rank's nodes.
+template <int Dim>
+void keep_samples(const Grid<Dim>& grid, int samples, std::vector<int>& owned) {
+  const auto number = [&](int offset) { return grid.all_nodes().offset(grid.owned_nodes().index(offset)); };
+  std::vector<std::int64_t> own;
+  for (const int offset : owned) own.push_back(number(offset));
+  const std::vector<std::int64_t> chosen = equally_spaced<Dim>(grid, gather_all(grid.comm(), own), samples);
+  std::erase_if(
+      owned, [&](int offset) { return !std::binary_search(chosen.begin(), chosen.end(), number(offset)); });
+}
+
+}  // namespace
+
+template <int Dim>
+NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description) {
+  const MPI_Comm comm = part.grid().comm();
+  const std::string key = "/node_sets/" + name;
+  NodeSet set;
+  set.name = name;
+  set.owned = find_owned_nodes<Dim>(part, description);
+  set.count = sum(comm, static_cast<std::int64_t>(set.owned.size()));
+  if (set.count == 0)
+    throw InputError(
+        key + ": no node that touches the part or the substrate lies in or on the shape, needs at least one");
+  if (description.samples < 0 || description.samples > set.count)
+    throw InputError(key + "/samples: " + std::to_string(description.samples) + " of a set of " +
+                     std::to_string(set.count) + " nodes, needs 0 (all) to " + std::to_string(set.count));
+  if (description.samples > 0) {
+    keep_samples<Dim>(part.grid(), description.samples, set.owned);
+    set.count = description.samples;
+  }
+  return set;
+}
+
+template NodeSet make_node_set<2>(const Part<2>&, const std::string&, const NodeSetDescription&);
+template NodeSet make_node_set<3>(const Part<3>&, const std::string&, const NodeSetDescription&);
+
+}  // namespace fabseq

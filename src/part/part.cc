@@ -1,0 +1,188 @@
+#include "fabseq/part/part.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::string point_text(const Point<Dim>& point) {
+  std::string text;
+  for (const double coordinate : point) {
+    std::array<char, 32> number{};
+    std::snprintf(number.data(), number.size(), "%.6g", coordinate);
+    text += text.empty() ? "[" : ",";
+    text += number.data();
+  }
+  return text + "]";
+}
+
+/// "14 elements in [0.1,0,0.5]..[0.3,0.2,0.9]"
+template <int Dim>
+std::string piece_text(const Piece<Dim>& piece) {
+  return std::to_string(piece.elements) + (piece.elements == 1 ? " element in " : " elements in ") +
+         point_text<Dim>(piece.min) + ".." + point_text<Dim>(piece.max);
+}
+
+template <int Dim>
+void require_plate(const BuildPlate& plate) {
+  if (plate.axis < 0 || plate.axis >= Dim)
+    throw InputError("/build_plate: axis " + std::to_string(plate.axis) + " in " + std::to_string(Dim) +
+                     " dimensions, needs a face of the domain");
+}
+
+}  // namespace
+
+template <int Dim>
+Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate)
+    : grid_(grid), plate_(plate), substrate_(grid, description.substrate) {
+  require_plate<Dim>(plate);
+  density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements());
+  for (std::size_t e = 0; e < density_.size(); ++e)
+    if (substrate_.elements()[e] != 0) density_[e] = 0.0;
+  refuse_empty_part(description);
+  const std::vector<double> distance = substrate_.contact_distance();
+  std::vector<char> on_substrate(distance.size());
+  std::transform(distance.begin(), distance.end(), on_substrate.begin(),
+                 [](double value) { return static_cast<char>(std::isfinite(value)); });
+  PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, on_substrate);
+  pieces_ = std::move(map.pieces);
+  piece_of_element_ = std::move(map.piece_of_element);
+  refuse_no_contact();
+  drop_or_refuse_hanging_pieces(description);
+  collect_elements(distance);
+  measure_extent();
+  std::vector<char> in_part(density_.size());
+  std::transform(density_.begin(), density_.end(), in_part.begin(),
+                 [](double value) { return static_cast<char>(value > 0.0); });
+  touched_nodes_ = nodes_of_elements(grid, in_part);
+}
+
+template <int Dim>
+void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
+  const bool here = std::any_of(density_.begin(), density_.end(), [](double value) { return value > 0.0; });
+  if (any(grid_.comm(), here)) return;
+  std::string message = "/part: no element has a density above 0";
+  if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
+    message += " in dataset '" + voxels->dataset + "' of '" + voxels->file + "'" +
+               (voxels->threshold ? " with this threshold" : "");
+  else
+    message += ": no element's centre in the domain " + point_text<Dim>(Point<Dim>{}) + ".." +
+               point_text<Dim>(grid_.domain().size) + " lies inside the shape";
+  if (substrate_.count() > 0) message += " and outside the substrate";
+  throw InputError(message + "; needs at least one");
+}
+
+template <int Dim>
+void Part<Dim>::refuse_no_contact() const {
+  if (std::any_of(pieces_.begin(), pieces_.end(),
+                  [](const Piece<Dim>& piece) { return piece.touches_plate; }))
+    return;
+  const int axis = plate_.axis;
+  const bool upper = plate_.upper;
+  const auto nearer = [&](const Piece<Dim>& a, const Piece<Dim>& b) {
+    return upper ? a.max[axis] > b.max[axis] : a.min[axis] < b.min[axis];
+  };
+  const Piece<Dim>& nearest = *std::min_element(pieces_.begin(), pieces_.end(), nearer);
+  const char* or_substrate = substrate_.count() > 0 ? " or on the substrate" : "";
+  throw InputError("/build_plate: no element of the part has a face on the build plate " + plate_.name() +
+                   or_substrate + "; nearest: " + piece_text<Dim>(nearest) +
+                   ", needs contact with that face of the domain" + or_substrate);
+}
+
+template <int Dim>
+void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description) {
+  constexpr int listed = 5;
+  int hanging = 0;
+  std::string list;
+  for (const Piece<Dim>& piece : pieces_)
+    if (!piece.touches_plate && hanging++ < listed)
+      list += (list.empty() ? "" : ", ") + piece_text<Dim>(piece);
+  if (hanging == 0) return;
+  if (hanging > listed) list += ", and " + std::to_string(hanging - listed) + " more";
+  const std::string message =
+      "/part: " + std::to_string(hanging) + (hanging == 1 ? " piece is" : " pieces are") +
+      " not connected to the build plate" + (substrate_.count() > 0 ? " or the substrate: " : ": ") + list;
+  if (!description.keep_connected)
+    throw InputError(message + "; set part.keep to \"connected\" to drop " + (hanging == 1 ? "it" : "them"));
+  if (description.announce) warn(message + "; dropped");
+  for (std::size_t e = 0; e < density_.size(); ++e)
+    if (piece_of_element_[e] >= 0 && !pieces_[piece_of_element_[e]].touches_plate) density_[e] = 0.0;
+}
+
+template <int Dim>
+void Part<Dim>::collect_elements(const std::vector<double>& distance_to_substrate) {
+  const IndexBox<Dim>& box = grid_.owned_elements();
+  double volume = 0.0;
+  std::int64_t contact = 0;
+  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    const double density = density_[offset];
+    if (!(density > 0.0)) return;
+    elements_.push_back(static_cast<int>(offset));
+    part_density_.push_back(density);
+    first_corners_.push_back(grid_.first_corner(element));
+    volume += density;
+    double distance = distance_to_substrate[offset];
+    if (plate_.touches<Dim>(element, grid_.domain().elements))
+      distance = std::min(distance, 0.5 * grid_.spacing()[plate_.axis]);
+    contact_distance_.push_back(distance);
+    if (std::isfinite(distance)) ++contact;
+  });
+  count_ = sum(grid_.comm(), static_cast<std::int64_t>(elements_.size()));
+  plate_contact_ = sum(grid_.comm(), contact);
+  volume_ = sum(grid_.comm(), volume) * grid_.element_volume();
+}
+
+template <int Dim>
+void Part<Dim>::measure_extent() {
+  // Of the pieces that were kept; their boxes are in whole elements.
+  lower_.fill(std::numeric_limits<double>::infinity());
+  upper_.fill(-std::numeric_limits<double>::infinity());
+  for (const Piece<Dim>& piece : pieces_) {
+    if (!piece.touches_plate) continue;
+    for (int axis = 0; axis < Dim; ++axis) {
+      lower_[axis] = std::min(lower_[axis], piece.min[axis]);
+      upper_[axis] = std::max(upper_[axis], piece.max[axis]);
+    }
+  }
+}
+
+template <int Dim>
+double Part<Dim>::longest_edge() const {
+  double longest = 0.0;
+  for (int axis = 0; axis < Dim; ++axis) longest = std::max(longest, upper_[axis] - lower_[axis]);
+  return longest;
+}
+
+template <int Dim>
+bool Part<Dim>::on_plate(const Index<Dim>& node) const {
+  return node[plate_.axis] == (plate_.upper ? grid_.domain().elements[plate_.axis] : 0);
+}
+
+template <int Dim>
+std::vector<double> Part<Dim>::expand(std::span<const double> part_field, double outside) const {
+  std::vector<double> field(density_.size(), outside);
+  for (std::size_t i = 0; i < elements_.size(); ++i) field[elements_[i]] = part_field[i];
+  return field;
+}
+
+template <int Dim>
+std::vector<double> Part<Dim>::restrict_to_part(std::span<const double> element_field) const {
+  std::vector<double> field(elements_.size());
+  for (std::size_t i = 0; i < elements_.size(); ++i) field[i] = element_field[elements_[i]];
+  return field;
+}
+
+template class Part<2>;
+template class Part<3>;
+
+}  // namespace fabseq

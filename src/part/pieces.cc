@@ -1,0 +1,199 @@
+#include "fabseq/part/pieces.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/grid/element_halo.h"
+#include "fabseq/grid/gather_all.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace fabseq {
+
+namespace {
+
+/// Calls f(neighbour) for the elements of `box` that share a face with `element`.
+template <int Dim, class Function>
+void for_each_face_neighbor(const IndexBox<Dim>& box, const Index<Dim>& element, Function&& f) {
+  for (int axis = 0; axis < Dim; ++axis)
+    for (const int step : {-1, 1}) {
+      Index<Dim> neighbor = element;
+      neighbor[axis] += step;
+      if (box.contains(neighbor)) f(neighbor);
+    }
+}
+
+/// Face-connected components of this rank's elements alone, numbered by their lowest elements.
+template <int Dim>
+struct LocalComponents {
+  std::vector<int> of_element;  ///< component of each owned element, -1 outside the part
+  std::vector<std::int64_t>
+      first;  ///< lexicographic number, in the whole grid, of each component's lowest element
+};
+
+template <int Dim>
+LocalComponents<Dim> flood_fill(const Grid<Dim>& grid, std::span<const double> density) {
+  const IndexBox<Dim>& box = grid.owned_elements();
+  const IndexBox<Dim> all = grid.all_elements();
+  LocalComponents<Dim> components;
+  components.of_element.assign(density.size(), -1);
+  std::vector<std::int64_t> pending;
+  box.for_each([&](const Index<Dim>& seed, std::int64_t seed_offset) {
+    if (!(density[seed_offset] > 0.0) || components.of_element[seed_offset] >= 0) return;
+    const int component = static_cast<int>(components.first.size());
+    components.first.push_back(all.offset(seed));
+    components.of_element[seed_offset] = component;
+    pending.push_back(seed_offset);
+    while (!pending.empty()) {
+      const Index<Dim> element = box.index(pending.back());
+      pending.pop_back();
+      for_each_face_neighbor<Dim>(box, element, [&](const Index<Dim>& neighbor) {
+        const std::int64_t offset = box.offset(neighbor);
+        if (!(density[offset] > 0.0) || components.of_element[offset] >= 0) return;
+        components.of_element[offset] = component;
+        pending.push_back(offset);
+      });
+    }
+  });
+  return components;
+}
+
+/// A face between a local component and an element of another rank.
+struct Contact {
+  int component;
+  std::int64_t neighbor;  ///< offset in the halo's box
+};
+
+template <int Dim>
+std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const IndexBox<Dim>& halo_box,
+                                 const LocalComponents<Dim>& components) {
+  std::vector<Contact> contacts;
+  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    if (components.of_element[offset] < 0) return;
+    for_each_face_neighbor<Dim>(halo_box, element, [&](const Index<Dim>& neighbor) {
+      if (!box.contains(neighbor))
+        contacts.push_back({components.of_element[offset], halo_box.offset(neighbor)});
+    });
+  });
+  return contacts;
+}
+
+/// Smallest first element of all components, of all ranks, that hang together with each local one. A round
+/// carries labels across one boundary between ranks, so the number of rounds is that of the boundaries a
+/// piece winds through.
+template <int Dim>
+std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents<Dim>& components) {
+  constexpr double nothing = -1.0;
+  Index<Dim> width;
+  width.fill(1);
+  const ElementHalo<Dim> halo(grid, width);
+  const std::vector<Contact> contacts = contacts_of<Dim>(grid.owned_elements(), halo.box(), components);
+  std::vector<std::int64_t> labels = components.first;
+  std::vector<double> field(components.of_element.size(), nothing);
+  bool changed = true;
+  while (any(grid.comm(), changed)) {
+    changed = false;
+    for (std::size_t e = 0; e < field.size(); ++e)  // labels are below 2^53: exact as double
+      if (components.of_element[e] >= 0) field[e] = static_cast<double>(labels[components.of_element[e]]);
+    const std::vector<double> extended = halo.gather(field);
+    for (const Contact& contact : contacts) {
+      const auto label = static_cast<std::int64_t>(extended[contact.neighbor]);
+      if (label < 0 || label >= labels[contact.component]) continue;
+      labels[contact.component] = label;
+      changed = true;
+    }
+  }
+  return labels;
+}
+
+/// The labels of all pieces on all ranks, ascending. A label is contributed by the rank that has the element
+/// it names.
+std::vector<std::int64_t> gather_labels(MPI_Comm comm, const std::vector<std::int64_t>& first,
+                                        const std::vector<std::int64_t>& labels) {
+  std::vector<std::int64_t> own;
+  for (std::size_t c = 0; c < first.size(); ++c)
+    if (first[c] == labels[c]) own.push_back(first[c]);
+  std::vector<std::int64_t> all = gather_all(comm, own);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Sizes, bounding boxes and plate contact of pieces, first of this rank's share, then of all ranks.
+template <int Dim>
+struct PieceMeasures {
+  explicit PieceMeasures(std::size_t pieces)
+      : counts(2 * pieces), extremes(2 * Dim * pieces, std::numeric_limits<std::int64_t>::max()) {}
+
+  void add(int piece, const Index<Dim>& element, bool touches_plate) {
+    counts[2 * piece] += 1;
+    counts[2 * piece + 1] += touches_plate ? 1 : 0;
+    for (int axis = 0; axis < Dim; ++axis) {
+      std::int64_t* extreme = &extremes[2 * (Dim * piece + axis)];
+      extreme[0] = std::min<std::int64_t>(extreme[0], element[axis]);
+      extreme[1] = std::min<std::int64_t>(extreme[1], -(element[axis] + 1));
+    }
+  }
+  void reduce(MPI_Comm comm) {
+    sum_in_place(comm, counts);
+    MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_INT64_T, MPI_MIN,
+                  comm);
+  }
+  Piece<Dim> piece(int number, const Point<Dim>& spacing) const {
+    Piece<Dim> result;
+    result.elements = counts[2 * number];
+    result.touches_plate = counts[2 * number + 1] > 0;
+    for (int axis = 0; axis < Dim; ++axis) {
+      const std::int64_t* extreme = &extremes[2 * (Dim * number + axis)];
+      result.min[axis] = static_cast<double>(extreme[0]) * spacing[axis];
+      result.max[axis] = static_cast<double>(-extreme[1]) * spacing[axis];
+    }
+    return result;
+  }
+
+  std::vector<std::int64_t> counts;    ///< elements, and those with a face on the plate
+  std::vector<std::int64_t> extremes;  ///< for each axis: lowest index, and minus the highest plus one
+};
+
+}  // namespace
+
+template <int Dim>
+PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
+                          const std::vector<char>& on_substrate) {
+  const LocalComponents<Dim> components = flood_fill<Dim>(grid, density);
+  const std::vector<std::int64_t> labels = join_components<Dim>(grid, components);
+  const std::vector<std::int64_t> all_labels = gather_labels(grid.comm(), components.first, labels);
+
+  PieceMap<Dim> map;
+  map.piece_of_element.assign(density.size(), -1);
+  PieceMeasures<Dim> measures(all_labels.size());
+  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    if (components.of_element[offset] < 0) return;
+    const std::int64_t label = labels[components.of_element[offset]];
+    const auto piece = std::lower_bound(all_labels.begin(), all_labels.end(), label) - all_labels.begin();
+    map.piece_of_element[offset] = static_cast<int>(piece);
+    const bool stands = plate.touches<Dim>(element, grid.domain().elements) ||
+                        (!on_substrate.empty() && on_substrate[offset] != 0);
+    measures.add(static_cast<int>(piece), element, stands);
+  });
+  measures.reduce(grid.comm());
+
+  // Largest first; a stable sort keeps the order of the lowest elements among equals.
+  std::vector<int> order(all_labels.size()), rank_of_piece(all_labels.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return measures.counts[2 * a] > measures.counts[2 * b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    rank_of_piece[order[i]] = static_cast<int>(i);
+    map.pieces.push_back(measures.piece(order[i], grid.spacing()));
+  }
+  for (int& piece : map.piece_of_element)
+    if (piece >= 0) piece = rank_of_piece[piece];
+  return map;
+}
+
+template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&,
+                                    const std::vector<char>&);
+template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&,
+                                    const std::vector<char>&);
+
+}  // namespace fabseq

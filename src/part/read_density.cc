@@ -1,0 +1,159 @@
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/part/part.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace fabseq {
+
+namespace {
+
+/// Work of an element outside part and substrate relative to one inside.
+constexpr double void_weight = 0.1;
+
+template <int Dim>
+std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape, const IndexBox<Dim>& box) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < Dim; ++axis)
+    smallest = std::min(smallest, domain.size[axis] / domain.elements[axis]);
+  std::vector<double> density(static_cast<std::size_t>(box.count()));
+  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    density[offset] =
+        shape.contains(element_center<Dim>(domain, element), shape_tolerance * smallest) ? 1.0 : 0.0;
+  });
+  return density;
+}
+
+/// Of the samples of each element of `box`.
+template <int Dim>
+std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim>& of_samples,
+                          const IndexBox<Dim>& box, int sampling) {
+  std::vector<double> sums(static_cast<std::size_t>(box.count()), 0.0);
+  of_samples.for_each([&](const Index<Dim>& sample, std::int64_t offset) {
+    Index<Dim> element = sample;
+    for (int& index : element) index /= sampling;
+    sums[box.offset(element)] += samples[offset];
+  });
+  for (double& value : sums) value /= std::pow(sampling, Dim);
+  return sums;
+}
+
+/// Throws InputError, on all ranks, unless all densities lie between 0 and 1.
+void require_densities(MPI_Comm comm, const std::vector<double>& density, const VoxelFile& voxels) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  std::int64_t not_a_number = 0;
+  for (const double value : density) {
+    if (std::isnan(value)) ++not_a_number;
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
+  not_a_number = sum(comm, not_a_number);
+  lowest = min(comm, lowest);
+  highest = max(comm, highest);
+  const std::string name =
+      "/part/voxels/dataset: dataset '" + voxels.dataset + "' of '" + voxels.file + "' has ";
+  if (not_a_number > 0)
+    throw InputError(name + std::to_string(not_a_number) +
+                     " values that are not a number, needs densities from 0 to 1");
+  if (voxels.threshold || (lowest >= 0.0 && highest <= 1.0)) return;
+  std::array<char, 64> range{};
+  std::snprintf(range.data(), range.size(), "%g to %g", lowest, highest);
+  throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
+}
+
+/// The elements that a file has; throws InputError if these are not all of `domain`, or `sampling` - 1 planes fewer.
+template <int Dim>
+Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& domain, int sampling) {
+  Index<Dim> found = domain.elements;
+  std::array<hsize_t, Dim> shape;  // axes of the file run the other way: [z][y][x]
+  for (int axis = 0; axis < Dim; ++axis) {
+    hsize_t& extent = shape[Dim - 1 - axis];
+    extent = static_cast<hsize_t>(domain.elements[axis]);
+    if (dataset.shape().size() != Dim) continue;
+    const hsize_t missing = extent - dataset.shape()[Dim - 1 - axis];  // huge where the file has more
+    if (missing < static_cast<hsize_t>(sampling)) extent -= missing;
+    found[axis] = static_cast<int>(extent);
+  }
+  dataset.require_shape(shape, sampling == 1
+                                   ? "domain.elements reversed"
+                                   : "domain.elements times part.sampling reversed, or planes fewer");
+  return found;
+}
+
+/// Densities of the elements of `box`, 0 of those that the file lacks.
+template <int Dim>
+std::vector<double> read_box(const Hdf5ParallelDataset& dataset, const Index<Dim>& there,
+                             const IndexBox<Dim>& box) {
+  IndexBox<Dim> read = box;
+  std::array<hsize_t, Dim> start, count;
+  for (int axis = 0; axis < Dim; ++axis) {
+    read.size[axis] = std::clamp(there[axis] - box.start[axis], 0, box.size[axis]);
+    start[Dim - 1 - axis] = static_cast<hsize_t>(read.size[axis] > 0 ? box.start[axis] : 0);
+    count[Dim - 1 - axis] = static_cast<hsize_t>(read.size[axis]);
+  }
+  std::vector<double> values = dataset.read(start, count);
+  if (read.size == box.size) return values;
+  std::vector<double> density(static_cast<std::size_t>(box.count()), 0.0);
+  read.for_each(
+      [&](const Index<Dim>& element, std::int64_t offset) { density[box.offset(element)] = values[offset]; });
+  return density;
+}
+
+template <int Dim>
+std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const VoxelFile& voxels,
+                                int sampling, const IndexBox<Dim>& box) {
+  const Hdf5ParallelDataset dataset(comm, voxels.file, voxels.dataset, "/part/voxels/file",
+                                    "/part/voxels/dataset");
+  std::vector<double> density = read_box<Dim>(dataset, elements_of<Dim>(dataset, domain, sampling), box);
+  require_densities(comm, density, voxels);
+  if (voxels.threshold)
+    for (double& value : density) value = value >= *voxels.threshold ? 1.0 : 0.0;
+  return density;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
+                                 const IndexBox<Dim>& box) {
+  const int sampling = description.sampling;
+  Domain<Dim> finer = domain;
+  IndexBox<Dim> of_samples = box;
+  for (int axis = 0; axis < Dim; ++axis) {
+    finer.elements[axis] *= sampling;
+    of_samples.start[axis] *= sampling;
+    of_samples.size[axis] *= sampling;
+  }
+  const auto* voxels = std::get_if<VoxelFile>(&description.source);
+  std::vector<double> samples =
+      voxels != nullptr ? read_voxels<Dim>(comm, finer, *voxels, sampling, of_samples)
+                        : evaluate_shape<Dim>(finer, std::get<Shape>(description.source), of_samples);
+  return sampling == 1 ? samples : means<Dim>(samples, of_samples, box, sampling);
+}
+
+template <int Dim>
+Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description) {
+  return Grid<Dim>(comm, domain, [&](const IndexBox<Dim>& box) {
+    std::vector<double> weights = read_density<Dim>(comm, domain, description, box);
+    if (description.substrate) {
+      const std::vector<double> substrate = evaluate_shape<Dim>(domain, *description.substrate, box);
+      for (std::size_t e = 0; e < weights.size(); ++e) weights[e] = std::max(weights[e], substrate[e]);
+    }
+    for (double& value : weights) value = value > 0.0 ? 1.0 : void_weight;
+    return weights;
+  });
+}
+
+template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
+                                             const IndexBox<2>&);
+template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
+                                             const IndexBox<3>&);
+template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
+template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
+
+}  // namespace fabseq

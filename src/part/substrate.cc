@@ -1,0 +1,83 @@
+#include "fabseq/part/substrate.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/grid/element_halo.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace fabseq {
+
+template <int Dim>
+std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements) {
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
+  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    if (elements[offset] == 0) return;
+    for (const int corner : grid.corner_offsets()) ghosted[grid.first_corner(element) + corner] = 1.0;
+  });
+  std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()));
+  grid.exchange(1).add_to_owned(ghosted, owned);
+  std::vector<char> nodes(owned.size());
+  std::transform(owned.begin(), owned.end(), nodes.begin(),
+                 [](double value) { return static_cast<char>(value > 0.0); });
+  return nodes;
+}
+
+template <int Dim>
+Substrate<Dim>::Substrate(const Grid<Dim>& grid, const std::optional<Shape>& shape)
+    : grid_(grid),
+      elements_(static_cast<std::size_t>(grid.owned_elements().count()), 0),
+      nodes_(static_cast<std::size_t>(grid.owned_nodes().count()), 0) {
+  if (!shape) return;
+  const double tolerance = shape_tolerance * grid.smallest_spacing();
+  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    elements_[offset] = shape->contains(grid.element_center(element), tolerance) ? 1 : 0;
+  });
+  count_ = sum(grid.comm(), static_cast<std::int64_t>(std::count(elements_.begin(), elements_.end(), 1)));
+  if (count_ == 0)
+    throw InputError(
+        "/substrate: no element's centre in the domain lies inside the shape; needs at least one");
+  nodes_ = nodes_of_elements(grid, elements_);
+}
+
+template <int Dim>
+std::vector<char> Substrate<Dim>::nodes_towards(const BuildPlate& plate) const {
+  const int away = plate.upper ? -1 : 1;
+  int lowest = std::numeric_limits<int>::max();
+  grid_.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    if (nodes_[offset] != 0) lowest = std::min(lowest, away * node[plate.axis]);
+  });
+  lowest = static_cast<int>(min(grid_.comm(), static_cast<std::int64_t>(lowest)));
+  std::vector<char> result(nodes_.size(), 0);
+  grid_.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    result[offset] = nodes_[offset] != 0 && away * node[plate.axis] == lowest ? 1 : 0;
+  });
+  return result;
+}
+
+template <int Dim>
+std::vector<double> Substrate<Dim>::contact_distance() const {
+  std::vector<double> distance(elements_.size(), std::numeric_limits<double>::infinity());
+  if (count_ == 0) return distance;
+  Index<Dim> width{};
+  width.fill(1);
+  const ElementHalo<Dim> halo(grid_, width);
+  const std::vector<double> there = halo.gather(std::vector<double>(elements_.begin(), elements_.end()));
+  grid_.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    for (int face = 0; face < 2 * Dim; ++face) {
+      Index<Dim> neighbor = element;
+      neighbor[face / 2] += face % 2 == 0 ? -1 : 1;
+      if (halo.box().contains(neighbor) && there[halo.box().offset(neighbor)] > 0.0)
+        distance[offset] = std::min(distance[offset], 0.5 * grid_.spacing()[face / 2]);
+    }
+  });
+  return distance;
+}
+
+template class Substrate<2>;
+template class Substrate<3>;
+template std::vector<char> nodes_of_elements<2>(const Grid<2>&, const std::vector<char>&);
+template std::vector<char> nodes_of_elements<3>(const Grid<3>&, const std::vector<char>&);
+
+}  // namespace fabseq

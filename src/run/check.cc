@@ -1,0 +1,92 @@
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/run/tasks.h"
+#include "fabseq/sequence/geodesic_distance.h"
+#include "fabseq/sequence/given_sequence.h"
+
+#include <cstdio>
+
+namespace fabseq {
+
+namespace {
+
+template <class... Arguments>
+void print_line(const char* format, Arguments... arguments) {
+  char line[200];
+  std::snprintf(line, sizeof line, format, arguments...);
+  print(line);
+}
+
+template <int Dim>
+std::string place(const Point<Dim>& point) {
+  std::string text = "[";
+  for (int axis = 0; axis < Dim; ++axis) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%s%.6g", axis > 0 ? "," : "", point[axis]);
+    text += number;
+  }
+  return text + "]";
+}
+
+template <int Dim>
+void print_cost(const Setup<Dim>& setup) {
+  const int ranks = size_of(setup.world());
+  const SolverPath path = setup.config.solver.path;
+  const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
+  print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
+             2 + size.functionals);
+  if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
+  const OptimizerSettings& optimizer = setup.config.optimizer;
+  print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
+             path == SolverPath::lanes ? "lanes" : "reference path", ranks,
+             memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
+             iteration_seconds_estimate(size, path), optimizer.max_iterations);
+  if (optimizer.coarse_iterations > 0)
+    print_line("before that, on grids of half the resolution: %d iterations", optimizer.coarse_iterations);
+}
+
+}  // namespace
+
+template <int Dim>
+void run_check(const Setup<Dim>& setup) {
+  const Part<Dim>& part = setup.part;
+  const std::vector<double> distance = geodesic_distance(part);
+  print("config " + setup.config.name);
+  print_line("part: %lld elements of %lld (fill %.4f), volume %.6g", static_cast<long long>(part.count()),
+             static_cast<long long>(setup.grid.all_elements().count()),
+             static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
+             part.volume());
+  print("bounding box " + place<Dim>(part.lower()) + " to " + place<Dim>(part.upper()));
+  print_line("pieces: %zu", part.pieces().size());
+  for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
+    const Piece<Dim>& piece = part.pieces()[i];
+    print("  " + std::to_string(piece.elements) + " elements in " + place<Dim>(piece.min) + " to " +
+          place<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
+  }
+  const bool on_substrate = part.substrate().count() > 0;
+  const std::string place_of_contact = on_substrate ? "contact with plate or substrate: " : "plate contact: ";
+  if (on_substrate) print("substrate: " + std::to_string(part.substrate().count()) + " elements");
+  print(place_of_contact + std::to_string(part.plate_contact()) + " elements");
+  if (on_substrate || setup.config.part.clamps) {
+    const auto clamped = sum(setup.grid.comm(), static_cast<std::int64_t>(setup.supports.holding.size()));
+    print("clamped: " + std::to_string(clamped) + " nodes");
+  }
+  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
+             geodesic_height(part, distance));
+  print_line(setup.config.layers.multi_planar ? "layers: about %d multi-planar, %d planar in the baseline"
+                                              : "layers: %d curved, %d planar in the baseline",
+             setup.layer_count, setup.baseline_layers);
+  const std::int64_t variables =
+      sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
+  print_line("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
+             setup.design_support.on_nodes() ? "nodes" : "elements", setup.layer_variables.count(),
+             setup.config.layers.multi_planar ? "angles" : "time points");
+  for (const auto& [name, nodes] : setup.node_sets)
+    print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
+  print_cost(setup);
+}
+
+template void run_check<2>(const Setup<2>&);
+template void run_check<3>(const Setup<3>&);
+
+}  // namespace fabseq

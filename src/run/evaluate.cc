@@ -1,0 +1,79 @@
+#include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
+#include "fabseq/files/hdf5_writer.h"
+#include "fabseq/run/layer_variable_output.h"
+#include "fabseq/run/run_output.h"
+#include "fabseq/run/tasks.h"
+
+#include <algorithm>
+#include <string>
+
+namespace fabseq {
+
+double evaluation_tolerance(const Config& config) { return std::min(config.solver.tolerance, 1e-9); }
+
+namespace {
+
+/// A gradient row for every component of every response.
+template <int Dim>
+std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values) {
+  std::vector<GradientRow> rows;
+  for (std::size_t r = 0; r < values.size(); ++r)
+    for (std::size_t c = 0; c < values[r].size(); ++c)
+      rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
+  return rows;
+}
+
+/// NAME/design, and NAME/time_points or NAME/angles, where they are variables.
+template <int Dim>
+void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string& name,
+                    const Design& gradient, bool has_field) {
+  if (has_field) {
+    const std::vector<double> field = setup.design_field(gradient.field);
+    FieldSet<Dim> fields;
+    fields.grid = &setup.grid;
+    fields.add(setup.design_support.on_nodes(), name + "/design", field);
+    file.template write_fields<Dim>(fields);
+  }
+  write_layer_variables(file, setup.layer_variables, name + "/", gradient);
+}
+
+}  // namespace
+
+template <int Dim>
+void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
+  const double tolerance = evaluation_tolerance(setup.config);
+  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
+                         timer);
+  Problem<Dim> problem(setup);
+  const Design design = starting_design(setup, pipeline.sequence(), command_line);
+  const OutputDirectory directory = make_output_directory(setup, command_line);
+  const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
+
+  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
+  const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
+  const std::vector<GradientRow> rows = all_components<Dim>(report.values);
+  const auto gradients = pipeline.gradients(problem.responses(), state, rows);
+
+  Hdf5Writer file(setup.world(), directory.file("gradients.h5"));
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    write_gradient(file, setup, problem.component_name(rows[row][0].response, rows[row][0].component),
+                   gradients[row], pipeline.sequence().has_design());
+  file.close();
+  Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
+  for (const auto& [key, value] : report.block.members()) record.set(key, value);
+  set_layer_variables(record, setup.layer_variables, design);
+  const SolverIterations& solves = pipeline.iterations();
+  record.set("solver_iterations",
+             Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}}));
+  directory.write("evaluation.json", record.dump(2) + "\n");
+  for (const Json& response : report.block.at("responses").items())
+    print(response.at("name").string() + " (" + response.at("type").string() +
+          "): " + response.at("value").dump());
+  print("values and gradients in " + directory.path());
+}
+
+template void run_evaluate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
+template void run_evaluate<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+
+}  // namespace fabseq

@@ -1,0 +1,55 @@
+#include "fabseq/base/mpi.h"
+#include "fabseq/run/run_output.h"
+
+#include <hdf5.h>
+#include <petscsys.h>
+
+namespace fabseq {
+
+namespace {
+
+Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+  char petsc[256];
+  check(PetscGetVersion(petsc, sizeof petsc));
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int length = 0;
+  MPI_Get_library_version(mpi, &length);
+  Json record = config.effective;
+  record.set("run", Json::object({{"command_line", command_line.text},
+                                  {"fabseq", FABSEQ_VERSION},
+                                  {"petsc", petsc},
+                                  {"mpi", mpi},
+                                  {"hdf5", H5_VERS_INFO},
+                                  {"ranks", size_of(comm)}}));
+  return record;
+}
+
+}  // namespace
+
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues) {
+  const MPI_Comm comm = setup.world();
+  const std::string path = output_path(setup.config, command_line);
+  const bool goes_on = command_line.restart == "auto" ||
+                       (command_line.restart && same_directory(comm, *command_line.restart, path));
+  const bool replaces = command_line.overwrite || goes_on;
+  OutputDirectory directory =
+      continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
+  if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
+  directory.write("config.json", config_record(setup.config, command_line, comm).dump(2) + "\n");
+  return directory;
+}
+
+Json seconds_record(const std::array<double, phase_count>& phases, double total) {
+  Json record = Json::object();
+  for (int phase = 0; phase < phase_count; ++phase)
+    record.set(std::string(phase_names[phase]), phases[phase]);
+  record.set("total", total);
+  return record;
+}
+
+template OutputDirectory make_output_directory<2>(const Setup<2>&, const CommandLine&, bool);
+template OutputDirectory make_output_directory<3>(const Setup<3>&, const CommandLine&, bool);
+
+}  // namespace fabseq

@@ -1,7 +1,0 @@
-#include "fabseq/solve/lane_cg_impl.h"
-
-namespace fabseq {
-
-template class LaneCg<LaneElasticityProblem<3>, 8>;
-
-}  // namespace fabseq

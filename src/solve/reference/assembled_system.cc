@@ -1,0 +1,258 @@
+#include "fabseq/solve/reference/assembled_system.h"
+
+#include "fabseq/base/log_event.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
+#include "fabseq/solve/reference/block_solve.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+/// Right-hand sides a factorization takes at a time: as many as MUMPS works on at once, and no more memory.
+constexpr std::size_t block_columns = 32;
+/// Iterations between two questions whether to stop.
+constexpr PetscInt poll_interval = 10;
+
+/// PETSc's own convergence test, which also ends where a rank has been asked to stop.
+PetscErrorCode converged_or_stopped(KSP solver, PetscInt iteration, PetscReal norm,
+                                    KSPConvergedReason* reason, void* context) {
+  PetscFunctionBegin;
+  PetscCall(KSPConvergedDefault(solver, iteration, norm, reason, context));
+  if (*reason == KSP_CONVERGED_ITERATING && iteration % poll_interval == poll_interval - 1 &&
+      any(PetscObjectComm(reinterpret_cast<PetscObject>(solver)), stop_requested()))
+    *reason = KSP_DIVERGED_BREAKDOWN;
+  PetscFunctionReturn(0);
+}
+
+}  // namespace
+
+template <int Dim>
+AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
+                                      std::shared_ptr<const UnknownNumbering<Dim>> numbering,
+                                      const AssembledSolverSettings& settings)
+    : domain_(domain),
+      numbering_(std::move(numbering)),
+      settings_(settings),
+      method_(usable_method(settings.method, *numbering_)) {
+  create_matrix();
+  create_solver();
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::create_matrix() {
+  const int block = numbering_->components();
+  const auto rows = static_cast<PetscInt>(numbering_->owned_nodes().size());
+  const auto& grid = numbering_->grid();
+  // A node couples to at most 3^Dim nodes: count those that are unknowns, here or on other ranks.
+  std::vector<PetscInt> own(rows, 0), other(rows, 0);
+  const auto first = static_cast<PetscInt>(numbering_->first());
+  for (PetscInt row = 0; row < rows; ++row) {
+    const Index<Dim> node = grid.owned_nodes().index(numbering_->owned_nodes()[row]);
+    IndexBox<Dim> neighbours;
+    for (int axis = 0; axis < Dim; ++axis) {
+      neighbours.start[axis] = std::max(node[axis] - 1, 0);
+      neighbours.size[axis] =
+          std::min(node[axis] + 1, grid.domain().elements[axis]) + 1 - neighbours.start[axis];
+    }
+    neighbours.for_each([&](const Index<Dim>& neighbour, std::int64_t) {
+      const PetscInt number = numbering_->numbers()[grid.ghosted_nodes().offset(neighbour)];
+      if (number >= first && number < first + rows)
+        ++own[row];
+      else if (number >= 0)
+        ++other[row];
+    });
+  }
+  check(MatCreate(grid.comm(), matrix_.receive()));
+  check(MatSetSizes(matrix_, rows * block, rows * block, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(matrix_, MATAIJ));
+  check(MatSetBlockSize(matrix_, block));
+  check(MatXAIJSetPreallocation(matrix_, block, own.data(), other.data(), nullptr, nullptr));
+  check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE));
+  check(MatCreateVecs(matrix_, solution_.receive(), load_.receive()));
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::create_solver() {
+  check(KSPCreate(numbering_->grid().comm(), solver_.receive()));
+  check(KSPSetType(solver_, KSPCG));
+  check(KSPSetNormType(solver_, KSP_NORM_PRECONDITIONED));
+  check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
+  void* test = nullptr;
+  check(KSPConvergedDefaultCreate(&test));
+  check(KSPSetConvergenceTest(solver_, converged_or_stopped, test, KSPConvergedDefaultDestroy));
+  check(KSPSetResidualHistory(solver_, nullptr, PETSC_DECIDE, PETSC_TRUE));
+  check(KSPSetOptionsPrefix(solver_, settings_.options_prefix.c_str()));
+  check(KSPSetOperators(solver_, matrix_, matrix_));
+  set_up_preconditioner(solver_, matrix_, *numbering_, method_, relaxed_);
+  check(KSPSetFromOptions(solver_));
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
+  static const LogEvent event("fabseq set-up");
+  const auto scope = event.enter();
+  const auto& grid = numbering_->grid();
+  constexpr int corners = corner_count<Dim>;
+  const std::size_t entries = terms.begin()->matrix.size();
+  std::vector<double> element_matrix(entries);
+  std::array<PetscInt, corners> nodes{};
+  check(MatZeroEntries(matrix_));
+  for (std::size_t element = 0; element < domain_.first_corners.size(); ++element) {
+    std::fill(element_matrix.begin(), element_matrix.end(), 0.0);
+    for (const Term& term : terms) {
+      const double coefficient = term.coefficients.empty() ? 1.0 : term.coefficients[element];
+      for (std::size_t i = 0; i < entries; ++i) element_matrix[i] += coefficient * term.matrix[i];
+    }
+    // Negative numbers, the nodes that are no unknowns, are skipped by PETSc.
+    for (int corner = 0; corner < corners; ++corner)
+      nodes[corner] = numbering_->numbers()[domain_.first_corners[element] + grid.corner_offsets()[corner]];
+    check(MatSetValuesBlocked(matrix_, corners, nodes.data(), corners, nodes.data(), element_matrix.data(),
+                              ADD_VALUES));
+  }
+  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
+  const auto& fixed = numbering_->fixed_rows();
+  check(
+      MatZeroRowsColumns(matrix_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
+  // GAMG cannot change the sizes of its levels in place.
+  if (method_ == ReferenceMethod::gamg) create_solver();
+  check(KSPSetUp(solver_));
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar* values) const {
+  const int block = numbering_->components();
+  std::size_t position = 0;
+  for (const int node : numbering_->owned_nodes())
+    for (int c = 0; c < block; ++c) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+      values[position++] = domain_.fixed[unknown] != 0 ? 0.0 : load[unknown];
+    }
+}
+
+/// Aggregates couple a node's components: rounding reaches fixed ones, too.
+template <int Dim>
+void AssembledSystem<Dim>::scatter_solution(const PetscScalar* values, std::span<double> solution) const {
+  const int block = numbering_->components();
+  std::fill(solution.begin(), solution.end(), 0.0);
+  std::size_t position = 0;
+  for (const int node : numbering_->owned_nodes())
+    for (int c = 0; c < block; ++c, ++position) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+      if (domain_.fixed[unknown] == 0) solution[unknown] = values[position];
+    }
+}
+
+template <int Dim>
+SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<double> solution) {
+  static const LogEvent event("fabseq solve");
+  const auto scope = event.enter();
+  PetscScalar* values = nullptr;
+  check(VecGetArray(load_, &values));
+  gather_load(load, values);
+  check(VecRestoreArray(load_, &values));
+  std::fill(solution.begin(), solution.end(), 0.0);
+  PetscReal size = 0.0;
+  check(VecNorm(load_, NORM_INFINITY, &size));
+  if (size == 0.0) return {};
+
+  const MPI_Comm comm = numbering_->grid().comm();
+  stop_if_requested(comm);
+  check(KSPSolve(solver_, load_, solution_));
+  SolveReport report = last_report();
+  if (!report.converged) stop_if_requested(comm);
+  if (!report.converged && relax()) {
+    check(KSPSolve(solver_, load_, solution_));
+    report = last_report();
+  }
+  const PetscScalar* result = nullptr;
+  check(VecGetArrayRead(solution_, &result));
+  scatter_solution(result, solution);
+  check(VecRestoreArrayRead(solution_, &result));
+  return report;
+}
+
+template <int Dim>
+std::vector<SolveReport> AssembledSystem<Dim>::solve(std::span<const std::vector<double>> loads,
+                                                     std::span<std::vector<double>> solutions) {
+  std::vector<SolveReport> reports;
+  while (reports.size() < loads.size()) {
+    const std::size_t first = reports.size();
+    const std::size_t count = std::min(block_columns, loads.size() - first);
+    if (method_ == ReferenceMethod::direct && count > 1) {
+      const auto block = solve_side_by_side(loads.subspan(first, count), solutions.subspan(first, count));
+      reports.insert(reports.end(), block.begin(), block.end());
+    } else {
+      reports.push_back(solve(std::span<const double>(loads[first]), solutions[first]));
+    }
+  }
+  return reports;
+}
+
+template <int Dim>
+std::vector<SolveReport> AssembledSystem<Dim>::solve_side_by_side(std::span<const std::vector<double>> loads,
+                                                                  std::span<std::vector<double>> solutions) {
+  static const LogEvent event("fabseq block solve");
+  const auto scope = event.enter();
+  const std::size_t rows = numbering_->owned_nodes().size() * numbering_->components();
+  const auto columns = static_cast<PetscInt>(loads.size());
+  MatHandle load, solution;
+  check(MatCreateDense(numbering_->grid().comm(), static_cast<PetscInt>(rows), PETSC_DECIDE, PETSC_DETERMINE,
+                       columns, nullptr, load.receive()));
+  check(MatDuplicate(load, MAT_DO_NOT_COPY_VALUES, solution.receive()));
+  PetscScalar* values = nullptr;
+  check(MatDenseGetArrayWrite(load, &values));
+  for (PetscInt column = 0; column < columns; ++column) gather_load(loads[column], values + column * rows);
+  check(MatDenseRestoreArrayWrite(load, &values));
+
+  stop_if_requested(numbering_->grid().comm());
+  const BlockReport block = solve_block(solver_, load, solution, settings_.tolerance);
+  std::vector<SolveReport> reports;
+  const PetscScalar* result = nullptr;
+  check(MatDenseGetArrayRead(solution, &result));
+  for (PetscInt column = 0; column < columns; ++column) {
+    if (block.residuals[column] <= settings_.tolerance) {
+      reports.push_back(
+          {block.iterations, block.residuals[column], true, KSPConvergedReasons[KSP_CONVERGED_RTOL]});
+      scatter_solution(result + column * rows, solutions[column]);
+    } else {
+      reports.push_back(solve(std::span<const double>(loads[column]), solutions[column]));
+    }
+  }
+  check(MatDenseRestoreArrayRead(solution, &result));
+  return reports;
+}
+
+template <int Dim>
+SolveReport AssembledSystem<Dim>::last_report() const {
+  SolveReport report;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(solver_, &reason));
+  check(KSPGetIterationNumber(solver_, &report.iterations));
+  PetscReal norm = 0.0;
+  check(KSPGetResidualNorm(solver_, &norm));
+  const PetscReal* history = nullptr;
+  PetscInt recorded = 0;
+  check(KSPGetResidualHistory(solver_, &history, &recorded));
+  report.residual = recorded > 0 && history[0] > 0.0 ? norm / history[0] : norm;
+  report.converged = reason > 0;
+  report.reason = KSPConvergedReasons[reason];
+  return report;
+}
+
+template <int Dim>
+bool AssembledSystem<Dim>::relax() {
+  if (method_ == ReferenceMethod::direct || relaxed_) return false;
+  relaxed_ = true;
+  create_solver();
+  check(KSPSetUp(solver_));
+  return true;
+}
+
+template class AssembledSystem<2>;
+template class AssembledSystem<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,185 @@
+#include "fabseq/solve/reference/interpolation.h"
+
+#include "fabseq/base/mpi.h"
+
+#include <array>
+#include <memory>
+#include <span>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+/// A level's nodes on this rank: a coarse node belongs to the rank that owns the fine node it coincides with.
+template <int Dim>
+struct Level {
+  Index<Dim> elements{};
+  IndexBox<Dim> owned, ghosted;
+  std::array<std::vector<PetscInt>, Dim> node_ranges;  ///< nodes of each process along each axis
+  DmHandle dm;
+  std::unique_ptr<NodeExchange<Dim>> exchange;
+  std::vector<PetscInt> numbers;  ///< of the ghosted nodes, -1: no unknown
+  std::vector<int> unknowns;      ///< owned offsets
+  std::int64_t count = 0;
+};
+
+template <int Dim>
+DmHandle make_level_dm(const Grid<Dim>& grid, const Level<Dim>& level) {
+  DmHandle dm;
+  const auto& p = grid.processes();
+  const auto& r = level.node_ranges;
+  const auto none = DM_BOUNDARY_NONE;
+  if constexpr (Dim == 2)
+    check(DMDACreate2d(grid.comm(), none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
+                       level.elements[1] + 1, p[0], p[1], 1, 1, r[0].data(), r[1].data(), dm.receive()));
+  else
+    check(DMDACreate3d(grid.comm(), none, none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
+                       level.elements[1] + 1, level.elements[2] + 1, p[0], p[1], p[2], 1, 1, r[0].data(),
+                       r[1].data(), r[2].data(), dm.receive()));
+  check(DMSetUp(dm));
+  return dm;
+}
+
+/// Node counts of each process along each axis, from the boxes the ranks own.
+template <int Dim>
+std::array<std::vector<PetscInt>, Dim> gather_ranges(const Grid<Dim>& grid, const IndexBox<Dim>& owned) {
+  std::array<std::vector<PetscInt>, Dim> ranges;
+  int stride = 1;
+  for (int axis = 0; axis < Dim; ++axis) {
+    std::vector<std::int64_t> counts(grid.processes()[axis], 0);
+    const int position = rank_of(grid.comm()) / stride % grid.processes()[axis];
+    // Every rank of a slab contributes the same number: the largest is it.
+    counts[position] = owned.size[axis];
+    for (std::int64_t& count : counts) ranges[axis].push_back(static_cast<PetscInt>(max(grid.comm(), count)));
+    stride *= grid.processes()[axis];
+  }
+  return ranges;
+}
+
+template <int Dim>
+Level<Dim> finest_level(const Grid<Dim>& grid) {
+  Level<Dim> level;
+  level.elements = grid.domain().elements;
+  level.owned = grid.owned_nodes();
+  return level;
+}
+
+/// The next coarser level's boxes; false if the grid cannot be coarsened further.
+template <int Dim>
+bool coarsen_boxes(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
+  bool possible = true;
+  for (int axis = 0; axis < Dim; ++axis) {
+    possible = possible && fine.elements[axis] % 2 == 0;
+    coarse.elements[axis] = fine.elements[axis] / 2;
+    const int begin = (fine.owned.start[axis] + 1) / 2;
+    const int end = (fine.owned.start[axis] + fine.owned.size[axis] + 1) / 2;
+    coarse.owned.start[axis] = begin;
+    coarse.owned.size[axis] = end - begin;
+    possible = possible && end > begin;
+    const int ghost_begin = std::max(begin - 1, 0);
+    coarse.ghosted.start[axis] = ghost_begin;
+    coarse.ghosted.size[axis] = std::min(end + 1, coarse.elements[axis] + 1) - ghost_begin;
+  }
+  return !any(grid.comm(), !possible);
+}
+
+/// Calls f(coarse node, weight) for the coarse nodes that interpolate to a fine node.
+template <int Dim, class Function>
+void for_each_parent(const Index<Dim>& fine, Function&& f) {
+  for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+    Index<Dim> parent{};
+    double weight = 1.0;
+    bool distinct = true;
+    for (int axis = 0; axis < Dim; ++axis) {
+      const int bit = (corner >> axis) & 1;
+      const bool between = fine[axis] % 2 != 0;
+      distinct = distinct && (between || bit == 0);
+      parent[axis] = fine[axis] / 2 + (between ? bit : 0);
+      if (between) weight *= 0.5;
+    }
+    if (distinct) f(parent, weight);
+  }
+}
+
+template <int Dim>
+void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
+  coarse.node_ranges = gather_ranges(grid, coarse.owned);
+  coarse.dm = make_level_dm(grid, coarse);
+  coarse.exchange = std::make_unique<NodeExchange<Dim>>(coarse.dm, 1);
+  std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
+  std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));
+  for (const int offset : fine.unknowns)
+    for_each_parent<Dim>(fine.owned.index(offset), [&](const Index<Dim>& parent, double) {
+      ghosted[coarse.ghosted.offset(parent)] += 1.0;
+    });
+  coarse.exchange->add_to_owned(ghosted, owned);
+  for (std::size_t i = 0; i < owned.size(); ++i)
+    if (owned[i] > 0.0) coarse.unknowns.push_back(static_cast<int>(i));
+  std::int64_t number = exclusive_sum(grid.comm(), static_cast<std::int64_t>(coarse.unknowns.size()));
+  coarse.count = sum(grid.comm(), static_cast<std::int64_t>(coarse.unknowns.size()));
+  std::fill(owned.begin(), owned.end(), -1.0);
+  for (const int offset : coarse.unknowns) owned[offset] = static_cast<double>(number++);
+  coarse.exchange->to_ghosted(owned, ghosted);
+  coarse.numbers.assign(ghosted.begin(), ghosted.end());
+}
+
+template <int Dim>
+MatHandle interpolation(const Grid<Dim>& grid, int components, const Level<Dim>& fine,
+                        const Level<Dim>& coarse) {
+  MatHandle matrix;
+  const auto rows = static_cast<PetscInt>(fine.unknowns.size()) * components;
+  const auto columns = static_cast<PetscInt>(coarse.unknowns.size()) * components;
+  check(MatCreateAIJ(grid.comm(), rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, corner_count<Dim>, nullptr,
+                     corner_count<Dim>, nullptr, matrix.receive()));
+  PetscInt row = 0;
+  check(MatGetOwnershipRange(matrix, &row, nullptr));
+  for (const int offset : fine.unknowns) {
+    for_each_parent<Dim>(fine.owned.index(offset), [&](const Index<Dim>& parent, double weight) {
+      const PetscInt number = coarse.numbers[coarse.ghosted.offset(parent)];
+      for (int c = 0; c < components; ++c)
+        check(MatSetValue(matrix, row + c, number * components + c, weight, INSERT_VALUES));
+    });
+    row += components;
+  }
+  check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  return matrix;
+}
+
+}  // namespace
+
+template <int Dim>
+std::string coarsening_obstacle(const Grid<Dim>& grid) {
+  for (int axis = 0; axis < Dim; ++axis)
+    if (grid.domain().elements[axis] % 2 != 0)
+      return "an odd number of elements, " + std::to_string(grid.domain().elements[axis]) + ", along " +
+             static_cast<char>('x' + axis);
+  Level<Dim> coarse;
+  if (coarsen_boxes(grid, finest_level(grid), coarse)) return "";
+  return "too few elements for " + std::to_string(size_of(grid.comm())) + " ranks";
+}
+
+template <int Dim>
+std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest) {
+  const Grid<Dim>& grid = numbering.grid();
+  Level<Dim> fine = finest_level(grid);
+  fine.unknowns = numbering.owned_nodes();
+  fine.count = numbering.count();
+  std::vector<MatHandle> result;
+  Level<Dim> coarse;
+  while (fine.count > coarsest && coarsen_boxes(grid, fine, coarse)) {
+    number_unknowns(grid, fine, coarse);
+    result.push_back(interpolation(grid, numbering.components(), fine, coarse));
+    fine = std::move(coarse);
+    coarse = Level<Dim>();
+  }
+  return result;
+}
+
+template std::string coarsening_obstacle<2>(const Grid<2>&);
+template std::string coarsening_obstacle<3>(const Grid<3>&);
+template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
+template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
+
+}  // namespace fabseq

@@ -1,0 +1,150 @@
+#include "fabseq/config/command_line.h"
+
+#include "fabseq/config/schema.h"
+
+#include <gtest/gtest.h>
+
+#include "support/refusal.h"
+#include <set>
+
+namespace fabseq {
+namespace {
+
+CommandLine parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "fabseq");
+  return parse_command_line(static_cast<int>(words.size()), words.data());
+}
+
+std::string error_of(const std::vector<const char*>& words) {
+  return test::refusal([&] { (void)parse(words); });
+}
+
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+TEST(CommandLineTest, TakesItsOwnOptionsAndLeavesTheRest) {
+  const CommandLine line = parse({"-ksp_type", "cg", "-config", "a b.json", "-task", "simulate", "-output",
+                                  "out", "-log_view", "-overwrite", "-design", "d.h5", "-shift", "-1.5e3",
+                                  "-ksp_monitor", "-set", "layers.count=-3", "-last"});
+  EXPECT_EQ(line.config_file, "a b.json");
+  EXPECT_EQ(line.task, Task::simulate);
+  EXPECT_EQ(line.output, "out");
+  EXPECT_EQ(line.design_file, "d.h5");
+  EXPECT_TRUE(line.overwrite);
+  EXPECT_EQ(line.overrides, (Overrides{{"layers.count", "-3"}}));
+  const std::vector<std::string> rest = {"fabseq", "-ksp_type", "cg",           "-log_view",
+                                         "-shift", "-1.5e3",    "-ksp_monitor", "-last"};
+  EXPECT_EQ(line.petsc_arguments, rest);
+  EXPECT_EQ(line.text.rfind("fabseq -ksp_type cg -config 'a b.json' -task simulate", 0), 0U) << line.text;
+}
+
+TEST(CommandLineTest, Defaults) {
+  const CommandLine line = parse({"-config", "c.json"});
+  EXPECT_EQ(line.task, Task::optimize);
+  EXPECT_FALSE(line.output || line.design_file || line.overwrite || line.help || line.version);
+  EXPECT_TRUE(line.overrides.empty());
+  EXPECT_EQ(line.petsc_arguments, std::vector<std::string>{"fabseq"});
+}
+
+TEST(CommandLineTest, OverridesKeepTheirOrder) {
+  const CommandLine line =
+      parse({"-config", "c",       "-layers",      "8",         "-set",    "layers.count=9",
+             "-alpha",  "0.1",     "-elements",    "80,40,80",  "-layers", "10",
+             "-beta",   "auto",    "-solver_path", "reference", "-name",   "7",
+             "-set",    "a=b=c",   "-binary",      "-stages",   "false",   "-move_limit",
+             "0.1",     "-target", "0.2"});
+  const Overrides expected = {{"layers.count", "8"},
+                              {"layers.count", "9"},
+                              {"objective.layer_uniformity.weight", "0.1"},
+                              {"domain.elements", "[80,40,80]"},
+                              {"layers.count", "10"},
+                              {"projection.beta", "\"auto\""},
+                              {"solver.path", "\"reference\""},
+                              {"name", "\"7\""},
+                              {"a", "b=c"},
+                              {"projection.binary", "true"},
+                              {"output.stages", "false"},
+                              {"optimizer.move_limit", "0.1"},
+                              {"constraints.layer_thickness.target", "0.2"}};
+  EXPECT_EQ(line.overrides, expected);
+}
+
+TEST(CommandLineTest, AGivenSequenceIsForSimulations) {
+  EXPECT_EQ(parse({"-config", "c", "-task", "simulate", "-sequence", "t.h5"}).sequence_file, "t.h5");
+  EXPECT_FALSE(parse({"-config", "c"}).sequence_file);
+  EXPECT_NE(error_of({"-config", "c", "-sequence", "t.h5"}).find("-task simulate"), std::string::npos);
+  EXPECT_NE(error_of({"-config", "c", "-task", "simulate", "-sequence", "a", "-design", "b"}).find("-design"),
+            std::string::npos);
+}
+
+TEST(CommandLineTest, HelpAndVersionNeedNoConfig) {
+  EXPECT_TRUE(parse({"-help"}).help);
+  EXPECT_TRUE(parse({"--version"}).version);
+}
+
+TEST(CommandLineTest, Errors) {
+  EXPECT_EQ(error_of({}), "-config: missing; allowed: -config FILE.json (-help lists all options)");
+  EXPECT_EQ(error_of({"-config"}), "-config: missing value; allowed: -config VALUE");
+  EXPECT_EQ(error_of({"-config", "-task", "check"}), "-config: missing value; allowed: -config VALUE");
+  EXPECT_EQ(error_of({"-config", "c", "-layers"}), "-layers: missing value; allowed: -layers VALUE");
+  EXPECT_EQ(error_of({"-config", "c", "-task", "fly"}),
+            "-task: found \"fly\"; allowed: optimize, simulate, evaluate, check_gradients, check");
+  EXPECT_EQ(error_of({"-config", "c", "-set", "layers"}),
+            "-set: found \"layers\"; allowed: -set path.to.key=VALUE");
+  EXPECT_EQ(error_of({"-config", "c", "-set", "=1"}), "-set: found \"=1\"; allowed: -set path.to.key=VALUE");
+  EXPECT_EQ(error_of({"-config", "c", "-elements", "80", "40", "80"}),
+            "\"40\": belongs to no option; allowed: options, each with at most one value");
+  EXPECT_EQ(error_of({"c.json"}),
+            "\"c.json\": belongs to no option; allowed: options, each with at most one value");
+}
+
+TEST(CommandLineTest, RestartAndWallTime) {
+  const CommandLine line = parse({"-config", "c", "-restart", "auto", "-max_wall_time", "1:30:00"});
+  EXPECT_EQ(line.restart, "auto");
+  EXPECT_EQ(line.max_wall_time, 5400.0);
+  EXPECT_FALSE(parse({"-config", "c"}).restart);
+  EXPECT_EQ(error_of({"-config", "c", "-max_wall_time", "soon"}),
+            "-max_wall_time: found \"soon\"; allowed: a time > 0 as seconds or H:M:S");
+  EXPECT_EQ(error_of({"-config", "c", "-restart"}), "-restart: missing value; allowed: -restart VALUE");
+  EXPECT_NE(error_of({"-config", "c", "-restart", "a", "-task", "simulate"}).find("-task optimize"),
+            std::string::npos);
+  for (const char* directory : {"auto", "a"})
+    EXPECT_NE(error_of({"-config", "c", "-restart", directory, "-overwrite"}).find("-overwrite"),
+              std::string::npos);
+  EXPECT_TRUE(parse({"-config", "c", "-restart", "a", "-output", "b", "-overwrite"}).overwrite);
+}
+
+TEST(CommandLineTest, EveryFlatOptionIsUniqueAndNamesAKey) {
+  std::set<std::string_view> seen;
+  for (const ConfigKey& key : config_keys()) {
+    if (key.option.empty()) continue;
+    EXPECT_TRUE(seen.insert(key.option).second) << key.option;
+    EXPECT_EQ(key.option.front(), '-');
+    const std::string option(key.option);
+    const CommandLine line = parse({"-config", "c", option.c_str(), "1"});
+    ASSERT_EQ(line.overrides.size(), 1U) << option;
+    EXPECT_EQ(line.petsc_arguments.size(), 1U) << option;
+  }
+}
+
+TEST(CommandLineTest, HelpAndReferenceNameEveryKey) {
+  const std::string help = help_text(), reference = reference_table();
+  std::set<std::string_view> sections;
+  for (const ConfigSection& section : config_sections()) sections.insert(section.path);
+  for (const ConfigKey& key : config_keys()) {
+    EXPECT_EQ(sections.count(key.section), 1U) << key.section;
+    EXPECT_FALSE(key.meaning.empty()) << key.name;
+    if (key.type == KeyType::unavailable) continue;
+    EXPECT_NE(help.find(std::string(key.meaning)), std::string::npos) << key.name;
+    EXPECT_NE(reference.find("| `" + std::string(key.name) + "` |"), std::string::npos) << key.name;
+    if (!key.option.empty()) {
+      EXPECT_NE(help.find("\n  " + std::string(key.option) + " "), std::string::npos) << key.option;
+    }
+  }
+  for (const char* option : {"-restart DIR", "-max_wall_time TIME"})
+    EXPECT_NE(help.find("\n  " + std::string(option)), std::string::npos) << option;
+  EXPECT_NE(reference.find("| `young` |  | stress | `1.0` | a number > 0 | Young's modulus | `-young` |"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace fabseq

@@ -1,0 +1,353 @@
+#include "fabseq/config/config.h"
+
+#include <gtest/gtest.h>
+
+#include "support/small_configs.h"
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace fabseq {
+namespace {
+
+TEST(ConfigTest, DefaultsIn3d) {
+  const Config config = configure(solid);
+  EXPECT_EQ(config.name, "fabseq");
+  EXPECT_EQ(config.dimension, 3);
+  EXPECT_EQ(config.size, (std::vector<double>{2, 1, 2}));
+  EXPECT_EQ(config.elements, (std::vector<int>{8, 4, 8}));
+  EXPECT_EQ(config.thickness, 1.0);
+  EXPECT_FALSE(config.part.keep_connected);
+  EXPECT_EQ(config.plate.axis, 2);
+  EXPECT_FALSE(config.plate.upper);
+  EXPECT_EQ(config.material.young, 1.0);
+  EXPECT_EQ(config.material.poisson, 0.3);
+  EXPECT_EQ(config.material.inherent_strain, (std::vector<double>{-0.01, -0.01, -0.01, 0, 0, 0}));
+  EXPECT_EQ(config.process.stiffness_penalty, 3.0);
+  EXPECT_EQ(config.process.strain_penalty, 3.0);
+  EXPECT_EQ(config.process.min_stiffness, 1e-9);
+  EXPECT_EQ(config.process.void_model, VoidModel::absent);
+  EXPECT_EQ(config.sequence.type, SequenceType::heat);
+  EXPECT_EQ(config.sequence.scale, VariableScale::log);
+  EXPECT_EQ(config.sequence.mass, MassRule::automatic);
+  EXPECT_FALSE(config.sequence.initial);
+  EXPECT_EQ(config.sequence.drain, 1.0);
+  EXPECT_FALSE(config.sequence.characteristic_length);
+  EXPECT_EQ(config.sequence.min_diffusivity, 1e-3);
+  EXPECT_EQ(config.sequence.max_diffusivity, 1.0);
+  EXPECT_EQ(config.sequence.void_diffusivity, 1e-3);
+  EXPECT_EQ(config.sequence.filter_radius, 0.0);
+  EXPECT_EQ(config.layers.count, 4);
+  EXPECT_FALSE(config.projection.beta);
+  EXPECT_EQ(config.projection.factor, 1.5);
+  EXPECT_EQ(config.projection.increment, 0.0);
+  EXPECT_EQ(config.projection.interval, 15);
+  EXPECT_FALSE(config.projection.max);
+  EXPECT_FALSE(config.projection.binary);
+  EXPECT_EQ(config.constraints[0].tolerance, 0.1);
+  EXPECT_EQ(config.target_thickness(), 0.5);
+  EXPECT_FALSE(config.baseline.layers);
+  EXPECT_TRUE(config.baseline.direction.empty());
+  EXPECT_EQ(config.solver.tolerance, 1e-6);
+  EXPECT_EQ(config.solver.method, ReferenceMethod::automatic);
+  EXPECT_EQ(config.output.every, 15);
+  EXPECT_EQ(config.output.checkpoint_every, 10);
+  EXPECT_FALSE(config.output.stages);
+}
+
+TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
+  const Config config = configure(solid);
+  ASSERT_EQ(config.objective.size(), 2U);
+  const ObjectiveTerm &distortion = config.objective[0], &uniformity = config.objective[1];
+  EXPECT_EQ(distortion.measure, "displacement");
+  EXPECT_EQ(distortion.nodes, "top");
+  EXPECT_EQ(distortion.axis, -1);
+  EXPECT_FALSE(distortion.mean);
+  EXPECT_EQ(distortion.least_squares, std::nullopt);
+  EXPECT_TRUE(distortion.may_be_squares());
+  EXPECT_TRUE(configure(solid, {{"objective.0.least_squares", "auto"}}).objective[0].may_be_squares());
+  EXPECT_FALSE(configure(solid, {{"objective.0.scaling", "first"}, {"objective.0.least_squares", "auto"}})
+                   .objective[0]
+                   .may_be_squares());
+  EXPECT_TRUE(configure(solid, {{"objective.0.scaling", "first"}, {"objective.0.least_squares", "true"}})
+                  .objective[0]
+                  .may_be_squares());
+  EXPECT_EQ(distortion.weight, 1.0);
+  EXPECT_EQ(distortion.normalize, 100.0);
+  EXPECT_EQ(distortion.scaling, TermScaling::current);
+  EXPECT_EQ(uniformity.form, "sum_of_squares");
+  EXPECT_EQ(uniformity.scaling, TermScaling::first);
+  EXPECT_EQ(uniformity.weight, 1.0);
+  const OptimizerSettings& optimizer = config.optimizer;
+  EXPECT_EQ(optimizer.max_iterations, 400);
+  EXPECT_EQ(optimizer.change_tolerance, 0.0);
+  EXPECT_EQ(optimizer.objective_tolerance, 0.0);
+  EXPECT_EQ(optimizer.window, 5);
+  EXPECT_EQ(optimizer.asymptote_initial, 0.5);
+  EXPECT_EQ(optimizer.asymptote_increase, 1.2);
+  EXPECT_EQ(optimizer.asymptote_decrease, 0.7);
+  EXPECT_EQ(optimizer.asymptote_floor, 0.1);
+  EXPECT_EQ(optimizer.constraint_margin, 0.95);
+}
+
+TEST(ConfigTest, DefaultsIn2d) {
+  const Config config = configure(plane);
+  EXPECT_EQ(config.dimension, 2);
+  EXPECT_EQ(config.plate.axis, 1);
+  EXPECT_FALSE(config.plate.upper);
+  EXPECT_EQ(config.material.inherent_strain, (std::vector<double>{-0.01, -0.01, 0}));
+  EXPECT_FALSE(config.target_thickness());
+  const Domain<2> domain = config.domain<2>();
+  EXPECT_EQ(domain.elements[0], 8);
+  EXPECT_EQ(domain.size[1], 1.0);
+  EXPECT_EQ(domain.thickness, 1.0);
+  EXPECT_EQ(configure(plane, {{"domain.thickness", "0.25"}}).domain<2>().thickness, 0.25);
+}
+
+TEST(ConfigTest, AutomaticMoveLimitsFollowTheScale) {
+  const auto limits = [](const Settings& settings) {
+    const OptimizerSettings optimizer = configure(solid, settings).optimizer;
+    return std::pair(optimizer.move_limit, optimizer.final_move_limit);
+  };
+  EXPECT_EQ(limits({}), std::pair(0.05, 0.004));
+  EXPECT_EQ(limits({{"sequence.scale", "linear"}}), std::pair(0.2, 0.2));
+  EXPECT_EQ(limits({{"sequence.scale", "linear"}, {"optimizer.move_limit", "0.1"}}), std::pair(0.1, 0.1));
+  EXPECT_EQ(limits({{"optimizer.move_limit", "0.002"}}), std::pair(0.002, 0.002));
+  EXPECT_EQ(limits({{"optimizer.final_move_limit", "0.01"}}), std::pair(0.05, 0.01));
+}
+
+TEST(ConfigTest, ValuesReachTheirPlace) {
+  const Config config = configure(
+      solid,
+      {{"build_plate", "x+"},
+       {"sequence.initial", "0.1"},
+       {"sequence.mass", "lumped"},
+       {"sequence.bounds", "[1e-4, 2]"},
+       {"sequence.characteristic_length", "2.5"},
+       {"projection.beta", "10"},
+       {"projection.max", "510"},
+       {"projection.increment", "20"},
+       {"layers.count", "auto"},
+       {"process.void", "quiet"},
+       {"baseline.layers", "20"},
+       {"baseline.direction", "[0, 0, 2]"},
+       {"solver.reference_method", "gamg"},
+       {"output.every", "0"},
+       {"objective.1.form", "variance"},
+       {"objective.0.mean", "true"},
+       {"constraints",
+        R"([{"type": "deposition_speed"}, {"type": "layer_thickness", "target": 1, "tolerance": 0.2}])"}});
+  EXPECT_EQ(config.plate.axis, 0);
+  EXPECT_TRUE(config.plate.upper);
+  EXPECT_EQ(config.sequence.initial, 0.1);
+  EXPECT_EQ(config.sequence.mass, MassRule::lumped);
+  EXPECT_EQ(config.sequence.min_diffusivity, 1e-4);
+  EXPECT_EQ(config.sequence.max_diffusivity, 2.0);
+  EXPECT_EQ(config.sequence.characteristic_length, 2.5);
+  EXPECT_EQ(config.projection.beta, 10.0);
+  EXPECT_EQ(config.projection.max, 510.0);
+  EXPECT_EQ(config.projection.increment, 20.0);
+  EXPECT_FALSE(config.layers.count);
+  EXPECT_EQ(config.process.void_model, VoidModel::quiet);
+  EXPECT_EQ(config.baseline.layers, 20);
+  EXPECT_EQ(config.baseline.direction, (std::vector<double>{0, 0, 2}));
+  EXPECT_EQ(config.solver.method, ReferenceMethod::gamg);
+  EXPECT_EQ(config.output.every, 0);
+  EXPECT_EQ(config.objective[1].form, "variance");
+  EXPECT_TRUE(config.objective[0].mean);
+  EXPECT_EQ(config.constraints[0].slack, 1e-3);
+  EXPECT_EQ(config.constraints[1].tolerance, 0.2);
+  EXPECT_EQ(config.target_thickness(), 1.0);
+}
+
+TEST(ConfigTest, OtherSequences) {
+  const Config planar = configure(solid, {{"sequence", R"({"type": "planar", "direction": [1, 0, 1]})"}});
+  EXPECT_EQ(planar.sequence.type, SequenceType::planar);
+  EXPECT_EQ(planar.sequence.direction, (std::vector<double>{1, 0, 1}));
+  EXPECT_TRUE(configure(solid, {{"sequence", R"({"type": "planar"})"}}).sequence.direction.empty());
+  const Config file =
+      configure(plane, {{"sequence", R"({"type": "file", "file": "../t.h5"})"}, {"objective", "[]"}});
+  EXPECT_EQ(file.sequence.type, SequenceType::file);
+  EXPECT_EQ(file.sequence.file, "/base/t.h5");
+  EXPECT_EQ(file.sequence.dataset, "time");
+  const Config on_elements = configure(plane, {{"sequence", R"({"type": "direct"})"}});
+  EXPECT_EQ(on_elements.sequence.type, SequenceType::direct);
+  EXPECT_EQ(on_elements.sequence.location, DesignLocation::elements);
+  EXPECT_FALSE(on_elements.sequence.start);
+  EXPECT_EQ(on_elements.optimizer.move_limit, 0.02);
+  EXPECT_EQ(on_elements.optimizer.final_move_limit, 0.02);
+  EXPECT_FALSE(on_elements.has_time_gradient());
+  const Config on_nodes = configure(
+      plane,
+      {{"sequence",
+        R"({"type": "direct", "location": "nodes", "start": {"sphere": {"center": [0, 0], "radius": 0.1}}})"},
+       {"layers.time_points", "variable"}});
+  EXPECT_EQ(on_nodes.sequence.location, DesignLocation::nodes);
+  EXPECT_EQ(on_nodes.sequence.start->kind, Shape::Kind::sphere);
+  EXPECT_TRUE(on_nodes.layers.variable_time_points);
+  EXPECT_TRUE(on_nodes.has_time_gradient());
+  EXPECT_TRUE(file.objective.empty());
+}
+
+TEST(ConfigTest, MultiPlanarLayers) {
+  const Settings layerwise = {{"objective", R"([{"type": "distortion", "measure": "layerwise"}])"},
+                              {"constraints", "[]"}};
+  Settings settings = layerwise;
+  settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 4})");
+  const Config plain = configure(plane, settings);
+  ASSERT_TRUE(plain.layers.multi_planar);
+  EXPECT_FALSE(plain.layers.count);
+  EXPECT_EQ(plain.layers.multi_planar->timestamps, (std::vector<double>{0.25, 0.5, 0.75}));
+  EXPECT_EQ(plain.layers.multi_planar->thickness, 3.0);
+  EXPECT_EQ(plain.layers.multi_planar->time_sharpness, 100.0);
+  EXPECT_EQ(plain.layers.multi_planar->slab_sharpness, 100.0);
+  EXPECT_EQ(plain.layers.multi_planar->lowest_angles, std::vector<double>(4, 0.0));
+  for (const double angle : plain.layers.multi_planar->angles) EXPECT_NEAR(angle, std::acos(0.0), 1e-15);
+  EXPECT_FALSE(plain.has_fixed_time());
+  EXPECT_FALSE(configure(plane).layers.multi_planar);
+  // Away from the plate, whichever it is: elevation and azimuth in 3D.
+  const std::vector<std::pair<std::string, std::vector<double>>> plates = {{"x-", {0.0, 0.0}},
+                                                                           {"y-", {0.0, std::acos(0.0)}},
+                                                                           {"z+", {-std::acos(0.0), 0.0}},
+                                                                           {"x+", {0.0, std::acos(-1.0)}}};
+  for (const auto& [plate, angles] : plates) {
+    settings = layerwise;
+    settings.emplace_back("build_plate", plate);
+    settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 1, "angle_bounds": [-4, 4]})");
+    EXPECT_EQ(configure(solid, settings).layers.multi_planar->angles, angles);
+  }
+  settings = layerwise;
+  settings.emplace_back("layers", R"({"type": "multi_planar", "subparts": 2, "angles": [[1, 2], [3, 4]],
+      "angle_bounds": [[0, 5], [-1, 6]], "fixed": ["time"], "sharpness": {"slab": 9}, "thickness": 0.2, "timestamps": [0.4]})");
+  const MultiPlanarSettings layers = *configure(solid, settings).layers.multi_planar;
+  EXPECT_EQ(layers.angles, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(layers.lowest_angles, (std::vector<double>{0, -1, 0, -1}));
+  EXPECT_EQ(layers.highest_angles, (std::vector<double>{5, 6, 5, 6}));
+  EXPECT_EQ(layers.slab_sharpness, 9.0);
+  EXPECT_TRUE(layers.fixed_time && !layers.fixed_angles);
+}
+
+TEST(ConfigTest, StrainScaleActsOnTheRightComponents) {
+  const Config config = configure(
+      solid, {{"material.inherent_strain", "[1, 2, 3, 4, 5, 6]"}, {"material.strain_scale", "[4, 9, 25]"}});
+  EXPECT_EQ(config.material.inherent_strain, (std::vector<double>{4, 18, 75, 4 * 6, 5 * 15, 6 * 10}));
+  EXPECT_EQ(config.effective.at("material").at("inherent_strain").dump(), "[1,2,3,4,5,6]");
+  EXPECT_EQ(config.effective.at("material").at("strain_scale").dump(), "[4,9,25]");
+  const Config flat =
+      configure(plane, {{"material.inherent_strain", "[1, 2, 3]"}, {"material.strain_scale", "[4, 0.25]"}});
+  EXPECT_EQ(flat.material.inherent_strain, (std::vector<double>{4, 0.5, 3}));
+}
+
+TEST(ConfigTest, ShapesOfPartAndNodeSets) {
+  const Config config = configure(
+      solid,
+      {{"part",
+        R"({"difference": [{"union": [{"box": {"min": [0,0,0], "max": [2,1,0.6]}}, {"cylinder": {"from": [0,0,0],
+               "to": [0,0,1], "radius": 0.5}}]}, {"half_space": {"point": [1,0,0], "normal": [-1,0,1]}},
+               {"polygon": {"points": [[0,0],[1,0],[0,1]], "axis": "y"}}], "keep": "connected"})"},
+       {"node_sets.edge.samples", "3"}});
+  EXPECT_TRUE(config.part.keep_connected);
+  const auto& shape = std::get<Shape>(config.part.source);
+  ASSERT_EQ(shape.kind, Shape::Kind::difference);
+  ASSERT_EQ(shape.operands.size(), 3U);
+  EXPECT_EQ(shape.operands[0].operands[1].kind, Shape::Kind::cylinder);
+  EXPECT_EQ(shape.operands[0].operands[1].second, (std::vector<double>{0, 0, 1}));
+  EXPECT_EQ(shape.operands[0].operands[1].radius, 0.5);
+  EXPECT_EQ(shape.operands[1].second, (std::vector<double>{-1, 0, 1}));
+  EXPECT_EQ(shape.operands[2].axis, 1);
+  EXPECT_EQ(shape.operands[2].points[2][1], 1.0);
+  EXPECT_EQ(config.node_sets.at("edge").samples, 3);
+  EXPECT_EQ(config.node_sets.at("edge").shape.kind, Shape::Kind::sphere);
+  EXPECT_EQ(config.node_sets.at("top").samples, 0);
+}
+
+TEST(ConfigTest, VoxelFiles) {
+  const Config config = configure(solid, {{"part", R"({"voxels": {"file": "parts/p.h5"}})"}});
+  const auto& voxels = std::get<VoxelFile>(config.part.source);
+  EXPECT_EQ(voxels.file, "/base/folder/parts/p.h5");
+  EXPECT_EQ(voxels.dataset, "density");
+  EXPECT_FALSE(voxels.threshold);
+  const Config other = configure(
+      solid, {{"part", R"({"voxels": {"file": "/abs/p.h5", "dataset": "x/rho", "threshold": 0.5}})"}});
+  EXPECT_EQ(std::get<VoxelFile>(other.part.source).file, "/abs/p.h5");
+  EXPECT_EQ(std::get<VoxelFile>(other.part.source).dataset, "x/rho");
+  EXPECT_EQ(std::get<VoxelFile>(other.part.source).threshold, 0.5);
+}
+
+TEST(ConfigTest, EffectiveConfigIsCompleteAndRunsAgainToItself) {
+  const std::vector<Settings> variants = {
+      {},
+      {{"part", R"({"voxels": {"file": "p.h5"}})"}, {"name", "v"}, {"layers.count", "auto"}},
+      {{"sequence", R"({"type": "planar"})"}},
+      {{"sequence", R"({"type": "direct", "location": "nodes"})"}, {"layers.time_points", "variable"}},
+      {{"sequence.type", "direct"},
+       {"sequence.location", "nodes"},
+       {"sequence.start.sphere", R"({"center": [0, 0, 0], "radius": 1})"}},
+      {{"objective.0.measure", "flatness"}, {"objective.0.axis", "z"}, {"sequence.initial", "0.1"}},
+      {{"run", R"({"command": "fabseq", "ranks": 4})"}}};
+  for (const Settings& settings : variants) {
+    const Config config = configure(solid, settings);
+    EXPECT_EQ(config.effective.find("run"), nullptr);
+    const std::string text = config.effective.dump(1);
+    const Config again = make_config(Json::parse(text, "effective"), "/somewhere/else");
+    EXPECT_EQ(again.effective.dump(1), text);
+    EXPECT_EQ(again.name, config.name);
+    EXPECT_EQ(again.material.inherent_strain, config.material.inherent_strain);
+    EXPECT_EQ(again.optimizer.final_move_limit, config.optimizer.final_move_limit);
+  }
+  const Json effective = configure(plane).effective;
+  EXPECT_EQ(effective.at("build_plate").dump(), "\"y-\"");
+  EXPECT_EQ(effective.at("domain").dump(), R"({"size":[2,1],"elements":[8,4],"thickness":1.0})");
+  EXPECT_EQ(effective.at("optimizer").at("asymptotes").dump(),
+            R"({"initial":0.5,"increase":1.2,"decrease":0.7,"floor":0.1})");
+  EXPECT_EQ(effective.at("objective").items()[0].at("scaling").string(), "current");
+  EXPECT_EQ(configure(solid).effective.at("domain").find("thickness"), nullptr);
+}
+
+TEST(ConfigTest, ReferenceCases) {
+  for (const std::string name : {"table_2d", "arch_quiet_3d", "steps_planar_3d", "hook_nodes_2d"}) {
+    std::ifstream file(std::string(FABSEQ_TEST_DATA) + "/reference/cases/" + name + ".json");
+    ASSERT_TRUE(file) << name;
+    std::ostringstream text;
+    text << file.rdbuf();
+    const Config config = make_config(Json::parse(text.str(), name), "/base");
+    EXPECT_EQ(config.name, name);
+    const Config again = make_config(config.effective, "/base");
+    EXPECT_EQ(again.effective.dump(), config.effective.dump());
+    if (name == "table_2d") {
+      EXPECT_EQ(config.thickness, 0.6);
+      EXPECT_EQ(config.node_sets.at("top").samples, 5);
+      EXPECT_EQ(config.constraints.size(), 2U);
+    }
+    if (name == "arch_quiet_3d") {
+      EXPECT_EQ(config.process.void_model, VoidModel::quiet);
+      EXPECT_EQ(config.sequence.filter_radius, 0.3);
+      EXPECT_EQ(config.objective[1].axis, 2);
+    }
+    if (name == "steps_planar_3d") {
+      EXPECT_EQ(config.sequence.direction, (std::vector<double>{0, 0, 1}));
+      EXPECT_TRUE(config.projection.binary);
+      EXPECT_EQ(config.material.young, 70000.0);
+    }
+  }
+}
+
+TEST(ConfigTest, OverridesFollowPaths) {
+  Json document = Json::parse(solid, "test");
+  apply_override(document, "objective.1.weight", "0.1");
+  apply_override(document, "objective.distortion.weight", "2");
+  apply_override(document, "part.keep", "connected");
+  apply_override(document, "projection.binary", "true");
+  apply_override(document, "optimizer.asymptotes.floor", "0.2");
+  apply_override(document, "node_sets.top.box.max.1", "0.5");
+  const Config config = make_config(document, "/base");
+  EXPECT_EQ(config.objective[1].weight, 0.1);
+  EXPECT_EQ(config.objective[0].weight, 2.0);
+  EXPECT_TRUE(config.part.keep_connected);
+  EXPECT_TRUE(config.projection.binary);
+  EXPECT_EQ(config.optimizer.asymptote_floor, 0.2);
+  EXPECT_EQ(config.node_sets.at("top").shape.second[1], 0.5);
+}
+
+}  // namespace
+}  // namespace fabseq
