@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Whether lanes and reference path find the same displacements, layer by layer, the same temperatures and the same gradients:
 
     benchmarks/agreement.sh configs/v_shape_coarse.json --ranks 1 2 3 4 [-- OPTIONS OF THE PROGRAM]
@@ -34,7 +35,8 @@ def write_wavy(options, directory):
     path = os.path.join(directory, "time.h5")
     with h5py.File(path, "w") as file:
         file["time"] = wavy_time(config, options.wavy)
-    changes = {"sequence": {"type": "file", "file": path, "dataset": "time"}, "objective": config["objective"][:1], "constraints": []}
+    changes = {"sequence": {"type": "file", "file": path, "dataset": "time"},
+               "objective": config["objective"][:1], "constraints": []}
     return [word for key, value in changes.items() for word in ("-set", f"{key}={json.dumps(value)}")]
 
 
@@ -51,7 +53,8 @@ def simulate(options, method, ranks, directory, extra):
 
 
 def evaluate(options, method, ranks, directory):
-    program_run.run(options, ranks, directory, ["-task", "evaluate", "-layer_groups", 1, *program_run.method_options(method, options.tolerance)])
+    program_run.run(options, ranks, directory, ["-task", "evaluate", "-layer_groups",
+                    1, *program_run.method_options(method, options.tolerance)])
     gradients = {}
     with h5py.File(os.path.join(directory, "gradients.h5"), "r") as file:
         file.visititems(lambda name, item: gradients.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
@@ -78,7 +81,8 @@ def main():
     program_run.add_common_options(parser)
     parser.add_argument("--ranks", type=int, nargs="+", default=[2], metavar="P", help="of the lanes (default: 2)")
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="T", help="of both (default: %(default)s)")
-    parser.add_argument("--reference", choices=REFERENCES, default="multigrid", metavar="METHOD", help="default: %(default)s; direct where it fits")
+    parser.add_argument("--reference", choices=REFERENCES, default="multigrid",
+                        metavar="METHOD", help="default: %(default)s; direct where it fits")
     parser.add_argument("--wavy", type=float, metavar="A", help="amplitude, of the box's height; no gradients then")
     options = program_run.parse(parser)
     results = {}

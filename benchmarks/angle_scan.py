@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Draws an objective over the print angle of one sub-part, with the number of layers and the adjoint's derivative: that nothing
 jumps where slabs come and go.
 

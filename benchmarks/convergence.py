@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """True error, residual and preconditioned residual of lane solves against iteration (docs/formulation.md 4.1):
 
     benchmarks/convergence.py build/release/benchmarks/hard_cases convergence.png [CASE...]
@@ -21,7 +22,8 @@ CURVES = {"error": ("true error of u", "black"), "preconditioned_residual": ("pr
 
 
 def history(program, case):
-    printed = subprocess.run([program, "-scale", "0.5", "-history", str(ITERATIONS), "-only", case], check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run([program, "-scale", "0.5", "-history", str(ITERATIONS), "-only", case],
+                             check=True, capture_output=True, text=True).stdout
     return list(csv.DictReader(printed.splitlines()))
 
 
@@ -34,7 +36,8 @@ def main():
     for case, axes in zip(cases, all_axes.flat):
         lines = history(program, case)
         for key, (label, color) in CURVES.items():
-            axes.semilogy([int(line["iteration"]) for line in lines], [float(line[key]) for line in lines], color=color, label=label)
+            axes.semilogy([int(line["iteration"]) for line in lines], [float(line[key])
+                          for line in lines], color=color, label=label)
         axes.set_ylim(1e-9, 1e3)
         axes.set_title(case)
         axes.set_xlabel("iteration")

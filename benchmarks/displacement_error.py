@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """True errors of the displacement, and the tolerance that gives a reference method the lanes' error.
 
 The relative residual at which a solver stops is measured by its own preconditioner, so that the same tolerance means different errors

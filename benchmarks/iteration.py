@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Seconds of a design iteration by phase, of one config with several solvers in one go:
 
     benchmarks/iteration.sh configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE PROGRAM]
@@ -23,7 +24,8 @@ COMPARED = [*PHASES, "seconds_a_solve", "peak_memory_gigabytes"]
 
 def measure(options, method, tolerance, directory):
     """Figures of one run, medians over its iterations."""
-    arguments = ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *method_options(method, tolerance)]
+    arguments = ["-max_iterations", options.iterations, "-output_every",
+                 0, "-checkpoint_every", 0, *method_options(method, tolerance)]
     program_run.run(options, options.ranks, directory, arguments)
     lines = program_run.read_lines(directory, "history.jsonl")
     peak = lines[-1]["peak_memory_bytes"] / 1e9
@@ -104,14 +106,18 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     program_run.add_common_options(parser)
     parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
-    parser.add_argument("--iterations", type=int, default=2, metavar="I", help="design iterations of a run (default: %(default)s)")
+    parser.add_argument("--iterations", type=int, default=2, metavar="I",
+                        help="design iterations of a run (default: %(default)s)")
     parser.add_argument("--methods", nargs="+", default=[LANES, "multigrid", "gamg"], choices=METHODS, metavar="METHOD",
                         help=f"of {', '.join(METHODS)}; the lanes and the first two unless given")
     parser.add_argument("--tolerance", type=float, default=1e-5, metavar="T", help="of the lanes (default: %(default)s)")
-    parser.add_argument("--reference-tolerance", type=float, metavar="T", help="of every reference method (default: searched for)")
-    parser.add_argument("--error", action="store_true", help=f"measure the true errors against a solve to {TIGHT:g}; the search does so anyway")
+    parser.add_argument("--reference-tolerance", type=float, metavar="T",
+                        help="of every reference method (default: searched for)")
+    parser.add_argument("--error", action="store_true",
+                        help=f"measure the true errors against a solve to {TIGHT:g}; the search does so anyway")
     parser.add_argument("--error-layers", type=int, metavar="N", help="measure errors with this many layers, to save time")
-    parser.add_argument("--exact", choices=METHODS, metavar="METHOD", help="of the solve that errors are measured against (default: the first reference method)")
+    parser.add_argument("--exact", choices=METHODS, metavar="METHOD",
+                        help="of the solve that errors are measured against (default: the first reference method)")
     options = program_run.parse(parser)
     if options.iterations < 1:
         parser.error("--iterations: at least 1")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "lane_case.h"
 
 #include "fabseq/base/mpi.h"

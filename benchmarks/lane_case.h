@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Layer systems of drawn parts, for the benchmarks of the lane engine.
 #pragma once

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Seconds of a layer over the number of layers: of its elastic solve on one and two ranks, or by phase.
 
     benchmarks/layers.sh configs/voxel_part.json [--layers 8 16 9 12] [--ranks 1 2] [-- OPTIONS OF THE PROGRAM]
@@ -142,7 +143,8 @@ def main():
             plot(options.plot, title, rows)
     else:
         print_primal(options, samples)
-        record["runs"] = [{"layers": layers, "ranks": ranks, "primal_seconds": values} for (layers, ranks), values in samples.items()]
+        record["runs"] = [{"layers": layers, "ranks": ranks, "primal_seconds": values}
+                          for (layers, ranks), values in samples.items()]
     if options.json:
         program_run.write_json(options.json, record)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs fabseq with one solver or another, for the scripts of this folder."""
 
 import csv
@@ -21,7 +22,8 @@ PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer", "outp
 
 def add_common_options(parser):
     parser.add_argument("config")
-    parser.add_argument("--repetitions", type=int, default=3, metavar="R", help="runs of everything, by turns (default: %(default)s)")
+    parser.add_argument("--repetitions", type=int, default=3, metavar="R",
+                        help="runs of everything, by turns (default: %(default)s)")
     parser.add_argument("--program", default=os.path.join(ROOT, "build/release/fabseq"), help="default: build/release/fabseq")
     parser.add_argument("--launcher", default="mpirun -np {ranks}", metavar="COMMAND",
                         help="starts the program; {ranks} is replaced (default: %(default)s; in a job of Slurm: srun -n {ranks})")
@@ -70,7 +72,8 @@ def read_lines(directory, name):
 
 def iterate(options, ranks, directory, arguments):
     """Lines of the history of a short optimization that writes no fields: `options.iterations` design iterations."""
-    run(options, ranks, directory, ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments])
+    run(options, ranks, directory, ["-max_iterations", options.iterations,
+        "-output_every", 0, "-checkpoint_every", 0, *arguments])
     return read_lines(directory, "history.jsonl")
 
 
@@ -91,8 +94,10 @@ def problem_size(options, directory, arguments=()):
 def parse_iterations(parser, what, rows, iterations=5):
     """As parse(), for scripts that time the iterations of an optimization and leave a table and a picture; `what` says of what
     (with a colon, or ""), `rows` what a line stands for."""
-    parser.add_argument("--iterations", type=int, default=iterations, metavar="I", help="design iterations of a run (default: %(default)s)")
-    parser.add_argument("--warm-up", type=int, default=1, metavar="W", help="the first W of them do not count (default: %(default)s)")
+    parser.add_argument("--iterations", type=int, default=iterations, metavar="I",
+                        help="design iterations of a run (default: %(default)s)")
+    parser.add_argument("--warm-up", type=int, default=1, metavar="W",
+                        help="the first W of them do not count (default: %(default)s)")
     parser.add_argument("--csv", metavar="FILE", help=f"{what}a line a {rows}")
     parser.add_argument("--plot", metavar="FILE", help=f"{what}a picture")
     options = parse(parser)

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """A model of what a design iteration computes and sends: checked by counting, and used to predict strong scaling.
 
     benchmarks/scaling_model.sh check --splits 1x4 2x4 1x16           counts of small runs beside the model's
@@ -29,7 +30,8 @@ from scaling import check, counts, machine
 from strong_scaling import parse_split, split_text
 
 # Cores and seconds of an iteration of the V-shape (Di Girolamo 2024, table 2).
-PUBLISHED = [(4, 568.36), (8, 317.19), (16, 131.73), (24, 92.54), (32, 75.99), (40, 67.68), (48, 63.87), (56, 66.47), (64, 65.84), (72, 55.49)]
+PUBLISHED = [(4, 568.36), (8, 317.19), (16, 131.73), (24, 92.54), (32, 75.99),
+             (40, 67.68), (48, 63.87), (56, 66.47), (64, 65.84), (72, 55.49)]
 CORES = [64 * 2**k for k in range(11)]
 DOMAIN_RANKS = sorted({factor * 2**k for factor in (1, 3) for k in range(17)})
 MOST_SPREAD = 4096  # domain ranks of a box whose voxels are known
@@ -121,7 +123,8 @@ def print_parts(seconds):
     print(f"{'':>12s}" + "".join(f"{kind:>13s}" for kind in kinds) + f"{'seconds':>13s}")
     for phase, parts in seconds.items():
         print(f"{phase:>12s}" + "".join(f"{parts[kind]:13.5f}" for kind in kinds) + f"{sum(parts.values()):13.5f}")
-    print(f"{'total':>12s}" + "".join(f"{sum(parts[kind] for parts in seconds.values()):13.5f}" for kind in kinds) + f"{total(seconds):13.5f}")
+    print(f"{'total':>12s}"
+          + "".join(f"{sum(parts[kind] for parts in seconds.values()):13.5f}" for kind in kinds) + f"{total(seconds):13.5f}")
 
 
 def print_prediction(case, rows, staged):
@@ -129,7 +132,8 @@ def print_prediction(case, rows, staged):
     print(f"{'cores':>7s}{'split':>10s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>11s}   share of compute, serial, messages, collectives")
     for count, groups, ranks, seconds in rows:
         speed_up = total(rows[0][3]) / total(seconds)
-        shares = [sum(parts[kind] for parts in seconds.values()) / total(seconds) for kind in ("compute", "serial", "messages", "collectives")]
+        shares = [sum(parts[kind] for parts in seconds.values()) / total(seconds)
+                  for kind in ("compute", "serial", "messages", "collectives")]
         print(f"{count:7d}{split_text((groups, ranks)):>10s}{total(seconds):10.4f}{speed_up:10.1f}{speed_up * rows[0][0] / count:11.3f}   "
               + " ".join(f"{100 * share:4.0f} %" for share in shares))
 
@@ -156,7 +160,8 @@ def plot(path, predictions, measured):
             axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], "o--" if staged else "o-", markersize=4,
                         color="tab:gray" if staged else "tab:blue", label="model, coarse levels on ever fewer ranks (not built)" if staged else "model")
         rows = curves[False]
-        axes.loglog([row[0] for row in rows], [total(rows[0][3]) * rows[0][0] / row[0] for row in rows], ":", color="tab:blue", label="ideal")
+        axes.loglog([row[0] for row in rows], [total(rows[0][3]) * rows[0][0] / row[0]
+                    for row in rows], ":", color="tab:blue", label="ideal")
         if case.box == (80, 40, 80):
             axes.loglog(*zip(*PUBLISHED), "k^-", markersize=4, label="Di Girolamo 2024, table 2")
             if measured:
@@ -202,7 +207,8 @@ def run_check(options):
         for name in options.cases:
             for groups, ranks in options.splits:
                 counted, whole, logged, model = check.run_counted(options, check.CASES[name], groups, ranks, library)
-                failed = check.print_comparison(f"{name}, {split_text((groups, ranks))}", counted, model, check.compare_log(whole, logged)) or failed
+                failed = check.print_comparison(f"{name}, {split_text((groups, ranks))}", counted,
+                                                model, check.compare_log(whole, logged)) or failed
     return 1 if failed else 0
 
 
@@ -210,9 +216,11 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     checks = commands.add_parser("check", help="counts of small runs beside the model's")
-    checks.add_argument("--program", default=os.path.join(program_run.ROOT, "build/release/fabseq"), help="default: build/release/fabseq")
+    checks.add_argument("--program", default=os.path.join(program_run.ROOT,
+                        "build/release/fabseq"), help="default: build/release/fabseq")
     checks.add_argument("--cases", nargs="+", default=list(check.CASES), choices=list(check.CASES), help="default: both")
-    checks.add_argument("--splits", nargs="+", type=parse_split, default=[(1, 4), (2, 4), (1, 16)], metavar="GxD", help="default: 1x4 2x4 1x16")
+    checks.add_argument("--splits", nargs="+", type=parse_split,
+                        default=[(1, 4), (2, 4), (1, 16)], metavar="GxD", help="default: 1x4 2x4 1x16")
     checks.set_defaults(rest=[])
     predicts = commands.add_parser("predict", help="time over cores")
     predicts.add_argument("--plot", metavar="FILE")
@@ -223,7 +231,8 @@ def parse_arguments():
     parts.add_argument("--splits", nargs="+", type=parse_split, default=[(1, 1)], metavar="GxD")
     for command in (predicts, parts):
         for field in dataclasses.fields(machine.Machine):
-            command.add_argument("--" + field.name.replace("_", "-"), type=field.type, default=field.default, help="default: %(default)g")
+            command.add_argument("--" + field.name.replace("_", "-"), type=field.type,
+                                 default=field.default, help="default: %(default)g")
     return parser.parse_args()
 
 

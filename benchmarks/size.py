@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Time and memory over the number of elements, up to the largest box that fits:
 
     benchmarks/size.sh benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [-- OPTIONS OF THE PROGRAM]
@@ -38,7 +39,8 @@ def measure(options, elements, directory):
     size = program_run.problem_size(options, directory, arguments[:2] + arguments[4:])
     lines = program_run.iterate(options, options.ranks, directory, arguments)
     record = program_run.medians([line["seconds"] for line in lines[options.warm_up:]])
-    counts = [sum(line["solver_iterations"][kind]) / size["layer_count"] for line in lines[options.warm_up:] for kind in ("primal", "adjoint")]
+    counts = [sum(line["solver_iterations"][kind]) / size["layer_count"]
+              for line in lines[options.warm_up:] for kind in ("primal", "adjoint")]
     return {**size, "box": "x".join(map(str, elements)), "gigabytes": max(line["peak_memory_bytes"] for line in lines) / 1e9,
             "cg_iterations": sum(counts) / len(counts), **record}
 
@@ -59,7 +61,8 @@ def run_all(options, directory):
     while total and (options.largest is None or total <= options.largest):
         box = refined(elements, total)
         samples = [measure(options, box, os.path.join(directory, "optimize")) for _ in range(options.repetitions)]
-        record = {**samples[0], **program_run.medians([{key: value for key, value in s.items() if key != "box"} for s in samples])}
+        record = {**samples[0],
+                  ** program_run.medians([{key: value for key, value in s.items() if key != "box"} for s in samples])}
         print_line(record)
         if record["gigabytes"] > options.memory:
             print(f"more than {options.memory:g} GB: not what was expected of it")
@@ -110,10 +113,12 @@ def parse_arguments():
     program_run.add_common_options(parser)
     parser.set_defaults(repetitions=1)
     parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
-    parser.add_argument("--groups", type=int, default=1, metavar="G", help="layer groups; one needs least memory (default: %(default)s)")
+    parser.add_argument("--groups", type=int, default=1, metavar="G",
+                        help="layer groups; one needs least memory (default: %(default)s)")
     parser.add_argument("--layers", type=int, metavar="N", help="default: the config's; thickness targets stay")
     parser.add_argument("--memory", type=float, default=20.0, metavar="GB", help="of all ranks (default: %(default)s)")
-    parser.add_argument("--smallest", type=int, default=32000, metavar="E", help="elements of the first box (default: %(default)s)")
+    parser.add_argument("--smallest", type=int, default=32000, metavar="E",
+                        help="elements of the first box (default: %(default)s)")
     parser.add_argument("--largest", type=int, metavar="E", help="end there, whatever the memory")
     options = program_run.parse_iterations(parser, "", "size", iterations=3)
     return options
@@ -123,7 +128,8 @@ def main():
     options = parse_arguments()
     title = f"{os.path.basename(options.config)}, {options.groups} x {options.ranks // options.groups} ranks"
     bandwidth = [program_run.triad_bandwidth()]
-    print(f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} GB/s a core before")
+    print(
+        f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} GB/s a core before")
     print_header()
     with tempfile.TemporaryDirectory() as directory:
         records = run_all(options, directory)

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Strong scaling: seconds of a design iteration by phase, over groups x domain ranks, against one baseline:
 
     benchmarks/strong_scaling.sh benchmarks/v_shape.json --ranks 1 2 4 --csv v_shape.csv --plot v_shape.png [-- OPTIONS OF THE PROGRAM]
@@ -120,7 +121,8 @@ def parse_arguments():
     program_run.add_common_options(parser)
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--splits", nargs="+", type=parse_split, metavar="GxD", help="groups x domain ranks")
-    which.add_argument("--ranks", nargs="+", type=int, default=[1, 2], metavar="P", help="all splits of these numbers (default: 1 2)")
+    which.add_argument("--ranks", nargs="+", type=int, default=[1, 2],
+                       metavar="P", help="all splits of these numbers (default: 1 2)")
     parser.add_argument("--baseline", type=parse_split, metavar="GxD", help="one of the splits (default: the first)")
     options = program_run.parse_iterations(parser, "", "split and phase")
     if min(options.ranks) < 1:
@@ -147,7 +149,8 @@ def main():
     seconds = {split: program_run.medians(of_split) for split, of_split in samples.items()}
     rows = table(seconds, baseline)
     title = f"{os.path.basename(options.config)}, {layers} layers, {os.cpu_count()} cores, baseline {split_text(baseline)}"
-    print(f"{title}, medians of {len(samples[baseline])} iterations, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
+    print(
+        f"{title}, medians of {len(samples[baseline])} iterations, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
     print_table(seconds, rows, baseline)
     if options.csv:
         program_run.write_csv(options.csv, rows)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Builds the program, optimizes the fabrication sequence of a small part on 2 ranks, prints what it reached beside planar
 # layers, and leaves a picture of it: demo/overview.png.
 set -euo pipefail

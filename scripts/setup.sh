@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Installs what is missing (Debian 12; as root or with sudo) and builds the program.
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]

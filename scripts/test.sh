@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Builds the program and runs its tests.
 #
 #   scripts/test.sh [--sanitizers] [ctest options]     e.g. scripts/test.sh -R grid

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// fabseq: optimizes the fabrication sequence of a part so that it distorts least.
 ///
@@ -37,7 +38,8 @@ SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>&
   return report_sequence(setup, problem, pipeline, state);
 }
 
-/// Terms that are scaled by their first values are so by those of the initial design, as without a coarse grid.
+/// Terms that are scaled by their first values are so by those of the initial design, as without a coarse
+/// grid.
 template <int Dim>
 void scale_by_initial_design(const Setup<Dim>& setup, const CommandLine& command_line,
                              Pipeline<Dim>& pipeline, Problem<Dim>& problem) {
@@ -70,8 +72,8 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
 template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
-/// The first iterations, on a grid of half the resolution if the config asks for that; returns the command line of the others,
-/// whose -design they come to.
+/// The first iterations, on a grid of half the resolution if the config asks for that; returns the command
+/// line of the others, whose -design they come to.
 template <int Dim>
 CommandLine begin_on_coarse_grid(const CoarseGrid<Dim>& coarse, const CommandLine& command_line,
                                  const Setup<Dim>& setup, RunOutput<Dim>& output) {

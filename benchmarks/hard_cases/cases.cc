@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "hard_cases/cases.h"
 
 #include <algorithm>

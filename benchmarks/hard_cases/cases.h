@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Parts and pseudo-times that make a multigrid's life hard.
 #pragma once

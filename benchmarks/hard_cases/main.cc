@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Iterations and true errors of the lane engine on hard cases (docs/performance.md):
 ///
 ///     hard_cases [-scale 0.5] [-tolerance 1e-5] [-only NAME] [-cycle v|w|k] [-islands 0] [-error_factor 1e9]
-///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration, as CSV
+///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration,
+///     as CSV
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
 #include "fabseq/lanes/lane_cg.h"

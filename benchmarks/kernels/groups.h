@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The groups of benchmarks, a source each.
 #pragma once

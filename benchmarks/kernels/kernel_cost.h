@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Flops and bytes of the element kernels.
 #pragma once
@@ -10,7 +11,8 @@
 
 namespace benchmarks {
 
-/// Flops that the blocks of an element matrix take, a lane: an element of ElasticKernel without its transforms.
+/// Flops that the blocks of an element matrix take, a lane: an element of ElasticKernel without its
+/// transforms.
 template <int Dim>
 constexpr double block_flops() {
   double flops = 0.0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "kernels/machine.h"
 
 #include "fabseq/lanes/lane_array.h"

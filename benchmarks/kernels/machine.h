@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the machine can do: the limits that the kernels are compared with.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Speed of the lane kernels beside the limits of the machine (docs/performance.md):
 ///

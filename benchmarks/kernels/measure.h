@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// How a kernel is timed, and what is counted.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/band_cholesky.h"
 #include "fabseq/lanes/flush_to_zero.h"
 #include "fabseq/lanes/lane_multigrid_impl.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/grid/grid.h"
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_sweep.h"

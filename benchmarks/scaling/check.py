@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs the program under the counting library and compares what it sent with the model."""
 
 import csv
@@ -34,7 +35,8 @@ CASES = {case["name"]: case for case in (BLOCK, V_SHAPE)}
 def build_library(directory):
     """The preloaded library; it needs MPI's compiler only."""
     library = os.path.join(directory, "message_count.so")
-    subprocess.run(["mpicxx", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library, os.path.join(HERE, "message_count.cc"), "-ldl"], check=True)
+    subprocess.run(["mpicxx", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library,
+                   os.path.join(HERE, "message_count.cc"), "-ldl"], check=True)
     return library
 
 

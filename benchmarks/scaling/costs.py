@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Flops and bytes of the lane kernels, a node and lane (benchmarks/kernels/kernel_cost.h; vectors read and written once, no caches)."""
 
 from dataclasses import dataclass

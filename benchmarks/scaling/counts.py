@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a design iteration computes and sends, derived from the code: one rank's work, messages, and collective calls.
 
 Kinds of entries: "halo" (sum over shared nodes, SharedNodes::sum: one message to each neighbour), "exchange" (PETSc's halo of the nodes of
@@ -91,7 +92,8 @@ class LaneSolver:
             return
         if self.hierarchy.box[0] * self.hierarchy.box[1] * self.hierarchy.box[2] <= LARGEST_ISLAND_FIELD:
             if self.parallel:
-                self.tally.collective(phase, "gather", "domain", round(self.levels[0].elements / self.hierarchy.ranks) * DOUBLE, width)
+                self.tally.collective(phase, "gather", "domain", round(
+                    self.levels[0].elements / self.hierarchy.ranks) * DOUBLE, width)
                 self.tally.collective(phase, "bcast", "domain", 4, width)
             self.tally.serial[phase, "islands"] += self.lanes_here(width)
         self.reduce(phase, 0, width)  # centres of no islands
@@ -115,10 +117,12 @@ class LaneSolver:
                     self.halo(phase, level, value * SINGLE, visits * times)
                     if self.levels[level].distributed:
                         self.reduce(phase, 3 * width * DOUBLE, visits * times)
-                    self.tally.add(phase, coarse_step(problem, self.levels[level], width, steps), visits * times, self.slower(width))
+                    self.tally.add(phase, coarse_step(
+                        problem, self.levels[level], width, steps), visits * times, self.slower(width))
             self.halo(phase, level, value * SINGLE, 3 * visits * times)
             self.transfer_down(phase, level, value * SINGLE, times=visits * times)
-            self.tally.add(phase, visit(problem, self.levels[level], self.levels[level + 1], width), visits * times, self.slower(width))
+            self.tally.add(phase, visit(problem, self.levels[level],
+                           self.levels[level + 1], width), visits * times, self.slower(width))
         if problem.own_operators:
             self.reduce(phase, round(self.hierarchy.rows()) * width * DOUBLE, visits * times)
         self.tally.serial[phase, "direct" if problem.own_operators else "direct heat"] += visits * times * (
@@ -173,7 +177,8 @@ def count_heat(tally, solver, group, groups, iteration, rows):
         solver.exchange(phase, len(lanes), 2)                     # loads, adjoints
         solve(lanes)
     if groups > 1:
-        tally.collective(phase, "alltoall", "across", round(len(rows) * iteration.part_elements / solver.hierarchy.ranks) * DOUBLE)
+        tally.collective(phase, "alltoall", "across", round(
+            len(rows) * iteration.part_elements / solver.hierarchy.ranks) * DOUBLE)
 
 
 def count_elastic(tally, solver, phase, blocks, iterations, groups):
@@ -195,7 +200,8 @@ def count_rest(tally, ranks, groups, layers, rows, iteration):
     parallel = ranks > 1
     if parallel:
         # Values: distortion, uniformity, thickness; derivatives of this group's rows.
-        reductions = [(8, 1)] + (2 + (0 in rows)) * [(8, 1), (24 * layers, 1), (8 * layers, 1)] + [(24, sum(row > 0 for row in rows))]
+        reductions = [(8, 1)] + (2 + (0 in rows)) * [(8, 1), (24 * layers, 1),
+                                                     (8 * layers, 1)] + [(24, sum(row > 0 for row in rows))]
         for size, times in reductions:
             tally.collective("responses", "allreduce", "domain", size, times)
     if groups > 1:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Deals layers, or rows of the heat problem, out to groups as deal_out_layers does (process/layer_dealing)."""
 
 import functools
@@ -63,7 +64,8 @@ def deal_out_layers(work, groups):
             if whole.lanes == 1:
                 continue
             half = 4 if whole.lanes > 4 else 2 if whole.lanes > 2 else 1
-            tried = blocks[:number] + [weighed(whole.first, half)] + blocks[number + 1:] + [weighed(whole.first + half, whole.lanes - half)]
+            tried = blocks[:number] + [weighed(whole.first, half)] + blocks[number + 1:] + \
+                [weighed(whole.first + half, whole.lanes - half)]
             dealt, of_tried = deal(tried, groups)
             tries.append((of_tried, dealt, tried))
         if not tries:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How the program deals a box out to the ranks of a group (grid/decomposition), as far as the counts need it."""
 
 import math
@@ -79,7 +80,8 @@ def choose(ranks, elements, part=None):
     """Of all process grids, among those whose heaviest rank is lightest the one with the least surface; None without any.
     `part`: bool [x][y][z]; without it, all elements weigh the same."""
     weights = None if part is None else np.where(part, 1.0, VOID_WEIGHT)
-    marginals = [np.ones(n) if weights is None else weights.sum(axis=tuple({0, 1, 2} - {axis})) for axis, n in enumerate(elements)]
+    marginals = [np.ones(n) if weights is None else weights.sum(
+        axis=tuple({0, 1, 2} - {axis})) for axis, n in enumerate(elements)]
     splits, candidates = {}, []
     for grid in fitting_grids(ranks, elements):
         for axis, parts in enumerate(grid):
@@ -103,4 +105,3 @@ def choose(ranks, elements, part=None):
 
     _, grid, starts = min((c for c in candidates if c[0] <= limit), key=lambda c: surface(c[1]))
     return Decomposition(grid, starts)
-

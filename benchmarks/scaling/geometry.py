@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Multigrid levels as the program makes them (LaneHierarchy), and what is sent between ranks on them: from a part's voxels, exactly, or
 from the box and the share of it that is filled."""
 
@@ -152,5 +153,6 @@ class Hierarchy:
     def bandwidth(self):
         """Of the last level's matrix, along its shortest axis first."""
         short = sorted(self.levels[-1].box)[:2]
-        section = math.prod(n + 1 for n in short) * min(1.0, self.levels[-1].elements / math.prod(self.levels[-1].box))**(2.0 / 3.0)
+        section = math.prod(n + 1 for n in short) * \
+            min(1.0, self.levels[-1].elements / math.prod(self.levels[-1].box))**(2.0 / 3.0)
         return self.components * (section + math.sqrt(section) + 2)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Seconds of what counts.py counts, on a stated machine."""
 
 import math

@@ -1,15 +1,18 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// Counts what a run sends, by phase and by design iteration: a library to be preloaded (LD_PRELOAD) under every rank.
+/// Counts what a run sends, by phase and by design iteration: a library to be preloaded (LD_PRELOAD) under
+/// every rank.
 ///
-/// The lane kernels send by plain MPI, PETSc by its own scatters; this sees both, whoever calls. A phase is a stage of
-/// PETSc's log ("fabseq primal"), so PetscLogStageRegister, -Push and -Pop are watched, too. Each rank writes
-/// MESSAGE_COUNT_DIRECTORY/RANK.csv when it ends:
+/// The lane kernels send by plain MPI, PETSc by its own scatters; this sees both, whoever calls. A phase is a
+/// stage of PETSc's log ("fabseq primal"), so PetscLogStageRegister, -Push and -Pop are watched, too. Each
+/// rank writes MESSAGE_COUNT_DIRECTORY/RANK.csv when it ends:
 ///
 ///     iteration,stage,kind,ranks,bytes,count
 ///
-/// `kind` is "message" (counted by its sender) or the name of a collective; `ranks` is the size of the communicator,
-/// `bytes` are of one message, or what one rank brings into the collective. Rows of
-/// iteration i count what came since iteration i - 1 began its output, up to where iteration i does; the last is the rest.
+/// `kind` is "message" (counted by its sender) or the name of a collective; `ranks` is the size of the
+/// communicator, `bytes` are of one message, or what one rank brings into the collective. Rows of iteration i
+/// count what came since iteration i - 1 began its output, up to where iteration i does; the last is the
+/// rest.
 #ifndef OMPI_SKIP_MPICXX
 #define OMPI_SKIP_MPICXX
 #endif

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Checks who includes whom: scripts/dev/check_include_graph.py [PROJECT]
 
 Modules are the folders of include/fabseq and src. A module may use itself and those above it in MODULES, never those below

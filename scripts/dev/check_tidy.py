@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """clang-tidy over the program's sources, with the flags of the release build.
 
     scripts/dev/check_tidy.py [--jobs N] [FILE.cc...]     with files: these only

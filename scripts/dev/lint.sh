@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Checks that need no run: format, clang-tidy, include graph, scripts, reference table. Needs the release build
 # (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Keeps the reference table of docs/users-guide.md equal to what the program says.
 
     scripts/dev/reference_table.py [--write] [PROGRAM [GUIDE]]     default: build/release/fabseq docs/users-guide.md
@@ -42,7 +43,8 @@ def main():
     elif block.strip() != table:
         sys.stdout.writelines(line + "\n" for line in difflib.unified_diff(
             block.strip().splitlines(), table.splitlines(), str(arguments.guide), "fabseq -help_markdown", lineterm=""))
-        sys.exit(f"reference_table.py: the table in {arguments.guide} is out of date; scripts/dev/reference_table.py --write mends it")
+        sys.exit(
+            f"reference_table.py: the table in {arguments.guide} is out of date; scripts/dev/reference_table.py --write mends it")
 
 
 if __name__ == "__main__":

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The table of cases in docs/results.md: a row a case, rewritten one by one (scripts/figures/reproduce.py)."""
 
 import fcntl

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Runs published cases and puts what comes out into docs/results.md.
 
     scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- OPTIONS OF THE PROGRAM]

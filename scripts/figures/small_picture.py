@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """A small picture of a finished optimization for a table of results: layers and distorted shape, planar beside optimized.
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # shellcheck shell=bash
 # What the batch scripts of this folder share; they source it. Needs FABSEQ_ROOT, the root of the repository.
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Slurm job: one run of fabseq, requeued until it is done. From the root of the repository (or with FABSEQ_ROOT set to it):
 #
 #   sbatch --ntasks=32 --time=12:00:00 scripts/slurm/run.sh CONFIG OUTPUT [OPTION OF FABSEQ]...

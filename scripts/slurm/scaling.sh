@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # A strong-scaling study: submits one job (run.sh) a number of ranks, and one that makes the table and the figure when all
 # are done. To be run on the login node:
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # Slurm job array: a parameter study, one run a line of a table, each requeued until it is done. From the root of the
 # repository (or with FABSEQ_ROOT set to it):
 #

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """The table of a parameter study (CSV): one run a line.
 
     scripts/slurm/study_table.py TABLE.csv          prints how many runs it has

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Fits material.strain_scale of a config to measured displacements, by least squares (docs/formulation.md 4.5).
 
     scripts/use/calibrate.py CONFIG.json MEASURED.csv --output DIR [--released] [--rigid] [--isotropic]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Coarsens a voxel part: mean over blocks of voxels, threshold, largest piece.
 
 Reads dataset `density_grey` (or `density`, where there is none) with axes [z][y][x] from INPUT, takes the mean over blocks

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """The results of several optimizations, such as those of a parameter study, in one table and one figure.
 
     scripts/use/compare.py OUTPUT_DIRECTORY... [--table compare.csv] [--picture compare.png] [--against KEY]
@@ -78,7 +79,8 @@ def differing_keys(results):
 def row_of(result, keys):
     row = {"run": result.name}
     row |= {key: result.settings.get(key) for key in keys}
-    row |= {key: result.summary.get(key) for key in ("status", "iterations", "best_iteration", "feasible", "worst_constraint", "beta")}
+    row |= {key: result.summary.get(key) for key in (
+        "status", "iterations", "best_iteration", "feasible", "worst_constraint", "beta")}
     for block in BLOCKS if result.run else ():
         row |= block_columns(result, block)
     row |= {"ranks": result.config.get("run", {}).get("ranks"), "seconds": result.summary.get("seconds", {}).get("total"),
@@ -166,7 +168,8 @@ def draw(abscissa):
 def draw_values(axis, abscissa, blocks, value):
     for block in blocks:
         heights = [value(result, block) for result in abscissa.results]
-        axis.plot(abscissa.values, heights, color=COLOURS[block], ls="-" if abscissa.key else "none", lw=1.6, label=LEGENDS[block])
+        axis.plot(abscissa.values, heights, color=COLOURS[block],
+                  ls="-" if abscissa.key else "none", lw=1.6, label=LEGENDS[block])
         for x, y, result in zip(abscissa.values, heights, abscissa.results):
             filled = block == "baseline" or result.summary.get("feasible", True)
             if y is not None:

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """How thick the layers of a result are, measured between their boundaries (docs/formulation.md 6), beside the program's thickness.
 
     scripts/use/geometric_thickness.py RUN_DIR [--target LENGTH] [--points 1000] [--seed 1]
@@ -88,9 +89,11 @@ def measure_layers(time, time_points, farthest, points, seed):
         if j == used:
             upper = min(upper, time.largest) - END * (upper - lower)
         place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
-        row = {"layer": j, "place": place, "mean": None, "variance": None, "least": None, "largest": None, "points": 0, "drawn_again": 0}
+        row = {"layer": j, "place": place, "mean": None, "variance": None,
+               "least": None, "largest": None, "points": 0, "drawn_again": 0}
         if place != "empty" and upper > lower:
-            distances, row["drawn_again"] = draw_distances(time.isosurface(lower), time.isosurface(upper), farthest, points, random)
+            distances, row["drawn_again"] = draw_distances(time.isosurface(
+                lower), time.isosurface(upper), farthest, points, random)
             if len(distances):
                 row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(), "largest": distances.max(),
                         "points": len(distances)}
@@ -194,7 +197,8 @@ def read_times(directory, config, count):
             elif sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
                 time = NodalTime(file["design"][()], built, size, "times of the nodes")
             else:
-                time = NodalTime(times_of_nodes(file["time"][()], built), built, size, "times of the elements, continued to the nodes")
+                time = NodalTime(times_of_nodes(file["time"][()], built), built, size,
+                                 "times of the elements, continued to the nodes")
     except (OSError, KeyError) as error:
         raise RunError(f"{path} cannot be read: {error}") from error
     return time, np.concatenate([[0.0], inner, [1.0]])
@@ -234,13 +238,14 @@ def table(record):
             continue
         name = f"{row['layer']}" + ("" if row["place"] == "inner" else f" {row['place']}")
         values = (row["gradient"], row["mean"], row["variance"]**0.5, row["least"], row["largest"])
-        lines.append(f"{name:>9}" + "".join(f"{'-' if v is None else format(v, '.4g'):>12}" for v in values) + f"{row['drawn_again']:>13}")
+        lines.append(f"{name:>9}" + "".join(f"{'-' if v is None else format(v, '.4g'):>12}" for v in values)
+                     + f"{row['drawn_again']:>13}")
     inner = record["inner"]
     if inner:
         lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} ({inner['least']:.4g} to {inner['largest']:.4g}), "
                      f"mean variance {inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
-    lines.append(f"from {record['time']}, {record['points']} points a layer" +
-                 (f", target {record['target']:.4g}" if record["target"] else ", no target: none drawn again"))
+    lines.append(f"from {record['time']}, {record['points']} points a layer"
+                 + (f", target {record['target']:.4g}" if record["target"] else ", no target: none drawn again"))
     return "\n".join(lines)
 
 

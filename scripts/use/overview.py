@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it got there.
 
     scripts/use/overview.py OUTPUT_DIR [PICTURE.png] [--table]
@@ -58,7 +59,8 @@ def draw(run, path):
     write_title(sheet, run)
     draw_pictures(sheet, run, pictures)
     charts = [plot_distortion]
-    charts += [plot_violation] * any(line["worst_constraint"] is not None for line in run.history if run.config.get("constraints"))
+    charts += [plot_violation] * any(line["worst_constraint"]
+                                     is not None for line in run.history if run.config.get("constraints"))
     charts += [plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     width = (0.93 - 0.075 * (len(charts) - 1)) / len(charts)
     for column, plot in enumerate(charts):
@@ -94,13 +96,15 @@ class Pictures:
         fields, config = run.fields, run.config
         self.part = render_part.VoxelPart(fields["density"], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
         self.layers = [fields["planar/layer"], fields["layer"]]
-        self.displacements = [render_part.node_vectors(self.part, fields[name]) for name in ("planar/displacement", "displacement")]
+        self.displacements = [render_part.node_vectors(self.part, fields[name])
+                              for name in ("planar/displacement", "displacement")]
         shown = np.unique(self.part.faces)
         self.lengths = [np.linalg.norm(displacement, axis=1) for displacement in self.displacements]
         self.largest_each = [length[shown].max() for length in self.lengths]
         self.largest = max(self.largest_each)
         self.exaggeration = plain_number(DRAWN_DISPLACEMENT * max(self.part.size) / (self.largest or 1.0))
-        self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown] for u in self.displacements])
+        self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
+                               for u in self.displacements])
         self.measured = spread(self.part.nodes, run.measured_nodes(), MOST_DOTS)
         self.images = crop_together(self.render())
         self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
@@ -182,7 +186,8 @@ def duration(seconds):
 def draw_pictures(sheet, run, pictures):
     lefts, width = (0.025, 0.260, 0.515, 0.750), 0.225
     labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in (("planar", "baseline"), ("optimized", "optimized"))]
-    labels += [f"{kind}, displacement up to {number(length)}" for kind, length in zip(("planar", "optimized"), pictures.largest_each)]
+    labels += [f"{kind}, displacement up to {number(length)}" for kind,
+               length in zip(("planar", "optimized"), pictures.largest_each)]
     for left, image, label, colour in zip(lefts, pictures.images, labels, (PLANAR, OPTIMIZED, PLANAR, OPTIMIZED)):
         axes = sheet.axes(left, 2, width)
         axes.imshow(image)
@@ -219,7 +224,8 @@ def plot_distortion(axes, run):
     axes.annotate("planar = 1", (1.0, 1.0), xycoords=axes.get_yaxis_transform(), xytext=(0, gap), textcoords="offset points",
                   ha="right", va=side, color=PLANAR)
     chosen = iterations == run.summary.get("best_iteration")
-    axes.plot(iterations[chosen], values[chosen], "o", color=OPTIMIZED, markersize=8, markeredgecolor="white", clip_on=False, zorder=5)
+    axes.plot(iterations[chosen], values[chosen], "o", color=OPTIMIZED,
+              markersize=8, markeredgecolor="white", clip_on=False, zorder=5)
     finish_over_iterations(axes, iterations, "Distortion relative to planar", "dot: the result" if chosen.any() else "")
 
 
@@ -271,7 +277,8 @@ def plot_layers(axes, run):
     axes.set_xlim(0.3, total + 0.7)
     axes.xaxis.set_major_locator(ticker.MaxNLocator(8, integer=True))
     axes.grid(axis="y")
-    heading(axes, "Layer thickness / target" if constraint else "Layer thickness", ("green: allowed     " if constraint else "") + "bar: spread inside a layer")
+    heading(axes, "Layer thickness / target" if constraint else "Layer thickness",
+            ("green: allowed     " if constraint else "") + "bar: spread inside a layer")
 
 
 def heading(axes, title, note=""):

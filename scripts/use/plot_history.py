@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """How optimizations went: one picture of one or several output directories.
 
     scripts/use/plot_history.py OUTPUT_DIRECTORY... [--labels NAME...] [--seconds] [--picture history.png]
@@ -74,7 +75,8 @@ def read_history(path):
 
 def draw_seconds(runs):
     """Objective and violation, over the iterations in the left column and over the wall time in the right one."""
-    figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.0), sharex="col", sharey="row", height_ratios=[3, 2], constrained_layout=True)
+    figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.0), sharex="col", sharey="row",
+                                height_ratios=[3, 2], constrained_layout=True)
     for run, colour in zip(runs, COLOURS * len(runs)):
         rows = [run.relative_objective()[0], run.values("worst_constraint")]
         for column, abscissa in zip(axes.T, (run.iterations, run.seconds())):

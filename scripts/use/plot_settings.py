@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Which setting matters: one picture of runs that differ from defaults by one setting each.
 
     scripts/use/plot_settings.py GROUP... [--picture settings.png]

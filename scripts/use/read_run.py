@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the pictures and tables need of a finished optimization: reads the output directory of a run."""
 
 import json

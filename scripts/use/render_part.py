@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or displaced.
 
 As a module it gives render(); as a program it draws one picture of a result:

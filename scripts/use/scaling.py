@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Strong scaling: seconds of an iteration over the number of ranks, from runs of the same config.
 
     scripts/use/scaling.py OUTPUT_DIRECTORY... [--table scaling.csv] [--picture scaling.png] [--warm_up 2]
@@ -57,7 +58,8 @@ def row_of(measurement, baseline):
            "karp_flatt": (ratio - 1 / q) / (1 - 1 / q) if q > 1 else None}
     for phase in PHASES:
         row[phase] = measurement.seconds[phase]
-        row[f"{phase}_speed_up"] = baseline.seconds[phase] / measurement.seconds[phase] if measurement.seconds[phase] > 0 else None
+        row[f"{phase}_speed_up"] = baseline.seconds[phase] / \
+            measurement.seconds[phase] if measurement.seconds[phase] > 0 else None
     return row
 
 

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Runs a command that draws where there is no display, with one in memory (Xvfb).
 
     scripts/use/virtual_display.py COMMAND [ARGUMENTS]
@@ -40,7 +41,8 @@ def start_server():
     reading, writing = os.pipe()
     command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
     try:
-        server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     except OSError:
         sys.exit(f"{named(sys.argv)}: needs a display, or Xvfb, which scripts/setup.sh installs")
     os.close(writing)

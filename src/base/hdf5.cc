@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/hdf5.h"
 
 #include "fabseq/base/error.h"

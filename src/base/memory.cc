@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/memory.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/memory_file.h"
 
 #include <sys/mman.h>

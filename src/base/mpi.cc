@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
 
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/posix_file.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/session.h"
 
 #include "fabseq/base/error.h"
@@ -51,15 +52,17 @@ int guarded(const std::function<void()>& program) {
   }
 }
 
-/// Of Open MPI's two ways to write files together this is the one whose ranks agree on whether a file is open: with the
-/// other, a rank that cannot open it leaves the rest waiting. Where there is only one, or another MPI, it means nothing.
+/// Of Open MPI's two ways to write files together this is the one whose ranks agree on whether a file is
+/// open: with the other, a rank that cannot open it leaves the rest waiting. Where there is only one, or
+/// another MPI, it means nothing.
 void prefer_romio() {
   for (const char* parameter : {"OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"})
     (void)::setenv(parameter, "60", 0);  // against 30; what the user has set stays
 }
 
-/// By itself the C library moves the size from which on it takes blocks from the system and gives them back: up to 32 MB, as they are
-/// freed. Fields of that size then stay in pieces of the heap, 0.4 GB of 3 within ten iterations.
+/// By itself the C library moves the size from which on it takes blocks from the system and gives them back:
+/// up to 32 MB, as they are freed. Fields of that size then stay in pieces of the heap, 0.4 GB of 3 within
+/// ten iterations.
 void give_memory_back() {
 #ifdef __GLIBC__
   (void)::mallopt(M_MMAP_THRESHOLD, 1 << 20);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/standard_streams.h"
 
 #include "fabseq/base/stop.h"
@@ -16,8 +17,8 @@ namespace {
 
 constexpr int moment = 100;  // milliseconds
 
-/// Another way to the same pipe or terminal, on which writes do not wait. The descriptor itself is shared with
-/// whoever else writes there and stays as it is. -1 where there is none, or nothing to wait for.
+/// Another way to the same pipe or terminal, on which writes do not wait. The descriptor itself is shared
+/// with whoever else writes there and stays as it is. -1 where there is none, or nothing to wait for.
 class WithoutWaiting {
  public:
   explicit WithoutWaiting(int descriptor) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/config.h"
 
 #include "fabseq/config/config_rules.h"
@@ -169,8 +170,8 @@ ConstraintTerm make_constraint(const Json& value) {
   return term;
 }
 
-/// Largest step where the config leaves it to us, docs/formulation.md 9: measured for diffusivities on the log scale and for
-/// times, published for diffusivities themselves.
+/// Largest step where the config leaves it to us, docs/formulation.md 9: measured for diffusivities on the
+/// log scale and for times, published for diffusivities themselves.
 double automatic_move_limit(const SequenceSettings& sequence) {
   if (sequence.type == SequenceType::direct) return 0.02;
   return sequence.scale == VariableScale::log ? 0.05 : 0.2;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/config_difference.h"
 
 #include "fabseq/config/schema.h"

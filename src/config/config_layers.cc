@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The layers of a config: curved, or planar ones in sub-parts.
 #include "fabseq/config/config_rules.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// From the config file and the command line to a Config.
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/config_rules.h"
 
 #include "fabseq/base/error.h"

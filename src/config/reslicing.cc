@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/reslicing.h"
 
 #include "fabseq/base/hdf5.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/config/schema_value.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// How schema and config speak to the user.
 #include "fabseq/base/error.h"
 #include "fabseq/config/schema.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The table of config keys. Nothing about a key stands anywhere else but what relates it to other keys
 /// (config_rules.cc).
 #include "fabseq/config/schema.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The table of config keys for people: -help and the reference in the manual.
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/schema.h"

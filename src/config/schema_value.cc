@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/schema_value.h"
 
 #include <algorithm>

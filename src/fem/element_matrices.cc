@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/fem/element_matrices.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/fem/parity.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/checkpoint.h"
 
 #include "fabseq/base/checksum.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/checkpoint_state.h"
 
 #include "fabseq/base/error.h"

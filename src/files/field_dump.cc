@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/field_dump.h"
 
 #include "fabseq/base/error.h"

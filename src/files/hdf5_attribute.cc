@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/hdf5_attribute.h"
 
 #include "fabseq/base/hdf5.h"

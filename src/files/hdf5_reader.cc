@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/hdf5.h"
 #include "fabseq/files/hdf5_writer.h"
 
@@ -7,7 +8,8 @@ namespace fabseq {
 
 namespace {
 
-/// A field stored as one list, x fastest: every rank reads from its first value to its last and picks its own.
+/// A field stored as one list, x fastest: every rank reads from its first value to its last and picks its
+/// own.
 template <int Dim>
 std::vector<double> read_field_as_list(const IndexBox<Dim>& all, const IndexBox<Dim>& owned,
                                        const Hdf5ParallelDataset& data) {

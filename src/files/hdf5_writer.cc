@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/hdf5_writer.h"
 
 #include "fabseq/base/checksum.h"

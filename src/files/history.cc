@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/history.h"
 
 #include "fabseq/base/mpi.h"

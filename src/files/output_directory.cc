@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/output_directory.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/seal.h"
 
 #include "fabseq/base/checksum.h"

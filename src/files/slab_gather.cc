@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/slab_gather.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/xdmf.h"
 
 #include <cstdio>

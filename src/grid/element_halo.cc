@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/grid/element_halo.h"
 
 #include "fabseq/grid/placed_array.h"

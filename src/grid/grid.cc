@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/grid/grid.h"
 
 #include "fabseq/base/error.h"

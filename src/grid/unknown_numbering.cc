@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/grid/unknown_numbering.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/band_cholesky.h"
 
 #include <petscsys.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/island_map.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/lane_cg_impl.h"
 
 namespace fabseq {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/lane_hierarchy.h"
 
 #include "fabseq/base/mpi.h"
@@ -157,9 +158,9 @@ void LaneHierarchy<Dim>::make_coarse_mesh(const LaneLevel<Dim>& fine, LaneLevel<
 }
 
 /// A coarse unknown is held where the fine one at its place is; where there is none, because the grid is
-/// padded there, if one that it interpolates to is held. What is held between coarse nodes of which none is held
-/// then would be lost: those are held, too. Should that still leave a rigid motion free, as of a strip of nodes that
-/// has become a line, whatever interpolates to something held.
+/// padded there, if one that it interpolates to is held. What is held between coarse nodes of which none is
+/// held then would be lost: those are held, too. Should that still leave a rigid motion free, as of a strip
+/// of nodes that has become a line, whatever interpolates to something held.
 template <int Dim>
 void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse) {
   constexpr int flags = 3;  // a fine node at the same place, that one held, one held nearby
@@ -170,7 +171,8 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     else if (fine.distributed)
       sum_in_place(grid_.comm(), marks);
   };
-  /// Calls f(coarse nodes that a fine one interpolates from, number of the fine one) for all nodes of this rank.
+  /// Calls f(coarse nodes that a fine one interpolates from, number of the fine one) for all nodes of this
+  /// rank.
   std::vector<std::int64_t> numbers;
   const auto for_each_node = [&](auto&& f) {
     fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {

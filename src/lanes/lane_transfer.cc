@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/lane_transfer.h"
 
 namespace fabseq {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/shared_nodes.h"
 
 #include "fabseq/base/mpi.h"

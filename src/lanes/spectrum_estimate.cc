@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/spectrum_estimate.h"
 
 #include <algorithm>

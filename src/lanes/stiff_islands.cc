@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/lanes/stiff_islands.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/layers/curved_layers.h"
 
 #include "fabseq/layers/smooth_step.h"

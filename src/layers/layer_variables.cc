@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/layers/layer_variables.h"
 
 #include "fabseq/layers/curved_layers.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_row_newton.h"
 
 #include <algorithm>

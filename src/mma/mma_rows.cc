@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_rows.h"
 
 #include "fabseq/mma/mma_row_newton.h"
@@ -98,8 +99,8 @@ double RowModel::largest_step(const MmaRowPoint& direction) {
   return rate > 1.0 ? 1.0 / rate : 1.0;
 }
 
-// Whether a step keeps all products near their mean and makes the mean smaller; far from the solution, where the products may
-// have to grow, whether it is long.
+// Whether a step keeps all products near their mean and makes the mean smaller; far from the solution, where
+// the products may have to grow, whether it is long.
 bool RowModel::good(const MmaRowPoint& direction, double t, double mean) const {
   const auto [next, least] = products(direction, t);
   const bool far = newton_.largest_residual(size_) > far_residual * size_ && t > long_step;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_subproblem.h"
 
 #include "fabseq/base/error.h"
@@ -20,8 +21,8 @@ constexpr double first_barrier = 0.1, final_barrier = 1e-10;
 constexpr double barrier_factor = 0.03,
                  barrier_power = 1.7;  // of the next barrier, whichever makes it smaller
 constexpr double tolerance = 1e-9;     // of the rows' conditions, over the larger of 1 and the largest |f_i|
-// How far beyond the maximum along a direction a step may go, in terms of the slope; not at all after so many cut steps, so that
-// phi rises in each and they cannot go round in circles.
+// How far beyond the maximum along a direction a step may go, in terms of the slope; not at all after so many
+// cut steps, so that phi rises in each and they cannot go round in circles.
 constexpr double overshoot = 0.5;
 constexpr int cut_steps_limit = 12;
 constexpr double most_caution = 0.9, least_caution = 0.02;

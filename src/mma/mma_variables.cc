@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_variables.h"
 
 #include "fabseq/base/mpi.h"

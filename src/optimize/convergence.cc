@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/convergence.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/design_update.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/pipeline.h"
 
 #include "fabseq/solve/heat_solver.h"
@@ -151,7 +152,8 @@ void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vect
   iterations_.adjoint = process_.adjoint_iterations();
 }
 
-/// Pulls what there is by the layers' densities back to the pseudo-time at once: rows by the dozen would fill the memory with it.
+/// Pulls what there is by the layers' densities back to the pseudo-time at once: rows by the dozen would fill
+/// the memory with it.
 template <int Dim>
 void Pipeline<Dim>::take_up_densities(const PipelineState<Dim>& state, Row& row) const {
   DensityDerivatives part(state.layers.count());

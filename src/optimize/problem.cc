@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/problem.h"
 
 #include "fabseq/base/error.h"
@@ -11,8 +12,8 @@ namespace fabseq {
 
 namespace {
 
-/// A functional whose square is a smaller share of the term stays in the rest: it vanishes by symmetry, as a rule, and
-/// would cost an adjoint for nothing.
+/// A functional whose square is a smaller share of the term stays in the rest: it vanishes by symmetry, as a
+/// rule, and would cost an adjoint for nothing.
 constexpr double least_share = 1e-6;
 /// Unless asked for, functionals that together hold less of the term do not pay for their adjoints
 /// (docs/formulation.md 9).
@@ -130,8 +131,8 @@ GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
 template <int Dim>
 ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                                          const ProblemValues& values) const {
-  // One row for the whole objective, one for each constrained component, which its upper and lower bound share, and
-  // one for each residual.
+  // One row for the whole objective, one for each constrained component, which its upper and lower bound
+  // share, and one for each residual.
   const std::vector<double> factors = term_factors(values.objective);
   std::vector<GradientRow> rows = {objective_row(values, factors)};
   std::vector<std::size_t> first_row;

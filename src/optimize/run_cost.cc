@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/run_cost.h"
 
 #include "fabseq/base/memory.h"
@@ -22,8 +23,8 @@ namespace {
 
 /// What a path needs, measured (docs/performance.md).
 struct PathCost {
-  double
-      bytes_per_unknown;  ///< of a system with its preconditioner: of the reference path; of the lanes, a lane
+  double bytes_per_unknown;  ///< of a system with its preconditioner: of the reference path; of the lanes, a
+                             ///< lane
   double seconds_per_unknown;  ///< of a solve on one core
 };
 constexpr PathCost lanes_cost{121.0, 4.5e-7};
@@ -37,8 +38,8 @@ constexpr double bytes_per_rank = 8e7;
 
 /// The forward heat solve, which one group does for all, in units of a full block of layers.
 constexpr double forward_heat_work = 0.1;
-/// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6 times as fast
-/// as one, four 2.4 times (docs/performance.md).
+/// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6
+/// times as fast as one, four 2.4 times (docs/performance.md).
 constexpr double overhead_of_the_first_doubling = 0.25;
 constexpr double overhead_of_a_further_doubling = 0.35;
 /// Share of the available memory that a choice may fill.
@@ -162,7 +163,8 @@ GroupChoice choose_automatically(const Config& config, const RunSize& size, doub
   return {groups, explain<Dim>(config, size, groups, available, fastest)};
 }
 
-/// Of all sub-parts: one alone has the whole part's, several overlap by a half each, as seen with two to four.
+/// Of all sub-parts: one alone has the whole part's, several overlap by a half each, as seen with two to
+/// four.
 int estimated_slabs(const MultiPlanarSettings& settings, double longest_edge) {
   const double slabs = std::ceil(longest_edge / settings.thickness) * (1.0 + settings.subparts) / 2.0;
   if (slabs + settings.subparts <= most_layers) return static_cast<int>(slabs) + settings.subparts;

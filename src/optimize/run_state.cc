@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/run_state.h"
 
 #include <utility>

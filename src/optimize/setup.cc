@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/setup.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/optimize/stages.h"
 
 #include "fabseq/layers/curved_layers.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/parallel/layer_dealing.h"
 
 #include <algorithm>
@@ -57,7 +58,8 @@ class Dealer {
     return result;
   }
 
-  /// Halves the block that leaves the longest group shortest; nothing is left of `blocks` if all are single layers.
+  /// Halves the block that leaves the longest group shortest; nothing is left of `blocks` if all are single
+  /// layers.
   LayerDeal halve_best(std::vector<WeighedBlock>& blocks) const {
     LayerDeal best;
     std::vector<WeighedBlock> best_blocks;

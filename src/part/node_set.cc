@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/node_set.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/part.h"
 
 #include "fabseq/base/error.h"

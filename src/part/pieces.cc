@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/pieces.h"
 
 #include "fabseq/base/mpi.h"

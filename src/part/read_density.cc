@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
@@ -66,7 +67,8 @@ void require_densities(MPI_Comm comm, const std::vector<double>& density, const 
   throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
 }
 
-/// The elements that a file has; throws InputError if these are not all of `domain`, or `sampling` - 1 planes fewer.
+/// The elements that a file has; throws InputError if these are not all of `domain`, or `sampling` - 1 planes
+/// fewer.
 template <int Dim>
 Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& domain, int sampling) {
   Index<Dim> found = domain.elements;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/rigid_motions.h"
 
 #include "fabseq/base/mpi.h"

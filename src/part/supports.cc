@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/supports.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/elastic_model.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/inherent_strain.h"
 
 #include <cmath>

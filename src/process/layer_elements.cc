@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/layer_elements.h"
 
 #include "fabseq/base/log_event.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/process_simulation.h"
 
 #include "fabseq/base/error.h"
@@ -20,8 +21,8 @@ void require_convergence(const SolveReport& report, int layer, const char* what)
   throw NumericalError(text.str());
 }
 
-/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a batch serves the next one,
-/// too, for fresh memory costs more than what is done with it here.
+/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a batch serves the next
+/// one, too, for fresh memory costs more than what is done with it here.
 void resize(LaneVector& vector, int nodes, int components, int lanes) {
   if (vector.nodes != nodes || vector.components != components || vector.lanes != lanes)
     vector = LaneVector(nodes, components, lanes);

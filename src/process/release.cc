@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/release.h"
 
 #include "fabseq/base/error.h"

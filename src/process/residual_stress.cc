@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/residual_stress.h"
 
 #include "fabseq/base/mpi.h"

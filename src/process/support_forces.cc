@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/process/support_forces.h"
 
 #include <algorithm>

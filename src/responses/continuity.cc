@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/continuity.h"
 
 #include "fabseq/base/mpi.h"

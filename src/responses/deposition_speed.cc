@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/deposition_speed.h"
 
 #include "fabseq/base/mpi.h"

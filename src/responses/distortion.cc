@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/distortion.h"
 
 #include "fabseq/base/mpi.h"

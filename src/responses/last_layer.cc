@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/last_layer.h"
 
 #include "fabseq/base/mpi.h"
@@ -12,8 +13,8 @@ namespace {
 
 /// In layers: elements count from so long before the end of the last layer on.
 constexpr double approach = 0.25;
-/// The optimizer is asked to stay away from the bound by so many times what its margin leaves, in layers: a step moves times by
-/// some percent of a layer, and smooth layers reach a little further than binary ones.
+/// The optimizer is asked to stay away from the bound by so many times what its margin leaves, in layers: a
+/// step moves times by some percent of a layer, and smooth layers reach a little further than binary ones.
 constexpr double caution = 3.0;
 /// Of the norm, which is nearly the largest entry.
 constexpr int power = 8;
@@ -59,7 +60,8 @@ class LastLayer : public Response<Dim> {
     return last;
   }
 
-  /// How many layers later than the end of layer `last` each part element is, plus the approach; 0 if it does not count.
+  /// How many layers later than the end of layer `last` each part element is, plus the approach; 0 if it does
+  /// not count.
   std::vector<double> lateness(const PipelineState<Dim>& state, int last) const {
     std::vector<double> result(state.time.time.size(), 0.0);
     if (last == state.layers.count()) return result;

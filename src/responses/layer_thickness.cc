@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/layer_thickness.h"
 
 #include "fabseq/responses/layer_statistics.h"
@@ -27,7 +28,8 @@ class LayerThickness : public Response<Dim> {
     return result;
   }
 
-  /// Without fading: d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W, dm/dM_e = w_e / W.
+  /// Without fading: d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W,
+  /// dm/dM_e = w_e / W.
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/layer_uniformity.h"
 
 #include "fabseq/responses/layer_statistics.h"

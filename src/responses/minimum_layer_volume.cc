@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/minimum_layer_volume.h"
 
 #include "fabseq/responses/layer_statistics.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/responses/continuity.h"
 #include "fabseq/responses/deposition_speed.h"

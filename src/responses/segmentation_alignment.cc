@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/segmentation_alignment.h"
 
 #include "fabseq/base/mpi.h"

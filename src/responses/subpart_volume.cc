@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/responses/subpart_volume.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/run/tasks.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/coarse_grid.h"
 
 #include "fabseq/base/error.h"
@@ -92,8 +93,8 @@ bool has_nodes(const Part<Dim>& part, const std::string& name, const NodeSetDesc
   }
 }
 
-/// Node sets without nodes, or with fewer than are to be sampled, take those within an edge of a fine element; if
-/// these are too few for samples, all.
+/// Node sets without nodes, or with fewer than are to be sampled, take those within an edge of a fine
+/// element; if these are too few for samples, all.
 template <int Dim>
 void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& document) {
   const Grid<Dim> grid = make_balanced_grid<Dim>(fine.groups.domain(), coarse.domain<Dim>(), coarse.part);

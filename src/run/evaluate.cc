@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"

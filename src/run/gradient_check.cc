@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/gradient_check.h"
 
 #include "fabseq/base/mpi.h"
@@ -177,8 +178,8 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
   return check;
 }
 
-/// Steps must not end on a bound: the field keeps a tenth of the range from both, the layers' variables, which may be
-/// closer to each other, a thousandth.
+/// Steps must not end on a bound: the field keeps a tenth of the range from both, the layers' variables,
+/// which may be closer to each other, a thousandth.
 void keep_off_the_bounds(Design& design, const DesignSpace& space, const LayerVariables& variables) {
   for (double& value : design.field) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
   for (std::size_t j = 0; j < design.layer_variables.size(); ++j) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/gradient_check.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/progress.h"
 
 #include "fabseq/base/mpi.h"

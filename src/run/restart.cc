@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/restart.h"
 
 #include "fabseq/base/checksum.h"
@@ -55,8 +56,8 @@ void require_same_problem(const Setup<Dim>& setup, const std::string& path) {
     refuse_other_problem(name, "/part has other elements or densities than it had");
 }
 
-/// What -restart auto finds without a checkpoint may be replaced only by a run of the same problem, which would
-/// lead to the same result.
+/// What -restart auto finds without a checkpoint may be replaced only by a run of the same problem, which
+/// would lead to the same result.
 void require_same_config(MPI_Comm comm, const std::string& directory, const Json& effective) {
   const std::string file = directory + "/config.json";
   const std::string text = broadcast(comm, rank_of(comm) == 0 ? read_file_if_there(file) : "");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// What ends a run and what lets it go on: checkpoints, stops, failures.
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
@@ -20,7 +21,8 @@ void RunOutput<Dim>::continue_from(const Restart& restart) {
   checkpoint_due_ = !restart.in_place;  // at once: this directory has none
   if (!restart.in_place) return history_.copy_from(restart.directory, position);
   history_.cut_back(position);
-  // Should this have been the older slot because the newer is damaged, the next goes in the place of that one.
+  // Should this have been the older slot because the newer is damaged, the next goes in the place of that
+  // one.
   directory_.write("checkpoint/newest", restart.slot + "\n");
   checkpointed_ = state.integer("iteration");
 }

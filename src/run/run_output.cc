@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/run_output.h"
 
 #include "fabseq/base/error.h"

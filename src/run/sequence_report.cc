@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/run/sequence_report.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
@@ -41,8 +42,8 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
   }
 }
 
-/// Release from plate or clamps. Empty if the part falls apart then, which is warned about, or, with `failure` the
-/// reason, if the solve fails: the simulation is done by then and shall not be lost.
+/// Release from plate or clamps. Empty if the part falls apart then, which is warned about, or, with
+/// `failure` the reason, if the solve fails: the simulation is done by then and shall not be lost.
 template <int Dim>
 std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation<Dim>& process,
                                 const PipelineState<Dim>& state, std::string& failure) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
@@ -56,8 +57,8 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
   return result;
 }
 
-/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps between them.
-/// The same ones for the same number; uniform ones where the file has none.
+/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps
+/// between them. The same ones for the same number; uniform ones where the file has none.
 std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
   std::vector<double> points = uniform_time_points(layers);
   if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return points;

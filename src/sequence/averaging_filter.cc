@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/averaging_filter.h"
 
 #include <algorithm>

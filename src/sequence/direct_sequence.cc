@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/direct_sequence.h"
 
 #include "fabseq/fem/element_matrices.h"

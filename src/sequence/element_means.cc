@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/element_means.h"
 
 namespace fabseq {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/geodesic_distance.h"
 
 #include "fabseq/base/mpi.h"
@@ -55,8 +56,8 @@ struct Network {
   IndexBox<Dim> owned, box;  ///< this rank's, and with those around them
   /// Of the owned: the distance where it is given, far_away elsewhere.
   std::vector<double> distance;
-  /// Of the owned: bit 2 axis + end says that the front may come from the neighbour below (end 0) or above (end 1)
-  /// along the axis. None where the distance is given or nothing is there.
+  /// Of the owned: bit 2 axis + end says that the front may come from the neighbour below (end 0) or above
+  /// (end 1) along the axis. None where the distance is given or nothing is there.
   std::vector<unsigned> links;
   /// Owned values to values on `box`. Collective.
   std::function<std::vector<double>(const std::vector<double>&)> gather;

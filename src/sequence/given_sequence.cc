@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/given_sequence.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/heat_chain_rule.h"
 
 #include "fabseq/sequence/element_means.h"

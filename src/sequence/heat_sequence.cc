@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/heat_sequence.h"
 
 #include "fabseq/base/error.h"
@@ -25,8 +26,8 @@ void require_convergence(const SolveReport& report, const char* what) {
   throw NumericalError(text.str());
 }
 
-/// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of the
-/// whole grid.
+/// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of
+/// the whole grid.
 template <int Dim>
 std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
   const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();

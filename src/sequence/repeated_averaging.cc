@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/repeated_averaging.h"
 
 #include "fabseq/sequence/element_means.h"
@@ -8,8 +9,8 @@ namespace fabseq {
 
 namespace {
 
-/// A pass has the kernel (1/4, 1/2, 1/4) along each axis, of variance h^2 / 2; the variance of a cone of radius R along an axis is
-/// 3/20 R^2 in the plane, 2/15 R^2 in space.
+/// A pass has the kernel (1/4, 1/2, 1/4) along each axis, of variance h^2 / 2; the variance of a cone of
+/// radius R along an axis is 3/20 R^2 in the plane, 2/15 R^2 in space.
 template <int Dim>
 int passes_of(const Grid<Dim>& grid, double radius) {
   double square = 0.0;

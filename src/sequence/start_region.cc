@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/sequence/start_region.h"
 
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/lane_elasticity.h"
 
 #include "fabseq/base/log_event.h"

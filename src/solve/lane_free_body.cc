@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/lane_free_body.h"
 
 #include "fabseq/base/log_event.h"
@@ -231,8 +232,8 @@ void LaneFreeBody<Dim>::iterate(State& state, LaneArray& rest, LaneArray& soluti
       solution[i] += alpha * direction_[i];
       rest[i] -= alpha * image_[i];
     }
-    balance(
-        rest);  // resultants that rounding leaves would stay, and outweigh what is left of the rest in the end
+    balance(rest);  // resultants that rounding leaves would stay, and outweigh what is left of the rest in
+                    // the end
     std::copy(rest.begin(), rest.end(), rounded_rest_.begin());
     state.length = matrix_.dot(solution.data(), solution.data())[0];
     ++state.iteration;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/lane_heat.h"
 
 #include "fabseq/base/log_event.h"
@@ -24,8 +25,9 @@ SolveReport report_of(const LaneOutcome& outcome) {
 }  // namespace
 
 /// Steps of conjugate gradients from the second level on cost next to nothing and take care of sheets a few
-/// elements thick. On the first level they do not pay: where designs get rough, diffusivities differ by orders
-/// of magnitude between neighbours, and even an exact coarse solution would not help. So there is no patience.
+/// elements thick. On the first level they do not pay: where designs get rough, diffusivities differ by
+/// orders of magnitude between neighbours, and even an exact coarse solution would not help. So there is no
+/// patience.
 template <int Dim>
 LaneCycle LaneHeat<Dim>::cycle() {
   return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}, .patient_steps = {1, 4, 2}};

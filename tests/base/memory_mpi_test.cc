@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Memory that there is and that is asked for.
 #include "fabseq/base/memory.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Requests to stop reach all ranks, and say what they were.
 #include "fabseq/base/error.h"
 #include "fabseq/base/standard_streams.h"
@@ -114,7 +115,8 @@ TEST(Stop, AFileThatWaitsForAnIteration) {
   EXPECT_EQ(reason(), "stopped by the file 'stop' in the output directory");
 }
 
-/// A pipe that nobody reads: nothing waits for it once the run shall stop, and what there was room for is whole.
+/// A pipe that nobody reads: nothing waits for it once the run shall stop, and what there was room for is
+/// whole.
 TEST(StandardStreams, AFullPipeDoesNotKeepFromStopping) {
   const StopRequests requests(std::nullopt);
   int ends[2];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/config/command_line.h"
 
 #include "fabseq/config/schema.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Which changes of a config a checkpoint survives.
 #include "fabseq/config/config_difference.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Every way in which a config can be wrong, with the line the user sees.
 #include <gtest/gtest.h>
 

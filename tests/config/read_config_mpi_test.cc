@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Reading a config on several ranks: rank 0 reads, all ranks agree on config and errors.
 #include "fabseq/base/mpi.h"
 #include "fabseq/config/command_line.h"

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Everything that can go wrong with the files of a run, one thing at a time: nothing may be lost but the work since the last
 checkpoint, and nothing may hang.
 
@@ -52,10 +53,12 @@ def failing_calls(runs, every):
     for (rank, kind), count in counts.items():
         ways = {kind: {}}
         if kind == "write":
-            ways = {"write": {}, "short_write": {"reason": errno.ENOSPC}, "writes from there on": {"lasting": 1, "reason": errno.ENOSPC}}
+            ways = {"write": {}, "short_write": {"reason": errno.ENOSPC},
+                    "writes from there on": {"lasting": 1, "reason": errno.ENOSPC}}
         for way, more in ways.items():
             chosen = range(1 + len(faults) % every, count + 1, every)
-            faults.setdefault(way, []).extend((rank, "short_write" if way == "short_write" else kind, number, more) for number in chosen)
+            faults.setdefault(way, []).extend((rank, "short_write" if way == "short_write" else kind, number, more)
+                                              for number in chosen)
     return {way: [lambda fault=fault: fail_call(runs, *fault) for fault in chosen] for way, chosen in faults.items()}
 
 
@@ -83,7 +86,8 @@ def fail_call(runs, rank, kind, number, more):
 
 def small_disks(runs, every):
     """Faults: disks of so many kB, from too little for anything to more than the run needs."""
-    used = sum(os.path.getsize(os.path.join(folder, file)) for folder, _, files in os.walk(runs.expected.output) for file in files)
+    used = sum(os.path.getsize(os.path.join(folder, file))
+               for folder, _, files in os.walk(runs.expected.output) for file in files)
     return [lambda size=size: fill_disk(runs, size) for size in range(8, used // 1024 + 96, 4 * every)]
 
 
@@ -195,7 +199,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="fabseq_faults_") as directory:
         library = build_library(directory)
         small = FaultRuns(os.path.join(directory, "small"), library, "-max_iterations", 6, "-output_every", 3)
-        long = FaultRuns(os.path.join(directory, "long"), library, "-max_iterations", 30, "-elements", "40,24", "-output_every", 10)
+        long = FaultRuns(os.path.join(directory, "long"), library, "-max_iterations",
+                         30, "-elements", "40,24", "-output_every", 10)
         if options.only in (None, "calls"):
             for way, faults in failing_calls(small, 23 if options.short else 1).items():
                 table.add(way, faults)

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Lets one call of the file system fail: a library to be preloaded (LD_PRELOAD) under every rank of a run.
 ///
-/// It counts the calls of each kind that concern files below one directory, and fails those asked for. From the
-/// environment:
+/// It counts the calls of each kind that concern files below one directory, and fails those asked for. From
+/// the environment:
 ///
 ///     FAILING_DIRECTORY   the directory, as the program names it
-///     FAILING_REPORT      a folder elsewhere; each rank writes RANK.csv there: kind,number,name of the file, a line a
+///     FAILING_REPORT      a folder elsewhere; each rank writes RANK.csv there: kind,number,name of the file,
+///     a line a
 ///                         call, with ",failed" at the end if it did
 ///     FAILING_RANK        the rank whose call fails
 ///     FAILING_KIND        open, write, short_write, sync, rename or close
@@ -13,8 +15,8 @@
 ///     FAILING_LASTING     1: all later ones of its kind fail, too
 ///     FAILING_REASON      errno; EIO unless given
 ///
-/// A short write writes half of its bytes and says so; the next one to the same file fails. A close that fails closes
-/// the file, as Linux does.
+/// A short write writes half of its bytes and says so; the next one to the same file fails. A close that
+/// fails closes the file, as Linux does.
 #include <array>
 #include <cerrno>
 #include <cstdarg>

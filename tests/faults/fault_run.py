@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A small optimization to which things happen: run, run again without them, compare."""
 
 import dataclasses

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Element matrices against brute-force integration with tensor formulas, and against what is known of them
 /// exactly.
 #include "fabseq/fem/element_matrices.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Element matrices in the parity basis against those of brute force, and the bound of the scaled spectrum
 /// against dense matrices.
 #include "fabseq/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/checksum.h"
 #include "fabseq/files/checkpoint.h"
 #include "fabseq/files/checkpoint_reader.h"
@@ -139,7 +140,8 @@ TEST(Checkpoint, FileDoesNotDependOnTheRanks) {
               state_of(whole.part, 1));
 }
 
-/// Every rank has a share of what its group has; the file is the same, and read by groups it is shared out again.
+/// Every rank has a share of what its group has; the file is the same, and read by groups it is shared out
+/// again.
 TEST(Checkpoint, FileDoesNotDependOnTheGroups) {
   const test::ScratchDirectory scratch;
   CheckpointedRun run(scratch.path());

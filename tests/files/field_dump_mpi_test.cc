@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/files/output_directory.h"

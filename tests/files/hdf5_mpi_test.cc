@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/hdf5.h"
 #include "fabseq/files/hdf5_attribute.h"
 #include "fabseq/files/hdf5_writer.h"

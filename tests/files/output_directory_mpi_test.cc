@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/history.h"
 #include "fabseq/files/output_directory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Balance of the decomposition against brute force over all splits, and on shapes with known answers.
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/decomposition.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Gathered element fields of any width, and the transpose, against values and counts known in advance.
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The grid's boxes, numbers and exchanges, against PETSc's own and against exact counts, with unequal
 /// spacings and odd sizes.
 #include "fabseq/grid/grid.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The scripts of benchmarks/ run the program and report what they should; not how fast it is."""
 
 import csv
@@ -25,7 +26,8 @@ class BenchmarkScriptTest(FabseqTest):
             return stdout.splitlines(), json.load(file)
 
     def test_iteration_compares_methods_at_equal_errors(self):
-        lines, record = self.run_script("iteration.sh", "--iterations", 1, "--methods", "lanes", "gamg", "--", "-move_limit", 0.02)
+        lines, record = self.run_script("iteration.sh", "--iterations", 1, "--methods",
+                                        "lanes", "gamg", "--", "-move_limit", 0.02)
         errors = {(entry["method"], entry["tolerance"]): entry["error"] for entry in record["errors"]["errors"]}
         of_lanes = errors["lanes", record["tolerances"]["lanes"]]
         of_gamg = errors["gamg", record["tolerances"]["gamg"]]
@@ -87,7 +89,8 @@ class BenchmarkScriptTest(FabseqTest):
         self.assert_picture("s.png")
 
     def test_sizes_up_to_a_limit(self):
-        _, record = self.run_script("size.sh", "--smallest", 500, "--largest", 2500, "--iterations", 2, "--csv", "z.csv", "--plot", "z.png")
+        _, record = self.run_script("size.sh", "--smallest", 500, "--largest", 2500,
+                                    "--iterations", 2, "--csv", "z.csv", "--plot", "z.png")
         self.assertEqual([run["box"] for run in record["runs"]], ["10x4x10", "12x6x12", "16x8x16"])
         for run, row in zip(record["runs"], self.read_csv("z.csv")):
             self.assertGreater(run["gigabytes"], 0.01)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """scripts/use/calibrate.py finds the factors that synthetic measurements were made with."""
 
 import json

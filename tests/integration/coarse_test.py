@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Optimizations that begin at half or a quarter of the resolution."""
 
 import os
@@ -83,7 +84,8 @@ class CoarseTest(FabseqTest):
         run = self.optimize(config, 2)
         again = self.run_program(2, "-config", run.path("coarse/config.json"))
         self.assert_done(again)
-        self.assertEqual([line["objective"] for line in again.history()], [line["objective"] for line in self.coarse(run).history()])
+        self.assertEqual([line["objective"] for line in again.history()], [line["objective"]
+                         for line in self.coarse(run).history()])
 
     def test_more_samples_than_nodes(self):
         config = plate_2d()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Whether two runs came to the same bytes."""
 
 import glob

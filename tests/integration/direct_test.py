@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Direct sequences and variable time points: files, restarts, ranks and groups, and what is refused."""
 
 import os

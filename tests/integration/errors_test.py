@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Bad input: status 2 on every rank, one line with the key, what was found and what is allowed, nothing written."""
 
 import os
@@ -170,7 +171,6 @@ class PartErrorsTest(BadInputTest):
             start = time.monotonic()
             self.assert_refused(config, words=["/domain/elements", f"[{edge},{edge},{edge}]"], timeout=60)
             self.assertLess(time.monotonic() - start, 60)
-
 
     def test_substrate_and_clamps(self):
         config = post_on_substrate(2)

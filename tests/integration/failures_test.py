@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Solvers that do not converge (exit status 3) and disks that are full (5): one line that names the place, no hang."""
 
 import os

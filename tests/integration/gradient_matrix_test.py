@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """Every response against central differences by every kind of design variable, in two and three dimensions, with both void models,
 a constant strain and one that turns with the layers.
 
@@ -106,7 +107,8 @@ class GradientMatrixTest(FabseqTest):
         if "--table" in sys.argv:
             print("| response | by | 2D | 3D |\n| --- | --- | --- | --- |")
             for (response, variables), errors in sorted(table.items()):
-                print(f"| {response} | {variables} | " + " | ".join(f"{errors[d]:.1e}" if d in errors else "–" for d in (2, 3)) + " |")
+                print(f"| {response} | {variables} | "
+                      + " | ".join(f"{errors[d]:.1e}" if d in errors else "–" for d in (2, 3)) + " |")
 
 
 if __name__ == "__main__":

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """-task check_gradients: adjoint against central differences, every component of every response, both scales."""
 
 import csv
@@ -76,7 +77,6 @@ class GradientsTest(FabseqTest):
         for void in ("absent", "quiet"):
             with self.subTest(void=void):
                 self.check(hook_3d(), 8, "-void", void)
-
 
     def test_released_from_clamps(self):
         for dimension in (2, 3):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Layer groups: the same optimization, simulation and gradients however ranks are split into groups x domain ranks."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """`cmake --install` to another place: the program and the configs there work by themselves."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A short run of every task leaves no memory behind (LeakSanitizer; only with sanitizers). What Open MPI and PETSc leave is listed in
 tests/leak_suppressions.txt. And the memory of a long run does not grow."""
 
@@ -23,7 +24,8 @@ class LeaksTest(FabseqTest):
     def check(self, ranks, config, *arguments):
         self.runs += 1
         output = os.path.join(self.directory, f"output_{self.runs}")
-        command = ["mpirun", "-np", str(ranks), run_fabseq.PROGRAM, "-config", self.write_config(config), "-output", output, *arguments]
+        command = ["mpirun", "-np", str(ranks), run_fabseq.PROGRAM, "-config",
+                   self.write_config(config), "-output", output, *arguments]
         environment = {"ASAN_OPTIONS": "detect_leaks=1:detect_odr_violation=0:fast_unwind_on_malloc=0",
                        "LSAN_OPTIONS": f"suppressions={SUPPRESSIONS}:print_suppressions=0"}
         with Process(command, self.directory, environment) as process:

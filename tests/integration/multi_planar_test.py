@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Multi-planar layers: files, restarts, ranks and groups, fixed variables, derivatives, and that nothing jumps where slabs
 come and go."""
 

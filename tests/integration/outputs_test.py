@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What an optimization leaves in its output directory: form and values of every file, on 1 and on 2 ranks."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The same optimization on any number of ranks and with any preconditioner, without layer groups (groups_test.py)."""
 
 import run_fabseq

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Reads what a run left in its output directory, for the tests of this folder."""
 
 import os

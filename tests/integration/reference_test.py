@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Values, gradients and fields of the cases in tests/data/reference against those of an independent implementation."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its row, leaving the others."""
 
 import json
@@ -81,7 +82,8 @@ class ReproduceTest(FabseqTest):
     def test_list_and_mistakes(self):
         listed = self.reproduce("--list")
         self.assertEqual(listed.returncode, 0, listed.stderr)
-        self.assertEqual([line.split()[:2] for line in listed.stdout.splitlines()], [["wall", "2D"], ["wall_free", "2D"], ["planar", "3D"]])
+        self.assertEqual([line.split()[:2] for line in listed.stdout.splitlines()],
+                         [["wall", "2D"], ["wall_free", "2D"], ["planar", "3D"]])
         for words, message in ((["wal"], "no such case"), ([], "no case given")):
             refused = self.reproduce(*words)
             self.assertEqual(refused.returncode, 1)

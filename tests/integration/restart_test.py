@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs that continue: from whatever checkpoint, on other ranks, after damage; and what is refused."""
 
 import json

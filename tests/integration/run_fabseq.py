@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs fabseq as users do, under mpirun, for the tests of this folder.
 
 Every optimization that a test runs is run once more in two halves, stopped and continued, and must come to the same
@@ -141,7 +142,8 @@ def small_disk(path, size):
     os.mkdir(path)
     if os.geteuid() != 0:
         raise NoSmallDisk("only root can mount a small disk")
-    mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", path], capture_output=True, text=True, check=False)
+    mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + size, "tmpfs", path],
+                           capture_output=True, text=True, check=False)
     if mount.returncode != 0:
         raise NoSmallDisk("a small disk cannot be mounted here: " + mount.stderr.strip())
     try:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How a sequence ends: without slivers after the last layer, and judged by its binary layers."""
 
 import run_fabseq

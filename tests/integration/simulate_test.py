@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """-task simulate: stages, norms, stress and release in result.h5 fit each other, on 1 and on 2 ranks."""
 
 import numpy as np

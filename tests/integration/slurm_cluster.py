@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """A Slurm of one node for tests: munged, slurmctld and slurmd of Debian's packages munge and slurm-wlm, without systemd.
 
     tests/integration/slurm_cluster.py COMMAND...     runs a command beside such a cluster and ends both

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """The batch scripts of scripts/slurm in a real Slurm of one node, started here and ended afterwards.
 
 Exit status 77, with the reason, where Slurm cannot start: not root, or its packages missing.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Configs of small parts for the tests of this folder, as dicts; every call makes a new one."""
 
 import h5py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Distortion as least-squares residuals, and when a run is done: small runs with and without."""
 
 import run_fabseq

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost but the work
 since the last checkpoint, and nothing hangs."""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The band solver and its numbering against dense matrices.
 #include "fabseq/lanes/band_cholesky.h"
 

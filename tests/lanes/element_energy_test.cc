@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Mutual energies and works of elements against the matrices (formulation 8).
 #include "fabseq/lanes/element_energy.h"
 

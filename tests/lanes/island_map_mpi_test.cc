@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Islands of distributed fields against those of the whole field.
 #include "fabseq/lanes/island_map.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Rigid motions of stiff islands as a second coarse space.
 #include "fabseq/lanes/island_modes.h"
 #include "fabseq/lanes/lane_cg.h"
@@ -107,7 +108,8 @@ TYPED_TEST(IslandModesTest, AreASymmetricProjection) {
   }
 }
 
-/// With them, conjugate gradients take fewer iterations where there are islands, and as many where there are none.
+/// With them, conjugate gradients take fewer iterations where there are islands, and as many where there are
+/// none.
 TYPED_TEST(IslandModesTest, SaveIterations) {
   constexpr int Dim = TypeParam::value;
   const IslandCase<Dim> islands;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Conjugate gradients in several lanes against known solutions: loads are sums over the elements one by one.
 #include "fabseq/lanes/lane_cg.h"
 
@@ -261,8 +262,8 @@ TYPED_TEST(LaneCgTest, StopsAtTheIterationLimit) {
   }
 }
 
-/// Lanes that need very different numbers of iterations: they go on in narrower and narrower solvers, with the
-/// results of one lane by itself.
+/// Lanes that need very different numbers of iterations: they go on in narrower and narrower solvers, with
+/// the results of one lane by itself.
 TEST(LaneCgOperatorTest, EveryLaneEndsAsIfItWereAlone) {
   if (size_of(PETSC_COMM_WORLD) > 2) GTEST_SKIP() << "one and two ranks will do";
   using Physics = test::ElasticPhysics<2>;

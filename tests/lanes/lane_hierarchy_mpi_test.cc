@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Levels of the lane multigrid against the whole grid's elements and supports, coarsened step by step.
 #include "fabseq/lanes/lane_hierarchy.h"
 
@@ -193,8 +194,8 @@ TYPED_TEST(LaneHierarchyTest, PlatesOnAllFacesAreHeldOnAllLevels) {
     }
 }
 
-/// A coarse unknown is held like the fine one at its place; without one, if something next to it is held. What would
-/// be held by none of them holds all it interpolates from.
+/// A coarse unknown is held like the fine one at its place; without one, if something next to it is held.
+/// What would be held by none of them holds all it interpolates from.
 TYPED_TEST(LaneHierarchyTest, SupportsFollowThoseOfTheFinerLevel) {
   constexpr int Dim = TypeParam::value;
   for (const auto& size : sizes<Dim>())

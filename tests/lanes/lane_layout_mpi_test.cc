@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Owned nodal fields and vectors on the lane mesh, there and back.
 #include "fabseq/lanes/lane_layout.h"
 

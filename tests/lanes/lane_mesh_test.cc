@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Numbering and order of lane meshes, replayed node by node on boxes with holes.
 #include "fabseq/lanes/lane_mesh.h"
 
@@ -92,8 +93,8 @@ TYPED_TEST(LaneMeshTest, RunsAreAsLongAsTheyCanBe) {
   }
 }
 
-/// Passes the lines as kernels do and keeps book of the window: who has the slot, and how many of its elements
-/// have been added.
+/// Passes the lines as kernels do and keeps book of the window: who has the slot, and how many of its
+/// elements have been added.
 template <int Dim>
 void replay(const test::MaskedBox<Dim>& box, const LaneMesh<Dim>& mesh,
             const std::vector<std::int64_t>& shared) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The lane multigrid as a linear operator: symmetric, positive definite, the same on any number of ranks.
 #include "fabseq/lanes/lane_multigrid.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// A level's operator, residual and smoother on several ranks against sums over the elements of the whole
 /// grid.
 #include "fabseq/lanes/lane_operator.h"

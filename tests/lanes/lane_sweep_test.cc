@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The matrix-free operator against sums over the elements one by one.
 #include "fabseq/lanes/lane_sweep.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Interpolation between lane meshes against the hat functions.
 #include "fabseq/lanes/lane_transfer.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Lane arithmetic is plain arithmetic in every lane, whatever the width and the alignment.
 #include "fabseq/lanes/lanes.h"
 

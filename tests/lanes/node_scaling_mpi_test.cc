@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Inverse node blocks against blocks of dense matrices, inverted by elimination.
 #include "fabseq/lanes/node_scaling.h"
 

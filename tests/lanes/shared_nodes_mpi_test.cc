@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Sums over the holders of a node against sums over all ranks.
 #include "fabseq/lanes/shared_nodes.h"
 

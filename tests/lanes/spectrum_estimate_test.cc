@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// What conjugate gradients tell of a spectrum that is known.
 #include "fabseq/lanes/spectrum_estimate.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Islands of stiffness fields that are drawn by hand.
 #include "fabseq/lanes/stiff_islands.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Stage and layer densities: what must hold exactly, and their derivative (formulation 3.1).
 #include "fabseq/layers/curved_layers.h"
 

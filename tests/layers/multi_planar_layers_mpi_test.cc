@@ -1,4 +1,6 @@
-/// Layers of sub-parts against the formulas as printed, their derivatives against differences (formulation 3.2).
+// SPDX-License-Identifier: MIT
+/// Layers of sub-parts against the formulas as printed, their derivatives against differences
+/// (formulation 3.2).
 #include "fabseq/layers/multi_planar_layers.h"
 
 #include <gtest/gtest.h>
@@ -227,7 +229,8 @@ TYPED_TEST(MultiPlanarLayersTest, DerivativesAgreeWithDifferences) {
   }
 }
 
-/// What a slab that comes or goes with the angle holds is next to nothing: the sum of all squares has no jump.
+/// What a slab that comes or goes with the angle holds is next to nothing: the sum of all squares has no
+/// jump.
 TYPED_TEST(MultiPlanarLayersTest, NothingJumpsWhereSlabsComeAndGo) {
   Case<TypeParam::value> c;
   c.settings.slab_sharpness = 100.0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The smooth step between stages against its formula, its exponential against std::exp (formulation 3.1).
 #include "fabseq/layers/smooth_step.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The method of moving asymptotes on problems whose solutions are known.
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
@@ -149,7 +150,8 @@ TEST(Mma, SolvesLeastSquares) {
   }
 }
 
-/// min sum w / x under 60 linear rows of which few matter; the optimality conditions are checked from outside.
+/// min sum w / x under 60 linear rows of which few matter; the optimality conditions are checked from
+/// outside.
 Problem many_constraints() {
   constexpr std::size_t n = 400, m = 60;
   Problem problem;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Random subproblems of MMA: the step must fulfil the optimality conditions of Svanberg's approximations,
 /// which are written out here as in his papers (formulation 9).
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Which design a run keeps.
 #include "fabseq/optimize/best_iterate.h"
 

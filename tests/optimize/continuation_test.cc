@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Schedules of sharpness and move limit (formulation 3.1, 9).
 #include "fabseq/optimize/continuation.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// When a run is done (formulation 9).
 #include "fabseq/optimize/convergence.h"
 

@@ -1,4 +1,6 @@
-/// Steps of field and time points together: the same however they are spread over the ranks, and after a restart.
+// SPDX-License-Identifier: MIT
+/// Steps of field and time points together: the same however they are spread over the ranks, and after a
+/// restart.
 #include "fabseq/base/mpi.h"
 #include "fabseq/optimize/design_update.h"
 
@@ -14,8 +16,8 @@ namespace {
 
 constexpr std::size_t variables = 23;  // of the field, all ranks
 
-/// Minimizes the distance to a target over a field, dealt out to the ranks of a communicator, and time points; their sum
-/// is bounded.
+/// Minimizes the distance to a target over a field, dealt out to the ranks of a communicator, and time
+/// points; their sum is bounded.
 class Minimization {
  public:
   explicit Minimization(MPI_Comm comm, const DesignSpace& space = {}) : comm_(comm), space_(space) {
@@ -119,8 +121,8 @@ TEST(DesignUpdate, GoesOnFromASavedState) {
   EXPECT_EQ(restored.whole(), expected.whole());
 }
 
-/// min (x_0 + ... - sum)^2 + (x_0 - ... alternating - difference)^2 + x . x / 100, all but the last as residuals: the
-/// normal equations say where.
+/// min (x_0 + ... - sum)^2 + (x_0 - ... alternating - difference)^2 + x . x / 100, all but the last as
+/// residuals: the normal equations say where.
 TEST(DesignUpdate, ResidualsAreLeastSquares) {
   constexpr double wanted[] = {9.0, 1.0}, weight = 0.01;
   const std::size_t rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
@@ -156,8 +158,8 @@ TEST(DesignUpdate, ResidualsAreLeastSquares) {
   EXPECT_EQ(report.mma.largest_violation, 0.0);  // there is no constraint to relax
 }
 
-/// One step goes to the minimum along a direction where the rest is flat; without the residual's curvature the
-/// objective's gradient would ask for the move limit.
+/// One step goes to the minimum along a direction where the rest is flat; without the residual's curvature
+/// the objective's gradient would ask for the move limit.
 TEST(DesignUpdate, AResidualKnowsItsCurvature) {
   const std::size_t rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
   const std::size_t count = (rank + 1) * variables / ranks - rank * variables / ranks;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Scaling of the objective and rows of the constraints, as the optimizer gets them (formulation 9).
 #include "fabseq/base/error.h"
 #include "fabseq/optimize/problem.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Layers dealt out to groups: every layer once, in blocks as wide as balance allows.
 #include "fabseq/parallel/layer_dealing.h"
 

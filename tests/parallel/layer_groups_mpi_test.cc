@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Groups of ranks: shares and sums, and the pipeline with groups against the same without.
 #include "fabseq/base/error.h"
 #include "fabseq/parallel/layer_groups.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Node sets: which nodes, and which of them are samples, against the rule written out by hand.
 #include "fabseq/part/node_set.h"
 

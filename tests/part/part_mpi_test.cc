@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Parts: pieces against a serial union-find, refusals, extents, touched nodes, balance.
 #include "fabseq/base/mpi.h"
 #include "fabseq/part/part.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Voxel files of all kinds, written by one rank through plain HDF5, read in parallel; and every way they can
 /// be wrong.
 #include "fabseq/base/hdf5.h"

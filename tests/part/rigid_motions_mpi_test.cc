@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Rigid motions and their fit (formulation 4.3).
 #include "fabseq/part/rigid_motions.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/part/shape.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// What stands before the first layer, and what is held (formulation 4.4).
 #include "fabseq/part/substrate.h"
 #include "fabseq/part/supports.h"
@@ -17,7 +18,8 @@ namespace {
 
 using test::box;
 
-/// A wall of one element on a base plate of two layers in the middle of the box, 9 x 4 x 6 unit cubes less half of x.
+/// A wall of one element on a base plate of two layers in the middle of the box, 9 x 4 x 6 unit cubes less
+/// half of x.
 const Domain<3> domain{{4.5, 4.0, 6.0}, {9, 4, 6}, 1.0};
 const BuildPlate bottom{2, false};
 

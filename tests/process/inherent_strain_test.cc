@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Strain that turns with the layers (formulation 4.2, 4.5).
 #include "fabseq/process/inherent_strain.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
 /// (formulation 4.1, 8).
 #include "fabseq/process/process_simulation.h"

@@ -1,5 +1,6 @@
-/// The release from plate or clamps as a stage of the process: its adjoint against differences, and what it refuses
-/// (formulation 4.3, 4.4).
+// SPDX-License-Identifier: MIT
+/// The release from plate or clamps as a stage of the process: its adjoint against differences, and what it
+/// refuses (formulation 4.3, 4.4).
 #include "fabseq/base/error.h"
 #include "fabseq/process/release.h"
 
@@ -112,7 +113,8 @@ TYPED_TEST(ReleaseTest, BalancesTheReactionsOfClamps) {
   }
 }
 
-/// The lane engine solves for a body that nothing holds; on several levels, on a slender one, and with a soft void.
+/// The lane engine solves for a body that nothing holds; on several levels, on a slender one, and with a soft
+/// void.
 template <int Dim>
 void expect_paths_agree(const Domain<Dim>& domain, const Shape& shape, VoidModel void_model) {
   const test::PartOnGrid<Dim> on_grid(domain, shape);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Residual stress, the plate's reactions and the release (formulation 4.3).
 #include "fabseq/process/residual_stress.h"
 

@@ -1,4 +1,6 @@
-/// Continuity against a double loop over the gathered pseudo-time, its derivative against differences (formulation 7).
+// SPDX-License-Identifier: MIT
+/// Continuity against a double loop over the gathered pseudo-time, its derivative against differences
+/// (formulation 7).
 #include "fabseq/responses/continuity.h"
 
 #include <gtest/gtest.h>

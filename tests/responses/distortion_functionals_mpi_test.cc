@@ -1,4 +1,6 @@
-/// Distortion as a sum of squares (formulation 9): the functionals against fits by hand, what they leave, their gradients.
+// SPDX-License-Identifier: MIT
+/// Distortion as a sum of squares (formulation 9): the functionals against fits by hand, what they leave,
+/// their gradients.
 #include "fabseq/responses/distortion.h"
 #include "fabseq/responses/distortion_functionals.h"
 
@@ -92,8 +94,8 @@ TYPED_TEST(DistortionFunctionalsTest, LinearDisplacementsLeaveNoRest) {
               1e-12 * whole);
 }
 
-/// What they leave of rough displacements is what a fit of constant and slopes leaves. On a face of the grid the
-/// centred coordinates are orthogonal, so that each slope is a fit of its own.
+/// What they leave of rough displacements is what a fit of constant and slopes leaves. On a face of the grid
+/// the centred coordinates are orthogonal, so that each slope is a fit of its own.
 TYPED_TEST(DistortionFunctionalsTest, TheRestIsThatOfALinearFit) {
   constexpr int Dim = TypeParam::value;
   typename TestFixture::Case pipeline;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Every response: its values against the formulas of formulation 5 to 7 on gathered fields, its gradient
 /// through the whole pipeline against differences.
 #include "fabseq/base/hdf5.h"
@@ -351,7 +352,8 @@ TYPED_TEST(ResponsesTest, GreyPartsWeighLess) {
   expect_exact_gradients(pipeline);
 }
 
-/// Layers below the least volume count the less, the smaller they are; with values and gradients of all the others as before.
+/// Layers below the least volume count the less, the smaller they are; with values and gradients of all the
+/// others as before.
 TYPED_TEST(ResponsesTest, SmallLayersFadeOutOfTheThicknessConstraint) {
   constexpr int Dim = TypeParam::value;
   test::PipelineCase<Dim> plain, fading(Settings{{"constraints.0.least_volume", "0.99"}});

@@ -1,4 +1,6 @@
-/// Responses of sub-parts against sums over the gathered fields, their derivatives against differences (formulation 7).
+// SPDX-License-Identifier: MIT
+/// Responses of sub-parts against sums over the gathered fields, their derivatives against differences
+/// (formulation 7).
 #include "fabseq/responses/segmentation_alignment.h"
 #include "fabseq/responses/subpart_volume.h"
 

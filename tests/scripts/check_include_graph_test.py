@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """scripts/dev/check_include_graph.py on small made-up projects, and on this one."""
 
 import sys

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """scripts/use/compare.py, scaling.py and study_table.py on made-up results."""
 
 import csv
@@ -29,7 +30,8 @@ class ScriptTest(unittest.TestCase):
     def write_run(self, folder, weight=1.0, **settings):
         directory = self.folder / folder
         fake_results.write_run(directory, "plate", np.ones((8, 12)), (3.0, 2.0), iterations=4)
-        self.change(directory / "config.json", lambda config: (config["objective"][1].update(weight=weight), config.update(settings)))
+        self.change(directory / "config.json",
+                    lambda config: (config["objective"][1].update(weight=weight), config.update(settings)))
         return directory
 
     def change(self, path, edit):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Output directories of exactly the form a run leaves, with made-up numbers: what the scripts are tested with."""
 
 import json

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """scripts/use/geometric_thickness.py on pseudo-times whose layers have a known thickness."""
 
 import json
@@ -92,7 +93,8 @@ class GeometricThicknessTest(unittest.TestCase):
         x, y = element_centres((10, 10), (1.0, 1.0))
         nodes = node_coordinates((10, 10), (1.0, 1.0))[1]**2
         for radius, thickness in ((0, np.sqrt(0.5) - 0.5), (3, 0.25)):
-            write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y, 4, nodes=nodes, nodes_as="design", filter_radius=radius)
+            write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y,
+                         4, nodes=nodes, nodes_as="design", filter_radius=radius)
             self.assertAlmostEqual(self.measure()["layers"][1]["mean"], thickness, delta=5e-3)
 
     def test_time_points_of_the_file(self):

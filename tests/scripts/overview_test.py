@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """scripts/use/overview.py, read_run.py and render_part.py on made-up results."""
 
 import json
@@ -135,7 +136,8 @@ class Figures(unittest.TestCase):
             path = Path(folder) / "config.json"
             config = json.loads(path.read_text(encoding="utf-8"))
             edge = {"box": {"min": [1, 0, 1], "max": [1, 1, 1]}}
-            config.update(node_sets={"edge": edge}, objective=[{"type": "distortion", "measure": "displacement", "nodes": "edge"}])
+            config.update(node_sets={"edge": edge}, objective=[
+                          {"type": "distortion", "measure": "displacement", "nodes": "edge"}])
             path.write_text(json.dumps(config), encoding="utf-8")
             self.assertEqual(list(Run(folder).measured_nodes()), [18 + 2, 18 + 5])
 

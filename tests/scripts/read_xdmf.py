@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Opens XDMF files with ParaView's default reader and checks what arrives.
 
 usage: scripts/use/virtual_display.py pvpython read_xdmf.py FILE.xdmf [FILE.xdmf ...]

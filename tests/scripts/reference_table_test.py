@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: MIT
 """scripts/dev/reference_table.py with a stand-in for the program."""
 
 import subprocess
@@ -17,7 +18,8 @@ class ReferenceTable(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.guide = Path(folder.name) / "guide.md"
         self.program = Path(folder.name) / "program"
-        self.program.write_text(f'#!/bin/sh\n[ "$1" = -help_markdown ] || exit 2\ncat <<\'END\'\n{TABLE}\nEND\n', encoding="utf-8")
+        self.program.write_text(
+            f'#!/bin/sh\n[ "$1" = -help_markdown ] || exit 2\ncat <<\'END\'\n{TABLE}\nEND\n', encoding="utf-8")
         self.program.chmod(0o755)
 
     def run_script(self, *options):

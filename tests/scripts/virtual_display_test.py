@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A display in memory for each command, however many start at once."""
 import os
 import subprocess
@@ -25,7 +26,8 @@ def server_of(process):
 class VirtualDisplay(unittest.TestCase):
     def test_each_command_has_its_own_and_it_ends_with_it(self):
         # Each waits for the end of its input, so that all displays are there at once; another test may take their numbers afterwards.
-        waiting = [start(sys.executable, "-c", "import os, sys; print(os.environ['DISPLAY'], flush=True); sys.stdin.read()") for _ in range(6)]
+        waiting = [start(sys.executable, "-c", "import os, sys; print(os.environ['DISPLAY'], flush=True); sys.stdin.read()")
+                   for _ in range(6)]
         displays = [process.stdout.readline().strip() for process in waiting]
         servers = [server_of(process) for process in waiting]
         for process in waiting:
@@ -60,7 +62,8 @@ class VirtualDisplay(unittest.TestCase):
         self.assertEqual(missing.returncode, 1)
         with tempfile.TemporaryDirectory() as empty:
             process = subprocess.run([sys.executable, SCRIPT, "pvpython"], env={"PATH": empty}, capture_output=True, text=True)
-        self.assertEqual((process.returncode, process.stderr), (1, "pvpython: needs a display, or Xvfb, which scripts/setup.sh installs\n"))
+        self.assertEqual((process.returncode, process.stderr),
+                         (1, "pvpython: needs a display, or Xvfb, which scripts/setup.sh installs\n"))
 
 
 if __name__ == "__main__":

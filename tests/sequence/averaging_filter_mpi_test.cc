@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The averaging filter against a double loop over all elements, and against its own transpose
 /// (formulation 2.2).
 #include "fabseq/sequence/averaging_filter.h"
@@ -10,7 +11,8 @@
 namespace fabseq {
 namespace {
 
-/// In element edges 0.4 to 0.5: less than one, about two, across several ranks, the whole part, beyond all indices.
+/// In element edges 0.4 to 0.5: less than one, about two, across several ranks, the whole part, beyond all
+/// indices.
 const std::vector<double> radii = {0.2, 0.95, 1.3, 10.0, 1e12};
 
 /// Weighted means by definition, on the whole grid; 0 outside the part.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The range of the design variables and its unit scale.
 #include "fabseq/sequence/sequence.h"
 

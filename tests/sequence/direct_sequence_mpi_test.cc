@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Direct sequences: values, and derivatives against differences (formulation 2.3).
 #include "fabseq/sequence/direct_sequence.h"
 

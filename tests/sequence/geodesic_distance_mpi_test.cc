@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Distances on paths inside the part: exact where the scheme is, near exact paths around corners, and equal
 /// to one rank's.
 #include "fabseq/base/mpi.h"

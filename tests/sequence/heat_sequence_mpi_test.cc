@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The heat-regularized pseudo-time: against exact solutions, against a dense matrix, and its adjoint against
 /// differences (formulation 2.1).
 #include "fabseq/sequence/heat_sequence.h"

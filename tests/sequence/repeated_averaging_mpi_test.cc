@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Smoothing of direct designs (formulation 2.3).
 #include "fabseq/base/mpi.h"
 #include "fabseq/sequence/repeated_averaging.h"
@@ -54,7 +55,8 @@ TYPED_TEST(RepeatedAveragingTest, NoRadiusNoChange) {
   }
 }
 
-/// Means: between the smallest and the largest value, among which is the start region's 0; a constant falls towards it only.
+/// Means: between the smallest and the largest value, among which is the start region's 0; a constant falls
+/// towards it only.
 TYPED_TEST(RepeatedAveragingTest, StaysWithinTheValuesAndFallsTowardsTheStart) {
   constexpr int Dim = TypeParam::value;
   for (const DesignLocation location : both) {

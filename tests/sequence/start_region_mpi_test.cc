@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Start regions: what is in them, what is free, how far it is, and what is refused (formulation 2.3).
 #include "fabseq/sequence/start_region.h"
 

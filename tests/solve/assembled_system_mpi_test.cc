@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// The reference solver's three methods against each other and against a dense matrix, on graded stiffness
 /// and on parts with holes.
 #include "fabseq/fem/element_matrices.h"

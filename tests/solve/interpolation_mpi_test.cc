@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Interpolation between nested grids, as the geometric multigrid uses it.
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/reference/assembled_system.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// All layers of a batch at once, on 1 to 4 ranks, against factorizations of one layer after the other.
 #include "fabseq/solve/lane_elasticity.h"
 
@@ -12,8 +13,9 @@ namespace {
 
 /// Of the largest displacement of a lane, at a tolerance of 1e-9.
 constexpr double close = 1e-6;
-/// The same where stiff islands float: of the sixteen digits of their forces, nine go into holding them. It is this rounding, not
-/// the stopping test: 6.7e-6, 8.3e-6 and 1.02e-5, by the order of sums on 1 and 3 ranks, from tolerance 1e-9 down to 1e-13 alike.
+/// The same where stiff islands float: of the sixteen digits of their forces, nine go into holding them. It
+/// is this rounding, not the stopping test: 6.7e-6, 8.3e-6 and 1.02e-5, by the order of sums on 1 and 3
+/// ranks, from tolerance 1e-9 down to 1e-13 alike.
 constexpr double close_afloat = 3e-5;
 
 template <int Dim>

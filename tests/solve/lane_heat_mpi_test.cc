@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// Heat solves for several right-hand sides at once, against the reference path's factorization.
 #include "fabseq/base/error.h"
 #include "fabseq/solve/lane_heat.h"

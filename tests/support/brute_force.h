@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The finite elements once more, by the shortest way: tensor formulas, four Gauss points an axis, dense
 /// matrices over the whole grid on every rank. Shares nothing with the library but the numbering of corners.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Heat sequences, their solvers, and derivatives to pull back through them.
 #pragma once

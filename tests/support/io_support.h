@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the tests of output share: scratch directories, a disk that is full soon, fields with known values.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Stiff blocks in soft surroundings.
 #pragma once

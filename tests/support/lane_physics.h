@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What lane kernels compute with, and the same element matrices by brute force. Coefficients differ by nine
 /// decades between neighbours.

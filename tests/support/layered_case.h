@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Layers of a part as the process hands them to an elasticity solver (docs/formulation.md 4.1), and the
 /// reference path's solutions.

@@ -1,4 +1,6 @@
-/// Runs GoogleTest between PetscInitialize and PetscFinalize on any number of ranks; a failure on one rank fails them all.
+// SPDX-License-Identifier: MIT
+/// Runs GoogleTest between PetscInitialize and PetscFinalize on any number of ranks; a failure on one rank
+/// fails them all.
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 

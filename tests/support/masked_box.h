@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Boxes of elements of which only some are there, and sums over those elements by plain loops.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Distributed grids of which only some elements are in the model, with their supports and lane vectors.
 #pragma once
@@ -94,8 +95,8 @@ LaneArray coefficient_array(const LaneMesh<Dim>& mesh, const IndexBox<Dim>& all,
   return result;
 }
 
-/// A lane of a vector that is the same on all holders of a node, on all nodes of the grid; 0 where no mesh has
-/// a node. Collective; fails where holders differ in a bit.
+/// A lane of a vector that is the same on all holders of a node, on all nodes of the grid; 0 where no mesh
+/// has a node. Collective; fails where holders differ in a bit.
 template <int Dim>
 std::vector<double> whole_lane(MPI_Comm comm, const LaneMesh<Dim>& mesh, const IndexBox<Dim>& all,
                                const LaneArray& values, int components, int width, int lane) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// A small config of everything, its pipeline, and the stages' results on the whole grid.
 #pragma once
@@ -76,7 +77,8 @@ inline Design moved(const Design& design, double step, const Design& direction) 
   return {moved(design.field, step, direction.field),
           moved(design.layer_variables, step, direction.layer_variables)};
 }
-/// Gradient times direction; the field is distributed, those of the layers are the same on all ranks. Collective.
+/// Gradient times direction; the field is distributed, those of the layers are the same on all ranks.
+/// Collective.
 inline double dot(const Design& gradient, const Design& direction) {
   double product = dot(gradient.field, direction.field);
   for (std::size_t j = 0; j < direction.layer_variables.size(); ++j)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// A small part with its process simulation, and the same simulation by dense matrices.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Short ways to write shapes in tests.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Vectors that every rank knows whole, and this rank's part of them.
 #pragma once
@@ -10,7 +11,8 @@
 
 namespace fabseq::test {
 
-/// This rank's share of a vector: contiguous and uneven, empty on the last rank where there are three or more.
+/// This rank's share of a vector: contiguous and uneven, empty on the last rank where there are three or
+/// more.
 struct Share {
   Share(MPI_Comm comm, std::size_t count) {
     const int ranks = size_of(comm) > 2 ? size_of(comm) - 1 : size_of(comm);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Two small configs, and what becomes of them with some keys set: for the tests of the configuration.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Small parts with unequal spacings and odd counts, and fields on them that do not depend on the rank count.
 #pragma once
@@ -62,8 +63,8 @@ Shape gallows() {
     return union_of({box({0, 0, 0}, {0.8, 0.9, 2.5}), box({0, 0, 1.5}, {2, 0.6, 2.5})});
 }
 
-/// A number in [0, 1) that looks random. Not inlined: contracted multiplications would give every caller other
-/// bits.
+/// A number in [0, 1) that looks random. Not inlined: contracted multiplications would give every caller
+/// other bits.
 [[gnu::noinline]] inline double noise(std::int64_t number, int salt = 0) {
   const double value = 43758.5453 * std::sin(12.9898 * static_cast<double>(number + 1) + 78.233 * salt);
   return value - std::floor(value);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Distributed fields as one array on every rank, for comparisons between rank counts.
 #pragma once

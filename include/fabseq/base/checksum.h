@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// 64-bit FNV-1a: finds damaged bytes in files, not malice.
 #pragma once

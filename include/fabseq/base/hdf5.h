@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// HDF5 with C++ manners: handles that close themselves, no error stacks on the terminal, parallel reading of
 /// a dataset.
@@ -58,8 +59,8 @@ void silence_hdf5();
 /// HDF5's own description of the last failed call of this rank ("" if there is none), for error messages.
 std::string hdf5_error();
 
-/// How to open a file that has no name in the file system, such as a MemoryFile: HDF5's default driver insists on one.
-/// What is still open in it is closed with it.
+/// How to open a file that has no name in the file system, such as a MemoryFile: HDF5's default driver
+/// insists on one. What is still open in it is closed with it.
 Hdf5PropertyList access_without_name();
 
 /// Names of all datasets of an open file, those within groups with their path, sorted. Not collective.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// A JSON value. Keeps the JSON library's header, which is slow to compile, in one source file.
 #pragma once
@@ -31,10 +32,11 @@ class Json {
   static Json object(std::initializer_list<Member> members = {});
   static Json array() { return Json(Array{}); }
 
-  /// Parses JSON with // and /* */ comments. Throws InputError ("PLACE: line L, column C: ...") on malformed text, and
-  /// for a key given twice in the same object.
+  /// Parses JSON with // and /* */ comments. Throws InputError ("PLACE: line L, column C: ...") on malformed
+  /// text, and for a key given twice in the same object.
   static Json parse(const std::string& text, const std::string& place);
-  /// Text of this value; numbers survive a round trip bit for bit; NaN and infinity become null. indent < 0: one line.
+  /// Text of this value; numbers survive a round trip bit for bit; NaN and infinity become null. indent < 0:
+  /// one line.
   std::string dump(int indent = -1) const;
 
   bool is_null() const { return std::holds_alternative<std::monostate>(value_); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// PETSc log events: a line each in -log_view, within the stage of their phase.
 #pragma once
@@ -6,8 +7,8 @@
 
 namespace fabseq {
 
-/// Registers the events of all modules. PETSc matches the events of different ranks by number, and layer groups would
-/// come to them in orders of their own. PETSc must be initialized.
+/// Registers the events of all modules. PETSc matches the events of different ranks by number, and layer
+/// groups would come to them in orders of their own. PETSc must be initialized.
 void register_log_events();
 
 /// A kind of work that -log_view reports by name. Make one at first use, as a static of the function that

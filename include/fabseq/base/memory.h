@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Memory of a run: what it has used, and what there is. All calls are collective.
 #pragma once

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// Files for HDF5 that are in memory: there nothing fails that would on a disk. HDF5 does not survive a file that
-/// cannot be written or closed; what it then keeps of it crashes the process at its end.
+/// Files for HDF5 that are in memory: there nothing fails that would on a disk. HDF5 does not survive a file
+/// that cannot be written or closed; what it then keeps of it crashes the process at its end.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The few MPI reductions fabseq needs, on values and in place on arrays. All are collective on `comm`.
 #pragma once

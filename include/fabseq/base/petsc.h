@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// PETSc with C++ manners: error codes become exceptions, objects free themselves.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Where the time of a run goes, phase by phase: for history, summary, and PETSc's -log_view.
 #pragma once

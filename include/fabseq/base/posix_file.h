@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Writing small files so that a crash or a full disk never leaves half of one under its final name. Nothing
 /// here is collective; all failures are OutputErrors that name the file and the system's reason.
@@ -48,8 +49,8 @@ std::string partial_name(const std::string& path);
 void replace_file(const std::string& path, std::string_view text);
 /// Appends `text` in one piece; a file that could not take all of it is cut back to what it was.
 void append_to_file(const std::string& path, std::string_view text);
-/// Cuts a file back to its first `bytes` bytes, on the disk when it returns; a file that is shorter or not there
-/// stays so. Returns its size.
+/// Cuts a file back to its first `bytes` bytes, on the disk when it returns; a file that is shorter or not
+/// there stays so. Returns its size.
 std::int64_t cut_file(const std::string& path, std::int64_t bytes);
 /// Puts what a file holds on the disk and returns its size; 0 if it is not there.
 std::int64_t sync_file(const std::string& path);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Start and end of MPI and PETSc, and the one place where exceptions become exit statuses.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Text for standard output and standard error that never keeps a run from stopping.
 #pragma once

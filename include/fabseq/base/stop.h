@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// Requests to end a run before its time: signals, a time limit, a file. Whoever iterates for long asks for them.
+/// Requests to end a run before its time: signals, a time limit, a file. Whoever iterates for long asks for
+/// them.
 #pragma once
 
 #include <mpi.h>
@@ -21,8 +23,8 @@ class StopRequests {
   ~StopRequests();
 };
 
-/// As long as it lives a file is a request, too: at once, or, if it holds an integer, when that many iterations are done.
-/// Those of runs within runs are nested.
+/// As long as it lives a file is a request, too: at once, or, if it holds an integer, when that many
+/// iterations are done. Those of runs within runs are nested.
 class StopFile {
  public:
   /// Rank 0 of `comm` looks.
@@ -32,7 +34,8 @@ class StopFile {
   ~StopFile();
 };
 
-/// Says how many iterations are done, for stop files (the innermost) that wait for one, and looks for the files without delay.
+/// Says how many iterations are done, for stop files (the innermost) that wait for one, and looks for the
+/// files without delay.
 void note_iterations(int done);
 /// Removes the files that ask for the stop. Rank 0 of StopFile; does not fail.
 void remove_stop_files() noexcept;

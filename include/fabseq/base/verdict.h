@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Work that may fail on one rank, with an outcome that all ranks know.
 #pragma once
@@ -17,9 +18,9 @@ void run_on_all(MPI_Comm comm, const std::function<void()>& work);
 /// The same for work of rank 0 alone; the others wait for the outcome. Collective.
 void run_on_first(MPI_Comm comm, const std::function<void()>& work);
 
-/// The same for work that is collective on each of several groups of ranks, fails on all of a group or none, and
-/// is waited for in between: `across` holds one rank of each group. With one group this is `work` and nothing
-/// else. Collective on `across`.
+/// The same for work that is collective on each of several groups of ranks, fails on all of a group or none,
+/// and is waited for in between: `across` holds one rank of each group. With one group this is `work` and
+/// nothing else. Collective on `across`.
 void run_in_groups(MPI_Comm across, const std::function<void()>& work);
 
 /// Puts off an exception until the collective calls around the failed work are through: after the first

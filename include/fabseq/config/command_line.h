@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// fabseq's own command line; what it does not know is PETSc's.
 #pragma once

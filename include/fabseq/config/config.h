@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// What a user asks for, typed: the result of reading and validating a config file (docs/users-guide.md, reference table).
+/// What a user asks for, typed: the result of reading and validating a config file (docs/users-guide.md,
+/// reference table).
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -68,8 +70,8 @@ struct Config {
   SolverSettings solver;
   OutputSettings output;
 
-  Json
-      effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same result
+  Json effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same
+                   ///< result
 
   /// Whether |grad t| is defined, and with it whatever thickness means.
   bool has_time_gradient() const {
@@ -94,9 +96,10 @@ struct Config {
   }
 };
 
-/// Validates `document` (config text parsed, -set and flat options applied) against the table of keys and fills in
-/// defaults. `directory`: absolute directory that relative paths in the config refer to. Not collective; the same on all
-/// ranks. Throws InputError with the JSON pointer of the offending key, what was found and what is allowed.
+/// Validates `document` (config text parsed, -set and flat options applied) against the table of keys and
+/// fills in defaults. `directory`: absolute directory that relative paths in the config refer to. Not
+/// collective; the same on all ranks. Throws InputError with the JSON pointer of the offending key, what was
+/// found and what is allowed.
 Config make_config(const Json& document, const std::string& directory);
 
 }  // namespace fabseq

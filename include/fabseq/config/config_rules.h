@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the table of keys (schema.h) cannot say: shapes from JSON, and relations between keys.
 #pragma once

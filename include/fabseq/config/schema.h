@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The one table of config keys: from it come validation, defaults, flat options, -help and the reference in
 /// the manual.

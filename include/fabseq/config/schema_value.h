@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Check of a single value against its declaration in the table of config keys.
 #pragma once

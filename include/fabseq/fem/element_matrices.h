@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Matrices of one box element, Q4 (plane stress) or H8, by full Gauss integration (docs/formulation.md
 /// 1, 2.1, 4.1).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Checkpoints a run can trust: written, synced, read back, and only then pointed to.
 #pragma once
@@ -17,8 +18,9 @@ namespace fabseq {
 /// Fields become datasets on the full grid, [z][y][x], arrays datasets with one axis, all in double
 /// precision, each with a checksum; scalars become attributes of the file, in binary, with one checksum for
 /// all of them; a seal (seal.h) covers the file. The file does not depend on the number of ranks, nor on how
-/// they are spread over grids. Throws OutputError on all ranks if anything fails; `newest` then names what it named before. Collective on the
-/// directory's communicator, whose first ranks must be those of the layout's grid.
+/// they are spread over grids. Throws OutputError on all ranks if anything fails; `newest` then names what it
+/// named before. Collective on the directory's communicator, whose first ranks must be those of the layout's
+/// grid.
 template <int Dim>
 void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>& layout,
                       const CheckpointState& state);

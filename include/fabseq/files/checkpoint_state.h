@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// What a run carries from one iteration to the next, by name: every class that has some of it adds its own to a
-/// state, and takes it back from one.
+/// What a run carries from one iteration to the next, by name: every class that has some of it adds its own
+/// to a state, and takes it back from one.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -11,9 +12,9 @@
 
 namespace fabseq {
 
-/// Named scalars, arrays and fields of the design. Names may have groups ("optimizer/low"). Reading what is not there
-/// throws InputError, on all ranks since all have the same names: the checkpoint was written by another
-/// version.
+/// Named scalars, arrays and fields of the design. Names may have groups ("optimizer/low"). Reading what is
+/// not there throws InputError, on all ranks since all have the same names: the checkpoint was written by
+/// another version.
 class CheckpointState {
  public:
   /// A boolean, integer, finite number or string, the same on all ranks.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Where a rank's entries of a design belong on the grid, for those who write and read such vectors.
 #pragma once
@@ -10,13 +11,14 @@
 
 namespace fabseq {
 
-/// How vectors with an entry a design variable are spread over the ranks of a run, which may be more than those
-/// of the grid: several grids alike, whose ranks share the entries.
+/// How vectors with an entry a design variable are spread over the ranks of a run, which may be more than
+/// those of the grid: several grids alike, whose ranks share the entries.
 template <int Dim>
 struct DesignLayout {
   const Grid<Dim>& grid;
   bool on_nodes;  ///< whether entries belong to nodes or to elements
-  /// This rank's entries to values on its owned elements or nodes. Collective on all ranks that share the vector.
+  /// This rank's entries to values on its owned elements or nodes. Collective on all ranks that share the
+  /// vector.
   std::function<std::vector<double>(std::span<const double>)> to_grid;
   /// The other way round; not collective.
   std::function<std::vector<double>(std::span<const double>)> from_grid;

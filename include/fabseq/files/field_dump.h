@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Field dumps during a run: one raw binary file written by all ranks through MPI-IO, and an XDMF file beside
 /// it.
@@ -13,8 +14,9 @@ namespace fabseq {
 /// fields in single precision, lexicographic, x fastest, whatever the number of ranks) by collective MPI-IO
 /// with subarray views, and BASE.xdmf, which ParaView opens (beyond 4 GiB only with its older "XDMF Reader":
 /// the newer ones keep offsets in 32 bits). Both appear under their names when they are whole. Collective on
-/// `comm`, whose first ranks must be those of the grid and write; further ranks hold copies. Throws OutputError on all ranks, naming the file, if there is no room for it or
-/// any write came back short or failed.
+/// `comm`, whose first ranks must be those of the grid and write; further ranks hold copies. Throws
+/// OutputError on all ranks, naming the file, if there is no room for it or any write came back short or
+/// failed.
 template <int Dim>
 void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Named fields on a grid, ready for output: registered once, written by any writer.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Scalars as HDF5 attributes. Nothing here is collective.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// HDF5 files written by one rank, gathered slab by slab (docs/architecture.md says why not in parallel).
 #pragma once
@@ -21,9 +22,9 @@ class SlabGather;
 /// An HDF5 file under construction, written under a temporary name and renamed by close(). All calls are
 /// collective on `comm`; rank 0 writes, with POSIX calls; the outcome of each call is known on all
 /// ranks: OutputError on all of them, naming the file, after which only the destructor may be called. Without
-/// close() nothing is left behind. The ranks of the grids that fields live on must be the first of `comm`; what
-/// further ranks have must be copies. Apart
-/// from stages, datasets have an attribute `checksum` (fabseq/base/checksum.h) of their bytes.
+/// close() nothing is left behind. The ranks of the grids that fields live on must be the first of `comm`;
+/// what further ranks have must be copies. Apart from stages, datasets have an attribute `checksum`
+/// (fabseq/base/checksum.h) of their bytes.
 class Hdf5Writer {
  public:
   Hdf5Writer(MPI_Comm comm, const std::string& path);
@@ -67,9 +68,10 @@ class Hdf5Writer {
 template <int Dim>
 std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
 
-/// Reads the owned part of a field on the elements or nodes [z][y][x], or one list with x fastest, from a file, by all
-/// ranks in parallel. Collective on the grid's communicator. Throws InputError on all ranks, naming file and
-/// dataset (and the config keys or options they come from), if one is missing or has another shape.
+/// Reads the owned part of a field on the elements or nodes [z][y][x], or one list with x fastest, from a
+/// file, by all ranks in parallel. Collective on the grid's communicator. Throws InputError on all ranks,
+/// naming file and dataset (and the config keys or options they come from), if one is missing or has another
+/// shape.
 template <int Dim>
 std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
                                const std::string& dataset, const std::string& file_key = "field file",
@@ -79,13 +81,13 @@ std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string&
                                        const std::string& dataset, const std::string& file_key = "field file",
                                        const std::string& dataset_key = "field");
 
-/// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`; throws InputError like read_field(),
-/// and where the dataset has several axes.
+/// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`; throws InputError like
+/// read_field(), and where the dataset has several axes.
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               const std::string& file_key, const std::string& dataset_key);
-/// Reads a list of `count` numbers, or, of so many columns, a table [row][column] of them, the same on all ranks;
-/// `meaning`: where that shape comes from, for the message.
-/// Collective on `comm`; throws InputError like read_field().
+/// Reads a list of `count` numbers, or, of so many columns, a table [row][column] of them, the same on all
+/// ranks; `meaning`: where that shape comes from, for the message. Collective on `comm`; throws InputError
+/// like read_field().
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               std::size_t count, const std::string& meaning, const std::string& file_key,
                               const std::string& dataset_key, int columns = 0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The record of a run, iteration by iteration.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The directory a run writes to.
 #pragma once
@@ -25,7 +26,8 @@ class OutputDirectory {
   /// that it did not complete. Throws OutputError if it cannot be written to. Collective.
   static OutputDirectory continued(MPI_Comm comm, const std::string& path);
 
-  /// Removes what runs on coarser grids have left in it, as the constructor does with what the run itself left. Collective.
+  /// Removes what runs on coarser grids have left in it, as the constructor does with what the run itself
+  /// left. Collective.
   void remove_coarse_runs() const;
 
   MPI_Comm comm() const { return comm_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// XDMF: the small text file beside binary or HDF5 data by which ParaView opens them.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// How the elements of a grid are dealt out to the ranks.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Lists of different lengths, from all ranks to all ranks.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The uniform box grid and its decomposition over the ranks (docs/formulation.md 1).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Points, indices and boxes of indices in `Dim` dimensions, x fastest.
 #pragma once

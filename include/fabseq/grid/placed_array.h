@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Lends an array to a PETSc vector for the length of a scope: scatters without copies.
 #pragma once

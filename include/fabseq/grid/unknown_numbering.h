@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Which nodes of the grid are unknowns of a system, and their numbers in PETSc's matrices.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Direct solve of the coarsest level (LAPACK's band Cholesky).
 #pragma once

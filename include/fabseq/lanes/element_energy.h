@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What two displacement fields have to do with each other in every element, several systems at once.
 #pragma once
@@ -11,9 +12,9 @@
 
 namespace fabseq {
 
-/// Mutual energy lambda^T K_0 u and work lambda^T f_0 of the elements, f_0 being the load of a constant strain.
-/// Both in the basis of even and odd combinations (ParityMatrix), where K_0 falls apart into small blocks and
-/// f_0 has an entry a component and axis.
+/// Mutual energy lambda^T K_0 u and work lambda^T f_0 of the elements, f_0 being the load of a constant
+/// strain. Both in the basis of even and odd combinations (ParityMatrix), where K_0 falls apart into small
+/// blocks and f_0 has an entry a component and axis.
 template <int Dim, int Width>
 class ElementEnergy {
  public:

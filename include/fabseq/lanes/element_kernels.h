@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// One element of the lane kernels: from the modes of its two faces across x to its forces on them.
 #pragma once
@@ -119,7 +120,8 @@ class HeatKernel {
     const Real reaction = coefficients_[element * stride + 1];
     add_forces(diffusivity, reaction, lower, upper, lower_forces, upper_forces);
   }
-  /// `Count` elements of one system, that follow each other along x, side by side: sets the forces on their faces.
+  /// `Count` elements of one system, that follow each other along x, side by side: sets the forces on their
+  /// faces.
   template <int Count>
   [[gnu::always_inline]] void apply_across(std::int64_t element, const FaceModes<Dim, 1, Count, Real>& lower,
                                            const FaceModes<Dim, 1, Count, Real>& upper,

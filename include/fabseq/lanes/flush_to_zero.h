@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Numbers too small for their format become zero.
 #pragma once
@@ -8,9 +9,9 @@
 
 namespace fabseq {
 
-/// While it lives, this thread's results and operands below the normal range (1e-38 in single precision) count as
-/// zero, where the processor can do so: far from a layer, residuals in single precision get that small, and
-/// calculating with what is left of them takes a hundred times as long.
+/// While it lives, this thread's results and operands below the normal range (1e-38 in single precision)
+/// count as zero, where the processor can do so: far from a layer, residuals in single precision get that
+/// small, and calculating with what is left of them takes a hundred times as long.
 class FlushToZero {
  public:
 #if defined(__SSE2__)

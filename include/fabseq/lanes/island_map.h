@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Stiff islands of every lane, on a distributed mesh.
 #pragma once

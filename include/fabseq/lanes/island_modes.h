@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Rigid motions of stiff islands as a second coarse space.
 #pragma once
@@ -30,8 +31,8 @@ struct IslandMotions {
 };
 
 /// Adds Z (Z^T K Z)^-1 Z^T r to a correction, Z the rigid motions of a lane's islands: motions that cost next
-/// to no energy and that no coarse grid shows. In double precision: what moves an island is a billionth of the
-/// forces in it. Vectors as LaneOperator's, on the finest level.
+/// to no energy and that no coarse grid shows. In double precision: what moves an island is a billionth of
+/// the forces in it. Vectors as LaneOperator's, on the finest level.
 template <class Problem, int Width>
 class IslandModes {
  public:

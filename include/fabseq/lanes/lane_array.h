@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Memory of the lane solver.
 #pragma once
@@ -44,8 +45,8 @@ void free_memory(Vector& values) {
 template <int Width>
 using LaneScalars = std::array<double, Width>;
 
-/// Copies lanes of `from` (`from_width` wide) to the leading ones of `to`; where there are fewer, the first of
-/// them again.
+/// Copies lanes of `from` (`from_width` wide) to the leading ones of `to`; where there are fewer, the first
+/// of them again.
 template <class Array>
 void select_lanes(const Array& from, int from_width, std::span<const int> lanes, Array& to, int to_width) {
   const std::size_t count = from.size() / from_width;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Conjugate gradients for several lanes at once.
 #pragma once
@@ -21,8 +22,8 @@ struct LaneOutcome {
   bool finite = true;  ///< false: something was not a number
 };
 
-/// When to stop: at a preconditioned residual of `tolerance`, and not before the error, as the spectrum lets it
-/// be estimated, is within `error_factor` times as much.
+/// When to stop: at a preconditioned residual of `tolerance`, and not before the error, as the spectrum lets
+/// it be estimated, is within `error_factor` times as much.
 struct LaneStop {
   double tolerance = 1e-6;
   int max_iterations = 200;
@@ -31,9 +32,9 @@ struct LaneStop {
 
 /// Flexible conjugate gradients in double precision with lane multigrid in single precision, every lane with
 /// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
-/// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M) with
-/// Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as wide.
-/// Collective on the grid's communicator.
+/// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M)
+/// with Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as
+/// wide. Collective on the grid's communicator.
 template <class Problem, int Width>
 class LaneCg {
  public:
@@ -56,8 +57,8 @@ class LaneCg {
   void release();
   /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
-  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the same again,
-  /// for further right-hand sides of these systems.
+  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the
+  /// same again, for further right-hand sides of these systems.
   void set_up_from_half(int count);
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
   /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Definitions of LaneCg, for the files that instantiate it.
 #pragma once
@@ -67,8 +68,8 @@ std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArra
   return {state.outcome.begin(), state.outcome.begin() + lanes};
 }
 
-/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual down to
-/// any tolerance, and solves for rigid motions of islands.
+/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
+/// down to any tolerance, and solves for rigid motions of islands.
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
   matrix_->clear_held(load.data());
@@ -97,8 +98,8 @@ void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& sol
   std::copy(load.begin(), load.end(), rounded_rest_.begin());
 }
 
-/// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution, too:
-/// where a part hangs by little, |M f| is not |u| but what rounding f does to it.
+/// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution,
+/// too: where a part hangs by little, |M f| is not |u| but what rounding f does to it.
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scalars& length,
                                    const LaneStop& stop) const {

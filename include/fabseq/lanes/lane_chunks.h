@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Any number of systems side by side, taken in pieces as wide as the lane kernels.
 #pragma once
 
 namespace fabseq {
 
-/// Covers `lanes` by chunks of 8, 4, 2 and 1, as few as possible: calls `use.operator()<Width>(first)` with the
-/// first lane of each.
+/// Covers `lanes` by chunks of 8, 4, 2 and 1, as few as possible: calls `use.operator()<Width>(first)` with
+/// the first lane of each.
 template <class Use>
 void for_lane_chunks(int lanes, Use&& use) {
   int first = 0;

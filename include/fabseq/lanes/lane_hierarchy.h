@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The levels of the lane multigrid: meshes, supports and transfers, common to all lanes.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Elements and nodes of a rank as the lane kernels walk through them.
 #pragma once
@@ -13,8 +14,8 @@ namespace fabseq {
 /// The elements of a box that are in the model, and the nodes they touch, both numbered without gaps, x
 /// fastest: arrays hold nothing of what is not there. Kernels walk along rows of elements that follow each
 /// other in x; the nodes of such a row follow each other, too. A node's sum is complete once the row that
-/// starts at it has been passed, so that kernels need the sums of little more than a plane (2D: a line) at a time:
-/// the window.
+/// starts at it has been passed, so that kernels need the sums of little more than a plane (2D: a line) at a
+/// time: the window.
 template <int Dim>
 class LaneMesh {
  public:

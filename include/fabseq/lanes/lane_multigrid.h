@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Geometric multigrid for several lanes at once.
 #pragma once
@@ -36,8 +37,8 @@ struct LaneCycle {
 /// as LaneOperator's, on the finest level. Collective on the grid's communicator.
 ///
 /// `Real`: of vectors and coefficients; the solves on the last level are in double precision all the same. A
-/// preconditioner in single precision moves half the bytes. Its rounding, about 1e-7 of the forces, is little in
-/// energy but may move what hangs by little: see LaneCg.
+/// preconditioner in single precision moves half the bytes. Its rounding, about 1e-7 of the forces, is little
+/// in energy but may move what hangs by little: see LaneCg.
 template <class Problem, int Width, class Real = double>
 class LaneMultigrid {
  public:

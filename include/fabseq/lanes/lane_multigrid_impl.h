@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Definitions of LaneMultigrid, for the files that instantiate it.
 #pragma once
@@ -60,7 +61,8 @@ void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
     sum_in_place(fine.comm, std::span<Real>(to));
 }
 
-/// Every rank has the last level, but factors only the lanes dealt to it, if they have operators of their own.
+/// Every rank has the last level, but factors only the lanes dealt to it, if they have operators of their
+/// own.
 template <class Problem, int Width, class Real>
 std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::factor() {
   const MPI_Comm comm = hierarchy_.level(0).comm;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The operator of one multigrid level for several lanes, its residual and its smoother.
 #pragma once
@@ -13,8 +14,8 @@ namespace fabseq {
 
 /// K x for every lane, without a matrix. Vectors are [node][component][lane] on the level's mesh, the same on
 /// all holders of a node, and zero at held unknowns. All calls that take vectors are collective on the
-/// level's communicator unless they say otherwise. `Real`: double, or float in preconditioners; inner products are
-/// double.
+/// level's communicator unless they say otherwise. `Real`: double, or float in preconditioners; inner
+/// products are double.
 template <class Problem, int Width, class Real = double>
 class LaneOperator {
  public:
@@ -83,8 +84,8 @@ class LaneOperator {
     else
       value.store(place);
   }
-  /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether or
-  /// not this rank counts them in inner products.
+  /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether
+  /// or not this rank counts them in inner products.
   template <class Finish>
   void complete_sweep(const Real* x, Finish&& finish);
   void first_step_from_zero(const Real* b, Real* x, Real scale) const;

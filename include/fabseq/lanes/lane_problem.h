@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the lane solver needs to know of a differential operator: elasticity a layer a lane, or conduction
 /// with a right-hand side a lane.

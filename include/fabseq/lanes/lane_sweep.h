@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The matrix-free operator of many systems at once: one sweep over the elements along x.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Multilinear interpolation between two levels of lane meshes, along runs of nodes.
 #pragma once
@@ -11,8 +12,8 @@
 
 namespace fabseq {
 
-/// A fine mesh and the coarse one it sits in: coarse node I lies where fine node factor * I lies. Every coarse
-/// node that interpolates to a node of the fine mesh is in the coarse mesh.
+/// A fine mesh and the coarse one it sits in: coarse node I lies where fine node factor * I lies. Every
+/// coarse node that interpolates to a node of the fine mesh is in the coarse mesh.
 template <int Dim>
 class LaneTransfer {
  public:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Several systems side by side in vector registers.
 #pragma once

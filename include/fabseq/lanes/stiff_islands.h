@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Stiff islands in soft surroundings: what a multigrid cycle does not see.
 #pragma once

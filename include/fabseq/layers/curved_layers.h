@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Layers between isosurfaces of the pseudo-time (docs/formulation.md 3.1).
 #pragma once
@@ -42,8 +43,8 @@ class CurvedLayers : public Layers {
   bool binary_;
 };
 
-/// Index of the layer (1 to N) that builds each element, by its pseudo-time: the first whose time point is not
-/// earlier. `time_points`: T_0 ... T_N.
+/// Index of the layer (1 to N) that builds each element, by its pseudo-time: the first whose time point is
+/// not earlier. `time_points`: T_0 ... T_N.
 std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points);
 
 }  // namespace fabseq

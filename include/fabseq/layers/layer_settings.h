@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// How the pseudo-time is cut into layers.
 #pragma once

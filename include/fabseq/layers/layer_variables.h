@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Design variables of the layers themselves, beside the sequence's: time points or print angles.
 #pragma once
@@ -28,8 +29,8 @@ struct LayerVariables {
   Json record(std::span<const double> values) const;
 };
 
-/// T_1 ... T_{N-1} where they are variables (docs/formulation.md 3.1), the angles of multi-planar layers (3.2), or none.
-/// `longest_edge`: of the part.
+/// T_1 ... T_{N-1} where they are variables (docs/formulation.md 3.1), the angles of multi-planar layers
+/// (3.2), or none. `longest_edge`: of the part.
 LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension,
                                     double longest_edge);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// From pseudo-time to layers, whatever their kind: which elements each stage holds and each layer adds
 /// (docs/formulation.md 3).
@@ -62,18 +63,18 @@ struct DensityDerivatives {
   }
 };
 
-/// Layers of one design: of its pseudo-time and of its LayerVariables. Calls are collective on the grid's communicator,
-/// and give the same bits on all copies of a rank (LayerGroups).
+/// Layers of one design: of its pseudo-time and of its LayerVariables. Calls are collective on the grid's
+/// communicator, and give the same bits on all copies of a rank (LayerGroups).
 class Layers {
  public:
   virtual ~Layers() = default;
 
-  /// Densities for a pseudo-time (part field), in the memory of an earlier result. Their number may differ from design
-  /// to design.
+  /// Densities for a pseudo-time (part field), in the memory of an earlier result. Their number may differ
+  /// from design to design.
   virtual void set_densities(std::span<const double> time, LayerDensities& densities) const = 0;
-  /// Adds the derivative with respect to the pseudo-time to `d_time` (part field) and, unless that is empty, this rank's
-  /// part of the one with respect to the layers' variables to `d_variables`: what its elements contribute, and all that
-  /// is explicit in `derivatives`. Binary layers do not depend on the pseudo-time.
+  /// Adds the derivative with respect to the pseudo-time to `d_time` (part field) and, unless that is empty,
+  /// this rank's part of the one with respect to the layers' variables to `d_variables`: what its elements
+  /// contribute, and all that is explicit in `derivatives`. Binary layers do not depend on the pseudo-time.
   /// \param densities  those of this pseudo-time
   virtual void pull_back(std::span<const double> time, const LayerDensities& densities,
                          const DensityDerivatives& derivatives, std::span<double> d_time,

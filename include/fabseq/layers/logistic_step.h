@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The steps of multi-planar layers (docs/formulation.md 3.2).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Sub-parts of planar layers, each with a print direction of its own (docs/formulation.md 3.2).
 #pragma once
@@ -11,8 +12,9 @@
 
 namespace fabseq {
 
-/// Which layers are left out, because they cannot move the part by more than is asked for: those in which no element's
-/// load factor, density^exponent, exceeds `load` divided by the number of slabs (docs/formulation.md 3.2).
+/// Which layers are left out, because they cannot move the part by more than is asked for: those in which no
+/// element's load factor, density^exponent, exceeds `load` divided by the number of slabs
+/// (docs/formulation.md 3.2).
 struct NegligibleLayers {
   double load = 0.0;  ///< 0: only empty layers
   double exponent = 3.0;
@@ -25,8 +27,8 @@ struct NegligibleLayers {
 ///
 ///     drho = rho E_i E_ij,   rho_stage = rho (H(t; tau_{i-1}) + E_i sum_{k <= j} E_ik),
 ///
-/// sub-part by sub-part and slab by slab. Slabs of which the part has next to nothing are no layers. The variables are the
-/// angles of the n_i, [sub-part][angle].
+/// sub-part by sub-part and slab by slab. Slabs of which the part has next to nothing are no layers. The
+/// variables are the angles of the n_i, [sub-part][angle].
 template <int Dim>
 class MultiPlanarLayers : public Layers {
  public:

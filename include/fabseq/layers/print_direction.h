@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Print directions and their angles (docs/formulation.md 3.2).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The smooth step between stages (docs/formulation.md 3.1).
 #pragma once
@@ -9,8 +10,8 @@
 
 namespace fabseq {
 
-/// exp(-x) for x >= 0, to a few units in the last place; results below 1e-307 stay there. Unlike std::exp a loop
-/// over many values becomes vector instructions.
+/// exp(-x) for x >= 0, to a few units in the last place; results below 1e-307 stay there. Unlike std::exp a
+/// loop over many values becomes vector instructions.
 inline double exp_of_minus(double x) {
   constexpr double log2_e = 1.4426950408889634, largest = 707.0;
   constexpr double ln_2_head = 0.6931471803691238, ln_2_tail = 1.9082149292705877e-10;
@@ -46,8 +47,8 @@ class SmoothStep {
     const double decay = exp_of_minus(2.0 * std::abs(beta_ * (time - time_point_)));
     return -4.0 * beta_ * scale_ * decay / ((1.0 + decay) * (1.0 + decay));
   }
-  /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and the end:
-  /// beta scale (h - s + (1 - value) (s - e)).
+  /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and
+  /// the end: beta scale (h - s + (1 - value) (s - e)).
   double time_point_derivative(double time) const {
     const double at_start = 1.0 - start_ * start_, at_end = 1.0 - end_ * end_;
     return -derivative(time) + beta_ * scale_ * ((1.0 - value(time)) * (at_start - at_end) - at_start);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The method of moving asymptotes, distributed.
 #pragma once
@@ -66,10 +67,10 @@ class Mma {
   /// \param objective_gradient df0/dx, this rank's
   /// \param values            f_i, one a row, the same on all ranks
   /// \param gradients         df_i/dx, one vector of this rank's entries a row
-  /// \param lower,upper       bounds of each variable; their distance is its range; with lower = upper it stays
-  /// \param move_limit        largest step, fraction of the range
-  /// \param rows              the general form's coefficients of each row
-  /// Throws NumericalError if values or gradients are not finite or the subproblem breaks down.
+  /// \param lower,upper       bounds of each variable; their distance is its range; with lower = upper it
+  /// stays \param move_limit        largest step, fraction of the range \param rows              the general
+  /// form's coefficients of each row Throws NumericalError if values or gradients are not finite or the
+  /// subproblem breaks down.
   MmaReport update(std::span<double> x, std::span<const double> objective_gradient,
                    std::span<const double> values, std::span<const std::vector<double>> gradients,
                    std::span<const double> lower, std::span<const double> upper, double move_limit,

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// A few of the MMA subproblem's variables, small enough for the cache: their minimizers and what the rows need
-/// there.
+/// A few of the MMA subproblem's variables, small enough for the cache: their minimizers and what the rows
+/// need there.
 #pragma once
 
 #include <array>

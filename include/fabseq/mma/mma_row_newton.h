@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Newton's method for the conditions of solve_row_model(): residuals, factorization, directions.
 #pragma once
@@ -46,8 +47,8 @@ class MmaRowNewton {
 
   /// Residuals of the linear equations at a point, for the directions and largest_residual().
   void set_residuals(const MmaRowPoint& point);
-  /// Largest of them; `size` is what rows are measured with. The equations in multipliers have a size of their
-  /// own, and rounding keeps their residuals from becoming as small as that of the rows may be.
+  /// Largest of them; `size` is what rows are measured with. The equations in multipliers have a size of
+  /// their own, and rounding keeps their residuals from becoming as small as that of the rows may be.
   double largest_residual(double size) const;
 
   /// Factors the matrix of the directions at a point; false if it is beyond repair.

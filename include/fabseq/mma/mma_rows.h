@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The replicated half of the MMA subproblem: the rows' multipliers for a linear model of the rows.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The convex subproblem of an MMA update and its interior-point solution.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The distributed half of the MMA subproblem: everything that has an entry a variable.
 #pragma once

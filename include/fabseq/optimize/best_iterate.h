@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The design a run ends with: the best feasible iterate at the last sharpness (docs/formulation.md 9).
 #pragma once
@@ -11,16 +12,16 @@
 
 namespace fabseq {
 
-/// Keeps the best of the designs offered so far: the one whose constraints stand best, then the one of smaller merit; where constraints
-/// are violated, the smaller violation counts first, and where it is the same (all that it depends on may be fixed) the merit. Local to
-/// the rank; ranks agree because values do.
+/// Keeps the best of the designs offered so far: the one whose constraints stand best, then the one of
+/// smaller merit; where constraints are violated, the smaller violation counts first, and where it is the
+/// same (all that it depends on may be fixed) the merit. Local to the rank; ranks agree because values do.
 class BestIterate {
  public:
   /// `layer_variables`: their name, for checkpoints.
   explicit BestIterate(std::string layer_variables) : layer_variables_(std::move(layer_variables)) {}
 
-  /// Designs at another sharpness cannot be compared, nor those judged by other layers: a new `beta`, or the first that is judged by
-  /// binary layers, starts over.
+  /// Designs at another sharpness cannot be compared, nor those judged by other layers: a new `beta`, or the
+  /// first that is judged by binary layers, starts over.
   void offer(const Iterate& iterate, const Design& design);
 
   int iteration() const { return iteration_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What changes with the iteration number alone: the layers' sharpness and the move limit
 /// (docs/formulation.md 3.1, 9).
@@ -8,7 +9,8 @@
 
 namespace fabseq {
 
-/// Schedules of a run. Iterations count from 1; those that were done before it, such as on a coarse grid, are added here.
+/// Schedules of a run. Iterations count from 1; those that were done before it, such as on a coarse grid, are
+/// added here.
 class Continuation {
  public:
   /// \param first_beta, last_beta sharpness at the start and the most it grows to
@@ -23,8 +25,8 @@ class Continuation {
   bool reaches_the_end() const {
     return beta(optimizer_.max_iterations + projection_.interval) == beta(optimizer_.max_iterations);
   }
-  /// Whether the iterate is judged by its binary layers: one of the last `binary_iterations` of all, but never the first, by whose
-  /// smooth layers terms are scaled.
+  /// Whether the iterate is judged by its binary layers: one of the last `binary_iterations` of all, but
+  /// never the first, by whose smooth layers terms are scaled.
   bool judges_binary(int iteration) const {
     return iteration > 1 && optimizer_.later_iterations == 0 &&
            iteration > optimizer_.max_iterations - optimizer_.binary_iterations;
@@ -33,8 +35,8 @@ class Continuation {
   /// geometrically.
   double move_limit(int iteration) const;
 
-  /// The number of iterations, earlier and later ones included, that the move limit was planned for: a run that continues with another number of
-  /// iterations goes on as planned.
+  /// The number of iterations, earlier and later ones included, that the move limit was planned for: a run
+  /// that continues with another number of iterations goes on as planned.
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
 

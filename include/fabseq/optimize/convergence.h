@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// When a run is done (docs/formulation.md 9).
 #pragma once
@@ -10,18 +11,18 @@
 
 namespace fabseq {
 
-/// Watches design and objective over the last `window` iterations at one sharpness. Local to the rank; ranks agree
-/// because values do.
+/// Watches design and objective over the last `window` iterations at one sharpness. Local to the rank; ranks
+/// agree because values do.
 class Convergence {
  public:
   /// `merit_unit`: what changes of the merit are relative to.
   Convergence(const OptimizerSettings& optimizer, double merit_unit);
 
-  /// An iteration: its sharpness, the largest change of a variable (fraction of its range), the merit of the design it
-  /// evaluated (ProblemValues::merit). Another `beta` starts over.
+  /// An iteration: its sharpness, the largest change of a variable (fraction of its range), the merit of the
+  /// design it evaluated (ProblemValues::merit). Another `beta` starts over.
   void add(double beta, double change, double merit);
-  /// Why the run could end, in words; empty while it should go on. `feasible`: whether there is a feasible iterate at this
-  /// sharpness; before that an objective at rest means nothing.
+  /// Why the run could end, in words; empty while it should go on. `feasible`: whether there is a feasible
+  /// iterate at this sharpness; before that an objective at rest means nothing.
   std::string reason(bool feasible) const;
 
   void save(CheckpointState& state) const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// All variables of a problem together.
 #pragma once

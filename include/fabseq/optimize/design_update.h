@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// One step of the optimizer on the scale the design moves on.
 #pragma once
@@ -20,8 +21,9 @@ struct StepReport {
   MmaReport mma;
 };
 
-/// Moves a design by the method of moving asymptotes: its field in the unit variable of a DesignSpace, and the layers'
-/// variables, which the first rank has, within their bounds and their reach. What is fixed stays where it is. Collective.
+/// Moves a design by the method of moving asymptotes: its field in the unit variable of a DesignSpace, and
+/// the layers' variables, which the first rank has, within their bounds and their reach. What is fixed stays
+/// where it is. Collective.
 class DesignUpdate {
  public:
   /// `space`: of the field; `field_is_fixed`: it is kept from the optimizer; `design`: one of the same sizes.

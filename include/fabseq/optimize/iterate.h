@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What an iteration finds out about its design.
 #pragma once
@@ -9,8 +10,9 @@
 
 namespace fabseq {
 
-/// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what smooth layers satisfy may be
-/// out of their reach: `within_elements` says that the optimizer's own constraints hold and theirs are missed by little.
+/// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what
+/// smooth layers satisfy may be out of their reach: `within_elements` says that the optimizer's own
+/// constraints hold and theirs are missed by little.
 enum class Standing { satisfied, within_elements, violated };
 
 /// By how much, in the unit of `worst_constraint`.
@@ -23,8 +25,8 @@ struct Iterate {
   ProblemValues values;                 ///< what the optimizer goes by
   std::optional<ProblemValues> binary;  ///< of binary layers, where the iterate is judged by these
 
-  /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind of layers alone owes that to
-  /// the soft bounds of these, or to where elements happen to lie.
+  /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind
+  /// of layers alone owes that to the soft bounds of these, or to where elements happen to lie.
   double merit() const { return binary ? std::max(values.merit, binary->merit) : values.merit; }
   double worst_constraint() const {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;

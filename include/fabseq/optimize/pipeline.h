@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Design to responses and back: sequence, layers, process and responses in one chain (docs/architecture.md).
 #pragma once
@@ -34,11 +35,13 @@ struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
 
-/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The fields of
-/// a design and of its gradients are this rank's share of them (LayerGroups::share), all other fields are on all copies.
+/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The
+/// fields of a design and of its gradients are this rank's share of them (LayerGroups::share), all other
+/// fields are on all copies.
 ///
-/// Groups share the layers (ProcessSimulation) and, in gradients(), the rows: a row's heat adjoint and what is
-/// explicit in it belong to one group. Rows that use displacements get a part of their derivative from every group.
+/// Groups share the layers (ProcessSimulation) and, in gradients(), the rows: a row's heat adjoint and what
+/// is explicit in it belong to one group. Rows that use displacements get a part of their derivative from
+/// every group.
 template <int Dim>
 class Pipeline {
  public:
@@ -52,10 +55,11 @@ class Pipeline {
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
 
-  /// Evaluates the stages for a design; `layers`, `beta` and `binary` are handed to the maker of the layers. The state
-  /// refers to results that stay valid until the next run.
+  /// Evaluates the stages for a design; `layers`, `beta` and `binary` are handed to the maker of the layers.
+  /// The state refers to results that stay valid until the next run.
   PipelineState<Dim> run(const Design& design, int layers, double beta, bool binary);
-  /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get there.
+  /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get
+  /// there.
   const PseudoTime<Dim>* last_time() const { return time_; }
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
   std::vector<double> last_layer_index() const { return layers_->layer_index(time_->time, densities_); }

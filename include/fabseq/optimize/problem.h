@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Responses scaled and stacked into an optimization problem (docs/formulation.md 9).
 #pragma once
@@ -68,7 +69,8 @@ class Problem {
 
   /// Name, type and value of every component, as in evaluation.json: objective_0, constraint_0_0, ...
   Json describe(const std::vector<std::vector<double>>& values) const;
-  /// The same name for a component of responses_and_functionals(); functionals are objective_0_functional_0, ...
+  /// The same name for a component of responses_and_functionals(); functionals are objective_0_functional_0,
+  /// ...
   std::string component_name(std::size_t response, std::size_t component) const;
 
  private:

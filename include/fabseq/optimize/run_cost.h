@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What a run will cost, and the layer groups that make it cost least.
 #pragma once
@@ -40,8 +41,8 @@ BlockSolver block_solver(SolverPath path);
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes);  ///< all ranks, bytes
 double iteration_seconds_estimate(const RunSize& size, SolverPath path);  ///< of a design iteration
 
-/// What `solver.lanes` says, or the most, 8, 4, 2 or 1, with which a run fits the memory now available. Collective on
-/// `world`.
+/// What `solver.lanes` says, or the most, 8, 4, 2 or 1, with which a run fits the memory now available.
+/// Collective on `world`.
 int resolved_lanes(MPI_Comm world, const Config& config, const RunSize& size, int groups);
 
 /// Layer groups of a run, and why there are so many.
@@ -50,8 +51,8 @@ struct GroupChoice {
   std::string explanation;  ///< a line for the log; empty with a single rank
 };
 
-/// What `solver.layer_groups` says, or the fastest number of groups by a model of the time that fits the memory
-/// now available. Collective on `world`. Throws InputError if ranks cannot be dealt out so.
+/// What `solver.layer_groups` says, or the fastest number of groups by a model of the time that fits the
+/// memory now available. Collective on `world`. Throws InputError if ranks cannot be dealt out so.
 template <int Dim>
 GroupChoice choose_layer_groups(MPI_Comm world, const Config& config);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// From a config to the things that do not change during a run: grid, part, node sets, counts.
 #pragma once
@@ -22,10 +23,11 @@
 
 namespace fabseq {
 
-/// Layer groups, grid, part, places of the design variables and node sets of a config, with what "auto" stands
-/// for. Collective construction on the world of the run; every layer group has the same grid, part and node sets
-/// on its ranks. Cannot be copied or moved, since its members refer to each other. Throws InputError for anything
-/// wrong with part, plate, substrate, clamps, start region or node sets, and for a release that there cannot be.
+/// Layer groups, grid, part, places of the design variables and node sets of a config, with what "auto"
+/// stands for. Collective construction on the world of the run; every layer group has the same grid, part and
+/// node sets on its ranks. Cannot be copied or moved, since its members refer to each other. Throws
+/// InputError for anything wrong with part, plate, substrate, clamps, start region or node sets, and for a
+/// release that there cannot be.
 template <int Dim>
 class Setup {
  public:
@@ -51,7 +53,8 @@ class Setup {
   /// All ranks of the run; the grid has a communicator of its own.
   MPI_Comm world() const { return groups.world(); }
   BlockSolver block_solver() const { return fabseq::block_solver(config.solver.path); }
-  /// A design's field, or anything else of which this rank has its share, on the owned elements or nodes. Collective.
+  /// A design's field, or anything else of which this rank has its share, on the owned elements or nodes.
+  /// Collective.
   std::vector<double> design_field(std::span<const double> share) const {
     return design_support.expand(groups.gather(share));
   }
@@ -66,7 +69,8 @@ class Setup {
             start ? std::span<const char>(start->elements) : std::span<const char>{},
             config.layers.multi_planar ? config.layers.multi_planar->subparts : 0};
   }
-  /// Sharpness at the start and at the end of the continuation, "auto" resolved; that of multi-planar layers stays.
+  /// Sharpness at the start and at the end of the continuation, "auto" resolved; that of multi-planar layers
+  /// stays.
   double first_beta() const {
     return config.layers.multi_planar ? config.layers.multi_planar->time_sharpness
                                       : config.projection.beta.value_or(4.0 * layer_count);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The stages that a config asks for, and their solvers.
 #pragma once
@@ -16,16 +17,16 @@
 
 namespace fabseq {
 
-/// Makes the layers of a design, of its layer variables (none: those that the config says). `count`: of curved layers;
-/// `beta`: their sharpness.
+/// Makes the layers of a design, of its layer variables (none: those that the config says). `count`: of
+/// curved layers; `beta`: their sharpness.
 using LayerMaker = std::function<std::unique_ptr<Layers>(std::span<const double> variables, int count,
                                                          double beta, bool binary)>;
 
 /// The sequence a config asks for.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tolerance);
-/// The layers a config asks for; those that cannot move the part beyond `tolerance` are left out. The setup must outlive
-/// what is made.
+/// The layers a config asks for; those that cannot move the part beyond `tolerance` are left out. The setup
+/// must outlive what is made.
 template <int Dim>
 LayerMaker make_layers(const Setup<Dim>& setup, double tolerance);
 /// Layers between isosurfaces, at uniform times: those of the baseline.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Which group solves for which layers.
 #pragma once
@@ -28,11 +29,10 @@ struct LayerDeal {
   double longest = 0.0;                         ///< work of the group with most
 };
 
-/// Deals layers out to `groups` in blocks of `widest` layers (a power of two, at most 8) and one of the rest, the
-/// block with most work first, each to the group with least so far. Blocks are halved, as long as that pays: while
-/// there are fewer of them than groups, or they do not add up to equal sums. A single group gets whole blocks. The
-/// same arguments give the same deal.
-/// \param work  expected work of each layer, iterations
+/// Deals layers out to `groups` in blocks of `widest` layers (a power of two, at most 8) and one of the rest,
+/// the block with most work first, each to the group with least so far. Blocks are halved, as long as that
+/// pays: while there are fewer of them than groups, or they do not add up to equal sums. A single group gets
+/// whole blocks. The same arguments give the same deal. \param work  expected work of each layer, iterations
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver);
 
 }  // namespace fabseq

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Named sets of nodes on which distortion is measured.
 #pragma once

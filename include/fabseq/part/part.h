@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The part: which elements are to be built, and where it stands on the build plate (docs/formulation.md 1).
 #pragma once
@@ -52,9 +53,9 @@ template <int Dim>
 class Part {
  public:
   /// Collective on the grid's communicator. The grid must outlive the part. Throws InputError for an empty
-  /// part, no contact with plate or substrate, or pieces without a path of faces to them (naming number, size and
-  /// place), unless `description.keep_connected`, which drops them with a warning. Elements of the substrate are no part
-  /// elements.
+  /// part, no contact with plate or substrate, or pieces without a path of faces to them (naming number, size
+  /// and place), unless `description.keep_connected`, which drops them with a warning. Elements of the
+  /// substrate are no part elements.
   Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate);
 
   const Grid<Dim>& grid() const { return grid_; }
@@ -83,8 +84,8 @@ class Part {
   const std::vector<Piece<Dim>>& pieces() const { return pieces_; }
   /// Part elements with a face on the build plate or on the substrate, all ranks.
   std::int64_t plate_contact() const { return plate_contact_; }
-  /// For each part element, half the spacing across its face on the plate or on the substrate, the smallest one;
-  /// infinite without such a face (a part field).
+  /// For each part element, half the spacing across its face on the plate or on the substrate, the smallest
+  /// one; infinite without such a face (a part field).
   const std::vector<double>& contact_distance() const { return contact_distance_; }
 
   /// Owned nodes of at least one part element (1 or 0), lexicographic in Grid::owned_nodes().

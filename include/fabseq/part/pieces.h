@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The face-connected pieces of a part, and whether they stand on the build plate.
 #pragma once
@@ -41,8 +42,8 @@ struct PieceMap {
 };
 
 /// Labels the elements with `density` (of each owned element of the grid) above 0. Elements that share only
-/// an edge or a corner are not connected. `on_substrate`: for each owned element, whether it has a face on the substrate;
-/// empty: none has. Collective on the grid's communicator.
+/// an edge or a corner are not connected. `on_substrate`: for each owned element, whether it has a face on
+/// the substrate; empty: none has. Collective on the grid's communicator.
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
                           const std::vector<char>& on_substrate = {});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Constructive solid geometry: which points belong to a part, a node set, a start region.
 #pragma once
@@ -11,8 +12,9 @@ namespace fabseq {
 /// Shapes contain points up to this share of the smallest spacing outside (docs/users-guide.md, conventions).
 inline constexpr double shape_tolerance = 1e-6;
 
-/// A primitive or a boolean combination of shapes. 2D and 3D alike: coordinates have as many entries as the domain has
-/// dimensions. Primitives contain points up to a tolerance outside their surface (docs/users-guide.md, conventions).
+/// A primitive or a boolean combination of shapes. 2D and 3D alike: coordinates have as many entries as the
+/// domain has dimensions. Primitives contain points up to a tolerance outside their surface
+/// (docs/users-guide.md, conventions).
 struct Shape {
   enum class Kind { box, half_space, cylinder, sphere, polygon, union_of, intersection, difference };
 
@@ -24,7 +26,8 @@ struct Shape {
   std::vector<std::array<double, 2>> points;  ///< polygon: in the two other axes in ascending order
   std::vector<Shape> operands;                ///< union_of, intersection, difference (first minus all others)
 
-  /// Whether `point` (one coordinate an axis, length unit) lies inside or at most `tolerance` (length) outside.
+  /// Whether `point` (one coordinate an axis, length unit) lies inside or at most `tolerance` (length)
+  /// outside.
   bool contains(std::span<const double> point, double tolerance) const;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What stands before the first layer (docs/formulation.md 4.4).
 #pragma once
@@ -12,12 +13,13 @@
 
 namespace fabseq {
 
-/// Elements that stand from the start and are no part of what is built, such as a base plate; there may be none.
+/// Elements that stand from the start and are no part of what is built, such as a base plate; there may be
+/// none.
 template <int Dim>
 class Substrate {
  public:
-  /// Collective on the grid's communicator. Elements whose centre lies in `shape`; no reference to it is kept. Throws
-  /// InputError if a shape is given that holds none.
+  /// Collective on the grid's communicator. Elements whose centre lies in `shape`; no reference to it is
+  /// kept. Throws InputError if a shape is given that holds none.
   Substrate(const Grid<Dim>& grid, const std::optional<Shape>& shape);
 
   /// Elements of all ranks.
@@ -28,8 +30,8 @@ class Substrate {
   const std::vector<char>& nodes() const { return nodes_; }
   /// 1 for the nodes on its side towards the plate: the lowest ones along the plate's normal. Collective.
   std::vector<char> nodes_towards(const BuildPlate& plate) const;
-  /// For each owned element, half the spacing across a face that it shares with the substrate (the smallest one), or
-  /// infinity. Collective.
+  /// For each owned element, half the spacing across a face that it shares with the substrate (the smallest
+  /// one), or infinity. Collective.
   std::vector<double> contact_distance() const;
 
  private:

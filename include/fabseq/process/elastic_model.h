@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the elastic solves of a part have in common: elements, supports, element matrices
 /// (docs/formulation.md 4.1, 4.4).
@@ -17,8 +18,8 @@
 
 namespace fabseq {
 
-/// The elements of the mechanical model: those of part and substrate, or all of the box where the void is quiet. Works
-/// with unit Young's modulus: displacements do not depend on it.
+/// The elements of the mechanical model: those of part and substrate, or all of the box where the void is
+/// quiet. Works with unit Young's modulus: displacements do not depend on it.
 template <int Dim>
 struct ElasticModel {
   using ElementLoad = std::array<double, element_unknowns<Dim>>;
@@ -40,7 +41,8 @@ struct ElasticModel {
   std::vector<int>
       part_element;  ///< the other way round; negative for elements of the substrate and the void
 
-  /// Stage density of an element of the model, given those of the part: the substrate stands, the void does not.
+  /// Stage density of an element of the model, given those of the part: the substrate stands, the void does
+  /// not.
   double stage_density(const std::vector<double>& part_stage, std::size_t model_element) const {
     const int number = part_element[model_element];
     return number >= 0 ? part_stage[number] : (number == in_substrate ? 1.0 : 0.0);
@@ -70,7 +72,8 @@ struct ElasticModel {
  private:
   static constexpr int in_void = -1, in_substrate = -2;
 
-  /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and layer.
+  /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and
+  /// layer.
   static double power(double base, double exponent) {
     const double positive = std::max(base, 0.0);
     if (exponent == 3.0) return positive * positive * positive;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The inherent strain of each part element (docs/formulation.md 4.2, 4.5).
 #pragma once
@@ -18,9 +19,9 @@ namespace fabseq {
 ///
 ///     eps* = tangential (I - n n^T) + normal n n^T,
 ///
-/// scaled axis by axis, shear by the root of the product of its two. n is the print direction of the layer's sub-part, or,
-/// where there are no sub-parts, g / sqrt(|g|^2 + eps^2) of the gradient g of the pseudo-time at the element's centre.
-/// Strains are Voigt, engineering shear. Local to the rank.
+/// scaled axis by axis, shear by the root of the product of its two. n is the print direction of the layer's
+/// sub-part, or, where there are no sub-parts, g / sqrt(|g|^2 + eps^2) of the gradient g of the pseudo-time
+/// at the element's centre. Strains are Voigt, engineering shear. Local to the rank.
 template <int Dim>
 class InherentStrain {
  public:
@@ -32,16 +33,16 @@ class InherentStrain {
   bool turns() const { return turns_; }
   /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis].
   StrainField strains(std::span<const double> gradient, const LayerDensities& layers) const;
-  /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with sub-parts, to
-  /// `d_densities`. For strains that turn.
+  /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with
+  /// sub-parts, to `d_densities`. For strains that turn.
   void pull_back(std::span<const double> gradient, const LayerDensities& layers, const StrainField& d_strain,
                  std::vector<double>& d_gradient, DensityDerivatives& d_densities) const;
 
-  /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they are all
-  /// the same, the material's.
+  /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they
+  /// are all the same, the material's.
   std::vector<double> strains(std::span<const double> gradient) const;
-  /// Adds to `d_gradient`, [part element][axis], what derivatives by the strains, [part element][Voigt], amount to.
-  /// For strains that turn.
+  /// Adds to `d_gradient`, [part element][axis], what derivatives by the strains, [part element][Voigt],
+  /// amount to. For strains that turn.
   void pull_back(std::span<const double> gradient, std::span<const double> d_strain,
                  std::span<double> d_gradient) const;
 

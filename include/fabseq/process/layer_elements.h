@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the elements contribute to the systems of a batch of layers, and to their derivatives
 /// (docs/formulation.md 4.1, 8).
@@ -32,9 +33,9 @@ class LayerElements {
   std::vector<double> stiffness(const LayerDensities& densities, int first, int lanes) const;
   /// Sets `load` to f_j, a lane a layer. Collective.
   void set_load(const LayerDensities& densities, int first, LaneVector& load) const;
-  /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments du
-  /// of the batch and its adjoints lambda. With strains of the elements' or the layers' own also dJ/d(strain), this rank's
-  /// part, to `d_strains`, unless that is uniform. Collective.
+  /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments
+  /// du of the batch and its adjoints lambda. With strains of the elements' or the layers' own also
+  /// dJ/d(strain), this rank's part, to `d_strains`, unless that is uniform. Collective.
   void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
                        const LaneVector& adjoints, DensityDerivatives& derivatives,
                        StrainField& d_strains) const;
@@ -60,7 +61,8 @@ class LayerElements {
   /// Component c of the strain of an element in the layers of a block.
   template <int Width>
   Lanes<Width> strain(const Block& block, std::size_t element, int component) const;
-  /// lambda^T f_0 where strains are not the material's to `work`, [element][lane of the chunk], and their dJ/d(strain).
+  /// lambda^T f_0 where strains are not the material's to `work`, [element][lane of the chunk], and their
+  /// dJ/d(strain).
   template <int Width>
   void add_strain_derivatives(const LayerDensities& densities, const Block& block, const double* lambda,
                               int lanes, std::span<double> work, StrainField& d_strains) const;

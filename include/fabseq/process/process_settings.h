@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Material and material model of the simulation.
 #pragma once
@@ -15,7 +16,8 @@ struct TurningStrain {
 struct MaterialSettings {
   double young = 1.0;  ///< stress unit
   double poisson = 0.3;
-  /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it turns
+  /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it
+  /// turns
   std::vector<double> inherent_strain;
   std::optional<TurningStrain> turning_strain = std::nullopt;
   std::vector<double> strain_scale = {};  ///< a factor an axis, for strains that turn

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8).
 #pragma once
@@ -51,18 +52,19 @@ struct ProcessDerivatives {
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
 /// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
-/// drho^(q-1) lambda^T f_0. Of what is measured after the release (Release), lambda_j on the supports is not 0 but the
-/// release's adjoint w.
+/// drho^(q-1) lambda^T f_0. Of what is measured after the release (Release), lambda_j on the supports is not
+/// 0 but the release's adjoint w.
 ///
-/// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the world
-/// of the groups, and errors are thrown on all of its ranks.
+/// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the
+/// world of the groups, and errors are thrown on all of its ranks.
 template <int Dim>
 class ProcessSimulation {
  public:
   /// Layers solved side by side at most, unless memory is to be saved.
   static constexpr int most_lanes = 8;
 
-  /// `lanes`: layers solved side by side at most. `blocks`: how the solver goes through a block of layers. Model and groups must outlive the simulation.
+  /// `lanes`: layers solved side by side at most. `blocks`: how the solver goes through a block of layers.
+  /// Model and groups must outlive the simulation.
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
                     const LayerGroups& groups, BlockSolver blocks, int lanes = most_lanes);
 
@@ -73,9 +75,9 @@ class ProcessSimulation {
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
   /// the layer if one does not converge.
   const ProcessResult& simulate(const LayerDensities& densities, StrainField strains = {});
-  /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to the
-  /// densities of this group's layers and to the strains, as far as they enter its layers; rows solved together share
-  /// the systems.
+  /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to
+  /// the densities of this group's layers and to the strains, as far as they enter its layers; rows solved
+  /// together share the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
                  std::span<const ProcessDerivatives> derivatives);
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
@@ -90,8 +92,8 @@ class ProcessSimulation {
   /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.
   std::vector<double> increment(int layer) const;
   const LayerGroups& groups() const { return groups_; }
-  /// Iterations a layer that the next simulation is dealt out by: the last one's, forward and adjoint. Equal work
-  /// where there are none, or not for as many layers.
+  /// Iterations a layer that the next simulation is dealt out by: the last one's, forward and adjoint. Equal
+  /// work where there are none, or not for as many layers.
   const std::vector<double>& expected_work() const { return expected_work_; }
   void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }

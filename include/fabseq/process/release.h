@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3).
 #pragma once
@@ -14,8 +15,8 @@
 
 namespace fabseq {
 
-/// Why a part on these supports cannot be released; empty if it can. Pieces that nothing but their supports holds together
-/// could each move as they like. Collective on the grid's communicator.
+/// Why a part on these supports cannot be released; empty if it can. Pieces that nothing but their supports
+/// holds together could each move as they like. Collective on the grid's communicator.
 template <int Dim>
 std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& supports, VoidModel void_model);
 
@@ -32,16 +33,16 @@ struct ReleaseSolver {
 ///     v:  K_N v~ = -r,             v = v~ - R C v~        of reactions r that balance themselves,
 ///     w:  K_N w = b - C^T R^T b                           its adjoint, b = -dJ/dv.
 ///
-/// K_N is the same whatever the sequence: it is set up at the first solve and kept with its preconditioner. All calls are
-/// collective on the grid's communicator.
+/// K_N is the same whatever the sequence: it is set up at the first solve and kept with its preconditioner.
+/// All calls are collective on the grid's communicator.
 template <int Dim>
 class Release {
  public:
   /// The model must outlive the object. Throws InputError if there is a release_obstacle().
   Release(const ElasticModel<Dim>& model, const ReleaseSolver& solver);
 
-  /// v for reactions r, [owned node][component]; 0 outside the model. Throws NumericalError if the solve does not
-  /// converge.
+  /// v for reactions r, [owned node][component]; 0 outside the model. Throws NumericalError if the solve does
+  /// not converge.
   std::vector<double> displacement(std::span<const double> reactions);
   /// w for a derivative dJ/dv, whose rigid part is that with the smallest motion of the supports.
   std::vector<double> adjoint(std::span<const double> derivative);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Residual stress after the last layer, and what is left of it after the release (docs/formulation.md 4.3).
 #pragma once
@@ -16,8 +17,8 @@ template <int Dim>
 std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
                                     const LayerDensities& densities);
 
-/// E_N C B v, what a displacement v of the finished part ([owned node][component]) adds to it. Collective on the grid's
-/// communicator.
+/// E_N C B v, what a displacement v of the finished part ([owned node][component]) adds to it. Collective on
+/// the grid's communicator.
 template <int Dim>
 std::vector<double> finished_stress(const ElasticModel<Dim>& model, std::span<const double> displacement);
 

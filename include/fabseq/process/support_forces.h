@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md 4.3).
+/// What the supports do to the systems of the layers: reactions, and supports that move
+/// (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/lanes/lane_vector.h"
@@ -12,8 +14,8 @@
 
 namespace fabseq {
 
-/// Loops over the few elements with a node on a support. Argument `first`: the lanes are layers first, first + 1, ...
-/// Calls are collective on the grid's communicator.
+/// Loops over the few elements with a node on a support. Argument `first`: the lanes are layers first, first
+/// + 1, ... Calls are collective on the grid's communicator.
 template <int Dim>
 class SupportForces {
  public:
@@ -23,8 +25,8 @@ class SupportForces {
   /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component].
   void add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
                      const LaneVector& increments, std::span<double> reactions) const;
-  /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only: loads of a
-  /// system whose supports are moved by w.
+  /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only:
+  /// loads of a system whose supports are moved by w.
   void subtract_motion(const LayerDensities& densities, int first, std::span<const double> motion,
                        LaneVector& loads) const;
   /// Adds w to lanes of solutions, on the supports.

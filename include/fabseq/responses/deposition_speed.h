@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Constraint: every stage adds the same volume (docs/formulation.md 7).
 #pragma once

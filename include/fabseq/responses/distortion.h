@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
 /// \file
-/// Distortion measures, all quadratic in the displacement (docs/formulation.md 5). `after_release`: of the part cut from
-/// its supports, u + v (4.3).
+/// Distortion measures, all quadratic in the displacement (docs/formulation.md 5). `after_release`: of the
+/// part cut from its supports, u + v (4.3).
 #pragma once
 
 #include "fabseq/responses/response.h"

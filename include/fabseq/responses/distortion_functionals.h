@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Distortion as a sum of squares of few linear functionals and a rest (docs/formulation.md 9).
 #pragma once
@@ -9,9 +10,10 @@
 
 namespace fabseq {
 
-/// The components r_k = a_k . u of a distortion J = sum_k r_k^2 + rest, rest >= 0: for each displacement component
-/// that J measures the coefficients of its constant and linear part over the node set. These are its products with
-/// functions that are orthonormal over the set's nodes, 1, x, y, z in this order less what depends on those before.
+/// The components r_k = a_k . u of a distortion J = sum_k r_k^2 + rest, rest >= 0: for each displacement
+/// component that J measures the coefficients of its constant and linear part over the node set. These are
+/// its products with functions that are orthonormal over the set's nodes, 1, x, y, z in this order less what
+/// depends on those before.
 template <int Dim>
 class DistortionFunctionals : public Response<Dim> {
  public:
@@ -29,7 +31,8 @@ class DistortionFunctionals : public Response<Dim> {
 
   /// Number of functionals.
   int count() const { return static_cast<int>(axes_.size() * functions_.size()); }
-  /// Whether there is no rest, whatever the displacements: the set has no more nodes than there are functions.
+  /// Whether there is no rest, whatever the displacements: the set has no more nodes than there are
+  /// functions.
   bool complete() const { return complete_; }
 
  private:

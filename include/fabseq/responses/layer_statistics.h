@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Means over layers that uniformity and thickness share (docs/formulation.md 6).
 #pragma once

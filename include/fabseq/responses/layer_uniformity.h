@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Objective: |grad t| shall be uniform within each layer (docs/formulation.md 6).
 #pragma once

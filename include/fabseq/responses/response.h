@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What is measured on a fabrication sequence: one interface for objective terms and constraints.
 #pragma once
@@ -57,8 +58,8 @@ struct ConstraintRow {
 };
 
 /// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are
-/// collective on the grid's communicator unless they say otherwise; each layer group makes them for itself, but
-/// values of what is said to use displacements are asked for by all groups.
+/// collective on the grid's communicator unless they say otherwise; each layer group makes them for itself,
+/// but values of what is said to use displacements are asked for by all groups.
 template <int Dim>
 class Response {
  public:

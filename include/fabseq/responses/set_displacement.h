@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What distortion is measured on: the displacements of a node set (docs/formulation.md 5).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Constraint: no sub-part has more than its share of the part (docs/formulation.md 7).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Terms of the objective and constraints.
 #pragma once
@@ -23,15 +24,15 @@ struct ObjectiveTerm {
   std::string form;                   ///< layer_uniformity: sum_of_squares, variance
   double band = 0.1;                  ///< segmentation_alignment: width in pseudo-time
 
-  /// Whether it may be handed over as a sum of squares, if its measure is one: "auto" leaves terms with the published
-  /// scaling as published.
+  /// Whether it may be handed over as a sum of squares, if its measure is one: "auto" leaves terms with the
+  /// published scaling as published.
   bool may_be_squares() const { return least_squares.value_or(scaling == TermScaling::current); }
 };
 
 struct ConstraintTerm {
-  std::string
-      type;  ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, last_layer, subpart_volume
-  double target = 0.0;     ///< layer_thickness, length unit
+  std::string type;     ///< layer_thickness, deposition_speed, continuity, minimum_layer_volume, last_layer,
+                        ///< subpart_volume
+  double target = 0.0;  ///< layer_thickness, length unit
   double tolerance = 0.1;  ///< layer_thickness, subpart_volume, relative
   double least_volume =
       0.0;                 ///< layer_thickness, last_layer: of the mean volume; layers with less are slivers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Half the resolution, on which an optimization may begin (docs/formulation.md 9, grid sequencing).
 #pragma once
@@ -11,23 +12,24 @@
 
 namespace fabseq {
 
-/// The same problem on elements of twice the edge lengths, which is an optimization of its own with a directory of its own:
-/// `coarse` in that of the fine one. An element's density is the mean over its fine elements, so that thin walls become grey
-/// and stay connected. Odd numbers of elements are rounded up: the last coarse elements reach beyond the fine box, which is
-/// empty there. Node sets that have no nodes on the coarse grid take the nearest ones; where samples are
-/// more than nodes, all of them.
+/// The same problem on elements of twice the edge lengths, which is an optimization of its own with a
+/// directory of its own: `coarse` in that of the fine one. An element's density is the mean over its fine
+/// elements, so that thin walls become grey and stay connected. Odd numbers of elements are rounded up: the
+/// last coarse elements reach beyond the fine box, which is empty there. Node sets that have no nodes on the
+/// coarse grid take the nearest ones; where samples are more than nodes, all of them.
 template <int Dim>
 class CoarseGrid {
  public:
-  /// `fine`: config.optimizer.coarse_iterations > 0. Collective on its world; throws InputError, which names that key, where
-  /// the part, its plate or its design leave no coarse problem.
+  /// `fine`: config.optimizer.coarse_iterations > 0. Collective on its world; throws InputError, which names
+  /// that key, where the part, its plate or its design leave no coarse problem.
   explicit CoarseGrid(const Setup<Dim>& fine);
 
   const Setup<Dim>& setup() const { return *setup_; }
   /// Command line of the coarse run of a fine one, whose output directory is `directory`.
   CommandLine command_line(const CommandLine& fine, const std::string& directory) const;
-  /// Writes the design that the coarse run in `directory`/coarse came to as one of the fine grid, for -design: each element has
-  /// that of the coarse one it lies in. Returns the file's path. Collective on the world of both.
+  /// Writes the design that the coarse run in `directory`/coarse came to as one of the fine grid, for
+  /// -design: each element has that of the coarse one it lies in. Returns the file's path. Collective on the
+  /// world of both.
   static std::string refine(const Setup<Dim>& fine, const std::string& directory);
 
  private:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Adjoint gradients against central differences (docs/formulation.md 8).
 #pragma once
@@ -18,8 +19,8 @@ struct GradientError {
   std::vector<double> differences;  ///< central differences, a step each
   std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each; 0 where both are 0
 
-  /// Fourth-order differences (Richardson): of each step and the next shorter one, without the error in the square
-  /// of the step. One less than steps.
+  /// Fourth-order differences (Richardson): of each step and the next shorter one, without the error in the
+  /// square of the step. One less than steps.
   std::vector<double> extrapolated() const;
   double best() const;  ///< smallest relative error, of the central and the fourth-order differences
 };

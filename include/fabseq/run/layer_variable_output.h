@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The variables of the layers in files: time_points or angles, where a design has them.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// -restart: which checkpoint a run continues from, and whether it is one of the same problem.
 #pragma once

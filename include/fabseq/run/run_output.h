@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Everything an optimization leaves in its output directory (docs/users-guide.md, output directory).
 #pragma once
@@ -47,11 +48,12 @@ class RunOutput {
   const std::string& path() const { return directory_.path(); }
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport<Dim> report, const std::string& solver);
-  /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for it.
+  /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for
+  /// it.
   void iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
                  const PipelineState<Dim>& state, const Design& design);
-  /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is due, asked for, or the
-  /// state is the last; returns whether it did.
+  /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is
+  /// due, asked for, or the state is the last; returns whether it did.
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
   void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
@@ -62,7 +64,8 @@ class RunOutput {
   /// What is left of a run that was stopped: a checkpoint of the state last kept, and summary.json.
   void stop(const Stopped& reason);
   /// What is left of a run that failed: the same, and as much as there is of the fields of the failing
-  /// iteration. If these cannot be written, that is a warning: the failure itself is what the user has to know.
+  /// iteration. If these cannot be written, that is a warning: the failure itself is what the user has to
+  /// know.
   void fail(const NumericalError& error, const Pipeline<Dim>& pipeline);
 
  private:

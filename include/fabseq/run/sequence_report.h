@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What is reported of one evaluated sequence, be it optimized, binary or planar.
 #pragma once

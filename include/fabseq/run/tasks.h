@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The tasks beside the optimization itself (docs/users-guide.md). All are collective on the world.
 #pragma once
@@ -14,8 +15,8 @@ namespace fabseq {
 double evaluation_tolerance(const Config& config);
 constexpr double gradient_check_tolerance = 1e-12;
 
-/// The design to start from: that of -design FILE, or the initial values, with a warning where the file has none.
-/// Throws InputError if it does not fit the part or leaves the bounds.
+/// The design to start from: that of -design FILE, or the initial values, with a warning where the file has
+/// none. Throws InputError if it does not fit the part or leaves the bounds.
 template <int Dim>
 Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                        const CommandLine& command_line);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Hat-shaped averaging of a field over the part (docs/formulation.md 2.2).
 #pragma once

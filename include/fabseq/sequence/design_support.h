@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Where on the grid the variables of a design are.
 #pragma once
@@ -15,7 +16,8 @@ namespace fabseq {
 template <int Dim>
 class DesignSupport {
  public:
-  /// `places`: offsets in Grid::owned_elements() or Grid::owned_nodes(), ascending. The grid must outlive the object.
+  /// `places`: offsets in Grid::owned_elements() or Grid::owned_nodes(), ascending. The grid must outlive the
+  /// object.
   DesignSupport(const Grid<Dim>& grid, bool on_nodes, std::vector<int> places)
       : grid_(grid), on_nodes_(on_nodes), places_(std::move(places)) {}
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// From a nodal field to the elements of the part, and derivatives back.
 #pragma once
@@ -22,8 +23,8 @@ template <int Dim>
 ElementMeans element_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const double> nodal);
 
-/// The transpose: derivatives by the nodal values from those by means (`time`) and gradients, on the owned nodes, a row
-/// a lane. Collective.
+/// The transpose: derivatives by the nodal values from those by means (`time`) and gradients, on the owned
+/// nodes, a row a lane. Collective.
 template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const TimeDerivatives> rows);

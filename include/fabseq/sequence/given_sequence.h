@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Sequences without design variables: planar layers and a pseudo-time from a file
 /// (docs/formulation.md 3.3, 3.1).
@@ -36,8 +37,8 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction);
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 
-/// Part elements without a face on plate or substrate of which no face neighbour in the part comes earlier: places
-/// where a layer would begin in the air. All ranks; collective.
+/// Part elements without a face on plate or substrate of which no face neighbour in the part comes earlier:
+/// places where a layer would begin in the air. All ranks; collective.
 template <int Dim>
 std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time);
 

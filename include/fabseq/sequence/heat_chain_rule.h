@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Both ends of a heat adjoint, several rows at once (docs/formulation.md 8).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
 #pragma once
@@ -30,11 +31,10 @@ class HeatSequence : public Sequence<Dim> {
   /// largest distance
   /// \param model of this part and these settings
   /// \param solver on the model's domain, which it may refer to
-  /// \param across this rank and those that hold the same part of the grid in other layer groups: the first one's
-  /// group solves for the temperature and sends it to the others, so that they have the same bits. update() is
-  /// collective on `across`, too; pull_back() is each group's own.
-  /// \param lanes rows that are solved side by side at most
-  /// Collective. The part and `across` must outlive the sequence.
+  /// \param across this rank and those that hold the same part of the grid in other layer groups: the first
+  /// one's group solves for the temperature and sends it to the others, so that they have the same bits.
+  /// update() is collective on `across`, too; pull_back() is each group's own. \param lanes rows that are
+  /// solved side by side at most Collective. The part and `across` must outlive the sequence.
   HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
                std::unique_ptr<const HeatModel<Dim>> model, std::unique_ptr<HeatSolver<Dim>> solver,
                MPI_Comm across = MPI_COMM_SELF, int lanes = HeatSolver<Dim>::widest);

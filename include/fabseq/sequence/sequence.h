@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Where the pseudo-time comes from: the first stage of the pipeline (docs/formulation.md 2, 3.3).
 #pragma once
@@ -24,7 +25,8 @@ struct PseudoTime {
   int iterations = 0;  ///< of the forward solve
 };
 
-/// Regularization eps^2 of |grad t| wherever its direction or its root counts: 1e-9 / l_c^2 (docs/formulation.md 4.2, 6).
+/// Regularization eps^2 of |grad t| wherever its direction or its root counts: 1e-9 / l_c^2
+/// (docs/formulation.md 4.2, 6).
 inline double gradient_regularization(double characteristic_length) {
   return 1e-9 / (characteristic_length * characteristic_length);
 }
@@ -34,8 +36,8 @@ struct TimeDerivatives {
   std::vector<double> time, gradient;
 };
 
-/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves. By default
-/// those of a time.
+/// How the optimizer sees the design: bounds of the physical variable, and the scale on which it moves. By
+/// default those of a time.
 struct DesignSpace {
   double lower = 0.0, upper = 1.0;
   bool logarithmic = false;
@@ -60,8 +62,8 @@ class Sequence {
   virtual DesignSpace space() const { return {}; }
   /// The design to start from.
   virtual std::vector<double> initial_design() const { return {}; }
-  /// Pseudo-time of a design; the reference stays valid until the next call. Where there are layer groups, all of
-  /// them call it.
+  /// Pseudo-time of a design; the reference stays valid until the next call. Where there are layer groups,
+  /// all of them call it.
   virtual const PseudoTime<Dim>& update(std::span<const double> design) = 0;
   /// Gradients with respect to the design of the last update, one for each of several rows of derivatives.
   virtual std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Where a direct sequence starts, and how far all else is from there (docs/formulation.md 2.3).
 #pragma once
@@ -17,10 +18,11 @@ struct StartRegion {
       initial_time;  ///< of these: distance from the region inside the part over the largest one
 };
 
-/// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a node in or
-/// on it. With variables on nodes: the nodes in or on it, and those of the substrate; elements all of whose nodes are.
-/// Without a shape: what has a face, or lies, on the build plate or the substrate. Collective on the grid's communicator. Throws InputError if the shape meets
-/// nothing of the part or holds all of it, or if not all of the part can be reached from it.
+/// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a
+/// node in or on it. With variables on nodes: the nodes in or on it, and those of the substrate; elements all
+/// of whose nodes are. Without a shape: what has a face, or lies, on the build plate or the substrate.
+/// Collective on the grid's communicator. Throws InputError if the shape meets nothing of the part or holds
+/// all of it, or if not all of the part can be reached from it.
 template <int Dim>
 StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the process simulation asks of a solver: many elastic systems that differ only in the stiffness of
 /// their elements.
@@ -30,16 +31,16 @@ class ElasticitySolver {
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
 
-  /// Of how many sets of loads a call makes the most: those beyond would wait for their turn and take memory. The same on
-  /// all ranks.
+  /// Of how many sets of loads a call makes the most: those beyond would wait for their turn and take memory.
+  /// The same on all ranks.
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
   /// Forgets what earlier solves have left for later ones: from here on everything goes as in a new solver,
   /// to the last bit. Collective.
   virtual void start_cold() = 0;
 
-  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take again,
-  /// its operator included. Changes no result.
+  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take
+  /// again, its operator included. Changes no result.
   virtual void rest() {}
 
   /// One line for the log: what it is and how it was chosen.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// What the heat sequence asks of a solver: one conduction problem, many right-hand sides.
 #pragma once
@@ -37,8 +38,8 @@ class HeatSolver {
   /// in a new solver, to the last bit. Collective.
   virtual void start_cold() = 0;
 
-  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take again,
-  /// its operator included. Changes no result.
+  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take
+  /// again, its operator included. Changes no result.
   virtual void rest() {}
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The elasticity solver that solves all layers of a batch at once.
 #pragma once
@@ -22,9 +23,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   /// Lanes of a batch at most.
   static constexpr int widest = 8;
 
-  /// `lanes`: of a batch at most; below `widest` the solver saves memory, see rest(). The grid and `domain` must
-  /// outlive the solver. `reference`: of the fallback; its tolerance is the
-  /// lanes', too. Collective.
+  /// `lanes`: of a batch at most; below `widest` the solver saves memory, see rest(). The grid and `domain`
+  /// must outlive the solver. `reference`: of the fallback; its tolerance is the lanes', too. Collective.
   LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                  int max_iterations, const AssembledSolverSettings& reference, int lanes = widest);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// An elastic body that nothing holds, by the lane engine.
 #pragma once
@@ -14,20 +15,20 @@
 
 namespace fabseq {
 
-/// Solves K u = f for loads that balance themselves, u without a mean rigid motion: flexible conjugate gradients in the
-/// space without rigid motions, lane multigrid in single precision. No level is held anywhere; the last one is a
-/// little stiffer on its diagonal, for its factorization. The operator is set up once. Collective on the grid's
-/// communicator.
+/// Solves K u = f for loads that balance themselves, u without a mean rigid motion: flexible conjugate
+/// gradients in the space without rigid motions, lane multigrid in single precision. No level is held
+/// anywhere; the last one is a little stiffer on its diagonal, for its factorization. The operator is set up
+/// once. Collective on the grid's communicator.
 template <int Dim>
 class LaneFreeBody {
  public:
-  /// `domain`: its elements count, its supports do not; one piece by nodes that hold each other. `stiffness`: factor of
-  /// each element. The grid must outlive the solver.
+  /// `domain`: its elements count, its supports do not; one piece by nodes that hold each other. `stiffness`:
+  /// factor of each element. The grid must outlive the solver.
   LaneFreeBody(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                std::span<const double> stiffness);
 
-  /// Loads and displacements [owned node][component]; 0 at nodes of no element. Does not throw if it does not converge.
-  /// Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
+  /// Loads and displacements [owned node][component]; 0 at nodes of no element. Does not throw if it does not
+  /// converge. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
   SolveReport solve(std::span<const double> load, std::span<double> displacement, double tolerance,
                     int max_iterations);
 

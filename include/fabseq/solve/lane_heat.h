@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The heat solver that solves for several right-hand sides at once.
 #pragma once
@@ -23,9 +24,9 @@ class LaneHeat : public HeatSolver<Dim> {
  public:
   using HeatSolver<Dim>::widest;
 
-  /// `lanes`: of a block at most; below `widest` the solver saves memory, see rest(). The grid and `domain` must
-  /// outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of
-  /// the fallback; its tolerance is the lanes', too. Collective.
+  /// `lanes`: of a block at most; below `widest` the solver saves memory, see rest(). The grid and `domain`
+  /// must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of the fallback; its
+  /// tolerance is the lanes', too. Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
            const AssembledSolverSettings& reference, int lanes = widest);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/assembled_system.h"
 
 #include "fabseq/base/log_event.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/block_solve.h"
 
 namespace fabseq {

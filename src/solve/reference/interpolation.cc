@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/interpolation.h"
 
 #include "fabseq/base/mpi.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/preconditioner.h"
 
 #include "fabseq/solve/reference/interpolation.h"
@@ -27,8 +28,8 @@ constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
 /// And by this one once the other was too small.
 constexpr const char* safest_transform = "0,0.1,0,3";
 
-/// Value of an option for systems that are not relaxed: the user's, or else `value`. Kept, for the option itself
-/// may since have been set for a relaxed system, and the next one shall begin like the first.
+/// Value of an option for systems that are not relaxed: the user's, or else `value`. Kept, for the option
+/// itself may since have been set for a relaxed system, and the next one shall begin like the first.
 const std::string& normal_value(const std::string& name, const char* value) {
   static std::map<std::string, std::string> values;
   const auto known = values.find(name);
@@ -128,8 +129,8 @@ ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim
 }
 
 /// What makes multigrid fast makes its preconditioner indefinite in some graded layers. Geometric multigrid
-/// is safe with the smoother's eigenvalues enlarged further; GAMG, without dropping weak couplings and without
-/// smoothing the aggregates.
+/// is safe with the smoother's eigenvalues enlarged further; GAMG, without dropping weak couplings and
+/// without smoothing the aggregates.
 template <int Dim>
 void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& numbering,
                            ReferenceMethod method, bool safe) {

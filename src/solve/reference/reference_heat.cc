@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/reference_heat.h"
 
 namespace fabseq {

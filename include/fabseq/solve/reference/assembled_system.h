@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The reference solver: an assembled sparse matrix and stock PETSc, one system at a time.
 #pragma once

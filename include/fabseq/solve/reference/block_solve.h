@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Many right-hand sides by one factorization.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// Multilinear interpolation between nested box grids, restricted to the unknowns of a model.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The preconditioners of the reference solver, made of stock PETSc: which one, and its set-up.
 #pragma once
@@ -16,9 +17,9 @@ namespace fabseq {
 template <int Dim>
 ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim>& numbering);
 
-/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (one that usable_method() gave).
-/// `safe`: slower, but positive definite in layers in which the fast settings are not. The user's options
-/// come on top, by KSPSetFromOptions. Collective.
+/// Makes `solver`, whose operator is `matrix` and whose options prefix is set, use `method` (one that
+/// usable_method() gave). `safe`: slower, but positive definite in layers in which the fast settings are not.
+/// The user's options come on top, by KSPSetFromOptions. Collective.
 template <int Dim>
 void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& numbering,
                            ReferenceMethod method, bool safe);

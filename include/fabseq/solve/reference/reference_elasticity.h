@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /// \file
 /// The elasticity solver made of stock PETSc parts: oracle of the tests and baseline of the benchmarks.
 #pragma once
