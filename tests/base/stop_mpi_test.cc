@@ -56,7 +56,7 @@ TEST(Stop, TheSameSignalTwiceAtOnceIsOneRequest) {
 }
 
 TEST(StopDeathTest, ASecondSignalLeavesAtOnce) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "needs a process of its own";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: needs a process of its own";
   testing::FLAGS_gtest_death_test_style = "fast";
   EXPECT_EXIT(
       {

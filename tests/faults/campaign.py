@@ -33,7 +33,7 @@ sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
 
 # pylint: disable=wrong-import-position
 from fault_run import FaultRuns, build_library  # noqa: E402
-from run_fabseq import STOPPED, NoSmallDisk, Result, small_disk  # noqa: E402
+from run_fabseq import STOPPED, NoSmallDisk, Result, must_run, small_disk  # noqa: E402
 
 COLUMNS = ("fault", "injected", "reported", "not noticed", "survived", "iterations lost, at most", "seconds")
 
@@ -211,6 +211,8 @@ def main():
                 table.add("disk full", small_disks(small, 8 if options.short else 1))
             except NoSmallDisk as reason:
                 print(f"skipped: {reason}")
+                if must_run(str(reason)):
+                    table.bad.append(reason)
         if options.only in (None, "kills"):
             table.add("SIGKILL", kills(long, 4 if options.short else 50, chance))
         if options.only in (None, "damage"):

@@ -125,7 +125,7 @@ TEST(Decomposition, PrefersLittleSurfaceAmongEquals) {
   // Ranges begin at multiples of 4, which divide these counts evenly.
   const auto decomposition = choose_decomposition<3>(comm, {96, 40, 64}, nullptr);
   const std::vector<Index<3>> expected = {{1, 1, 1}, {2, 1, 1}, {3, 1, 1}, {2, 1, 2}};
-  if (size_of(comm) > 4) GTEST_SKIP() << "written for up to 4 ranks";
+  if (size_of(comm) > 4) GTEST_SKIP() << "ranks: written for up to 4 ranks";
   EXPECT_EQ(decomposition.processes, expected[size_of(comm) - 1]);
 }
 
@@ -142,7 +142,7 @@ TEST(Decomposition, BeginsOnCoarseGridsWhereThereIsRoom) {
 TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {
   // Slabs of some ranks are empty then.
   const MPI_Comm comm = PETSC_COMM_WORLD;
-  if (size_of(comm) != 4) GTEST_SKIP() << "needs 4 ranks";
+  if (size_of(comm) != 4) GTEST_SKIP() << "ranks: needs 4";
   const auto decomposition = choose_decomposition<2>(comm, {2, 2}, [](const IndexBox<2>& box) {
     return std::vector<double>(static_cast<std::size_t>(box.count()), 1.0);
   });
@@ -151,7 +151,7 @@ TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {
 
 TEST(Decomposition, RefusesTooManyRanks) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
-  if (size_of(comm) == 1) GTEST_SKIP() << "needs several ranks";
+  if (size_of(comm) == 1) GTEST_SKIP() << "ranks: needs several";
   const std::string text = test::refusal([&] { (void)choose_decomposition<3>(comm, {1, 1, 1}, nullptr); });
   EXPECT_NE(text.find("/domain/elements: [1,1,1] cannot be dealt out to"), std::string::npos) << text;
 }

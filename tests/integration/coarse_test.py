@@ -27,8 +27,6 @@ def odd_plate():
 
 
 class CoarseTest(FabseqTest):
-    resumes = False
-
     def optimize(self, config, ranks, *arguments, output=None):
         run = self.run_config(ranks, config, *OPTIONS, "-tolerance", "1e-11", *arguments, output=output)
         self.assert_done(run)

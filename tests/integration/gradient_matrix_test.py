@@ -81,8 +81,6 @@ def label(config, entry):
 
 
 class GradientMatrixTest(FabseqTest):
-    resumes = False
-
     def worst(self, dimension, design):
         """Largest best-step error of each response by each kind of variable, over voids and strains."""
         found = {}

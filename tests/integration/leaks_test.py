@@ -5,7 +5,7 @@ tests/leak_suppressions.txt. And the memory of a long run does not grow."""
 import os
 
 import run_fabseq
-from run_fabseq import DONE, ROOT, SANITIZED, FabseqTest, Process, Result
+from run_fabseq import DONE, OF_THIS_BUILD, ROOT, SANITIZED, FabseqTest, Process, Result
 from small_parts import hook_3d, plate_2d
 
 TASKS = ("optimize", "simulate", "evaluate", "check_gradients", "check")
@@ -14,12 +14,10 @@ MIB = 2**20
 
 
 class LeaksTest(FabseqTest):
-    resumes = False
-
     def setUp(self):
         super().setUp()
         if not SANITIZED:
-            self.skipTest("needs the build with sanitizers")
+            self.skipTest(OF_THIS_BUILD + "needs the sanitizers")
 
     def check(self, ranks, config, *arguments):
         self.runs += 1
@@ -49,8 +47,6 @@ class LeaksTest(FabseqTest):
 
 
 class GrowthTest(FabseqTest):
-    resumes = False
-
     @run_fabseq.only_release
     def test_two_hundred_iterations(self):
         """Peaks of iteration 20 and of iteration 200: dumps and checkpoints have been written by both."""

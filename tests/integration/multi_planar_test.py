@@ -49,6 +49,7 @@ class OutputsTest(FabseqTest):
     iterations = 6
 
     def test_files(self):
+        self.resumes = True
         run = self.optimize(tee_2d(), 2)
         counts = set()
         for line in run.history():
@@ -114,9 +115,11 @@ class OutputsTest(FabseqTest):
         for word, still in (("angles", "angles"), ("time", "design")):
             with self.subTest(fixed=word):
                 config = tee_2d()
+                self.resumes = False
                 start = self.optimize(config, 1, 2)
                 config["layers"]["fixed"] = [word]
                 # From a design: what is fixed stays as it is there.
+                self.resumes = True
                 run = self.optimize(config, 2, 4, "-design", start.path("result.h5"))
                 with h5py.File(start.path("result.h5"), "r") as before, h5py.File(run.path("result.h5"), "r") as after:
                     np.testing.assert_array_equal(before[still][()], after[still][()])
@@ -130,6 +133,7 @@ class OutputsTest(FabseqTest):
 
     def test_other_sequences(self):
         """Times of nodes and of elements as variables; the strain needs no gradient."""
+        self.resumes = True
         for location in ("nodes", "elements"):
             config = tee_2d()
             config["sequence"] = {"type": "direct", "location": location}
@@ -165,7 +169,7 @@ class RanksTest(FabseqTest):
                     assert_close(fields[name], values, 1e-5, name)
 
     def test_plane(self):
-        self.compare(tee_2d(), ((3, 3), (4, 2)) if SANITIZED else ((2, 1), (4, 1), (4, 2), (3, 3)))
+        self.compare(tee_2d(), ((4, 2),) if SANITIZED else ((2, 1), (4, 2), (3, 3)))
 
     def test_solid(self):
         self.compare(tee_3d(), ((4, 2),) if SANITIZED else ((3, 1), (4, 2)), "-lanes", 4)
@@ -197,8 +201,6 @@ class GradientsTest(FabseqTest):
 
 
 class JumpsTest(FabseqTest):
-    resumes = False
-
     def value(self, config, angle):
         config["layers"]["angles"][1] = [angle]
         run = self.run_config(1, config, "-task", "evaluate", "-tolerance", "1e-9")

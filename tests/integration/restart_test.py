@@ -12,13 +12,11 @@ import run_fabseq
 from compare_runs import assert_same_run, history_text
 from read_outputs import read_dump
 from run_fabseq import BAD_INPUT, DONE, STOPPED, FabseqTest, largest_relative_difference
-from small_parts import hook_3d, part_density, plate_2d, write_voxels
+from small_parts import hook_3d, part_density, plate_2d, post_on_substrate, write_voxels
 
 
 class RestartTest(FabseqTest):
     """Helpers. The runs here are cut and continued by hand."""
-
-    resumes = False
 
     def half_run(self, ranks, config, done, *arguments, output=None):
         """A run that is stopped when `done` iterations are done."""
@@ -81,6 +79,10 @@ class SameBytesTest(RestartTest):
 
     def test_solid(self):
         self.check(2, hook_3d(), "-void", "quiet", "-filter_radius", 0.45)
+
+    def test_released_from_clamps(self):
+        self.resumes = True
+        self.assert_done(self.run_config(2, post_on_substrate(2), "-max_iterations", 4))
 
     def test_reference_path_starts_cold_after_a_checkpoint(self):
         """Its systems last from one iteration to the next, those of a relaxed preconditioner too: a run that wrote its

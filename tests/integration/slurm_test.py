@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: MIT
 """The batch scripts of scripts/slurm in a real Slurm of one node, started here and ended afterwards.
 
-Exit status 77, with the reason, where Slurm cannot start: not root, or its packages missing.
+All tests run side by side: most of the time they wait for Slurm. Exit status 77, with the reason, where Slurm cannot start: not
+root, or its packages missing; an error if Slurm must not be missing (run_fabseq.must_run).
 """
 
 import csv
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
+import unittest
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 
@@ -24,10 +28,9 @@ SKIPPED = 77
 PATIENCE = 900  # seconds for a job to get to the point that a test waits for
 RANKS = 2
 SCRIPTS = os.path.join(ROOT, "scripts", "slurm")
-FORMS = {"mpirun": "mpirun", "srun": "srun --mpi=pmix"}
-# Some hundredths and about a tenth of a second an iteration: long enough for what happens here to happen on the way.
+MPIRUN, SRUN = "mpirun", "srun --mpi=pmix"
+# Some hundredths of a second per iteration: long enough for what happens here to happen on the way.
 SMALL = ("-elements", "60,36")
-MEDIUM = ("-elements", "120,72", "-output_every", "0")
 ENDED = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
 
 
@@ -64,7 +67,7 @@ class Job:
             state = self.field("JobState")
             if (state in ENDED or time.monotonic() > end) and not condition():
                 self.test.fail(f"job {self.number} is {state}, not {what}\n{self.log()}")
-            time.sleep(0.05)
+            time.sleep(0.2)
 
     def wait_for_iterations(self, count):
         self.wait_until(lambda: self.iterations() >= count, f"at iteration {count}")
@@ -73,21 +76,29 @@ class Job:
         self.wait_until(lambda: self.field("JobState") in ENDED, "at its end")
         self.test.assertEqual((self.field("JobState"), self.field("ExitCode")), (state, exit_code), self.log())
 
+    def ranks(self):
+        """Processes of the program that run for the job."""
+        return [process for process in processes_with(f"SLURM_JOB_ID={self.number}")
+                if os.path.realpath(f"/proc/{process}/exe") == os.path.realpath(PROGRAM)]
+
 
 class SlurmTest(FabseqTest):
-    resumes = False
     cluster = None
+    form = MPIRUN
 
     def setUp(self):
         super().setUp()
+        self.submitted = []
         self.addCleanup(self.cancel_all)
         self.environment = {**ENVIRONMENT, **self.cluster.environment, "FABSEQ_ROOT": ROOT, "FABSEQ_PROGRAM": PROGRAM,
                             "OMPI_MCA_odls_base_sigkill_timeout": "5"}
 
     def cancel_all(self):
-        self.slurm("scancel", "--user=root")
+        if not self.submitted:
+            return
+        self.slurm("scancel", *self.submitted)
         end = time.monotonic() + PATIENCE
-        while self.slurm("squeue", "--noheader").stdout.strip() and time.monotonic() < end:
+        while self.slurm("squeue", "--noheader", "--jobs=" + ",".join(self.submitted)).stdout.strip() and time.monotonic() < end:
             time.sleep(0.2)
 
     def slurm(self, *words, **environment):
@@ -98,14 +109,15 @@ class SlurmTest(FabseqTest):
         done = self.slurm("sbatch", "--parsable", f"--ntasks={RANKS}", *options, os.path.join(SCRIPTS, script),
                           *(str(argument) for argument in arguments), **environment)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
+        self.submitted.append(done.stdout.strip())
+        return self.submitted[-1]
 
-    def submit_run(self, *arguments, form="mpirun", config=None, time_limit="10", options=()):
+    def submit_run(self, *arguments, config=None, time_limit="10", options=()):
         self.runs += 1
         name = f"job_{self.runs}"
         log, output = (os.path.join(self.directory, name + end) for end in (".log", ""))
         path = self.write_config(config or plate_2d())
-        number = self.submit("run.sh", path, output, *arguments, FABSEQ_LAUNCH=FORMS[form],
+        number = self.submit("run.sh", path, output, *arguments, FABSEQ_LAUNCH=self.form,
                              options=(f"--time={time_limit}", f"--output={log}", *options))
         return Job(self, number, log, output)
 
@@ -116,90 +128,83 @@ class SlurmTest(FabseqTest):
             return file.attrs["iteration"]
 
 
-class RunTest(SlurmTest):
-    def setUp(self):
-        super().setUp()
-        self.uninterrupted = {}  # runs by their arguments
-
+class MpirunTest(SlurmTest):
     def check_same_as_uninterrupted(self, job, *arguments):
-        if arguments not in self.uninterrupted:
-            self.uninterrupted[arguments] = self.run_config(RANKS, plate_2d(), *arguments, timeout=PATIENCE)
-        expected = self.uninterrupted[arguments]
+        expected = self.run_config(RANKS, plate_2d(), *arguments, timeout=PATIENCE)
         self.assertEqual(expected.status, DONE, str(expected))
         self.assertEqual(job.result().json("config.json")["run"]["ranks"], RANKS)
         assert_same_run(self, job.result(), expected, RANKS)
 
-    def test_time_limit(self):
-        """The least that Slurm has, one minute, for a run that takes longer; it looks every 30 seconds whether the time is
-        near. The job comes back until it is done."""
-        iterations = self.iterations_in(75)
-        for form in FORMS:
-            with self.subTest(form=form):
-                while True:
-                    arguments = (*MEDIUM, "-max_iterations", iterations)
-                    job = self.submit_run(*arguments, form=form, time_limit="1", options=["--signal=B:USR1@5"])
-                    job.wait_for_end("COMPLETED")
-                    if int(job.field("Restarts")) > 0:
-                        break
-                    iterations *= 2  # the machine has become faster
-                print_transcript(job)
-                self.assertEqual(job.log().count("queued again after iteration"), int(job.field("Restarts")), job.log())
-                self.assertIn("continues after iteration", job.log())
-                self.check_same_as_uninterrupted(job, *arguments)
-
-    def iterations_in(self, seconds):
-        """About how many there are in this time."""
-        run = self.run_config(RANKS, plate_2d(), *MEDIUM, "-max_iterations", 60)
-        self.assertEqual(run.status, DONE, str(run))
-        return int(seconds * 60 / sum(line["seconds"]["total"] for line in run.history()))
-
     def test_warned_then_requeued(self):
         """First as at the end of the job's time, only when it suits; then as by an administrator, without a warning."""
-        for form in FORMS:
-            with self.subTest(form=form):
-                arguments = (*SMALL, "-max_iterations", 600)
-                job = self.submit_run(*arguments, form=form)
-                job.wait_for_iterations(25)
-                self.slurm("scancel", "--batch", "--signal=USR1", job.number)
-                job.wait_until(lambda: job.field("Restarts") == "1", "queued again")
-                done = self.newest_checkpoint(job.output)
-                self.assertEqual(done, job.iterations())
-                self.assertIn(f"queued again after iteration {done}", job.log())
-                job.wait_for_iterations(done + 25)
-                self.assertEqual(self.slurm("scontrol", "requeue", job.number).returncode, 0)
-                job.wait_until(lambda: job.field("JobState") == "PENDING", "waiting")
-                second = self.newest_checkpoint(job.output)
-                self.assertEqual(second, job.iterations(), "TERM left no time for a checkpoint")
-                job.wait_for_end("COMPLETED")
-                print_transcript(job)
-                self.assertEqual(job.field("Restarts"), "2")
-                for iteration in (done, second):
-                    self.assertIn(f"continues after iteration {iteration} of", job.log())
-                self.check_same_as_uninterrupted(job, *arguments)
+        arguments = (*SMALL, "-max_iterations", 300)
+        job = self.submit_run(*arguments)
+        job.wait_for_iterations(25)
+        self.slurm("scancel", "--batch", "--signal=USR1", job.number)
+        job.wait_until(lambda: job.field("Restarts") == "1", "queued again")
+        done = self.newest_checkpoint(job.output)
+        self.assertEqual(done, job.iterations())
+        self.assertIn(f"queued again after iteration {done}", job.log())
+        job.wait_for_iterations(done + 25)
+        self.assertEqual(self.slurm("scontrol", "requeue", job.number).returncode, 0)
+        job.wait_until(lambda: job.field("JobState") == "PENDING", "waiting")
+        second = self.newest_checkpoint(job.output)
+        self.assertEqual(second, job.iterations(), "TERM left no time for a checkpoint")
+        job.wait_for_end("COMPLETED")
+        print_transcript(job)
+        self.assertEqual(job.field("Restarts"), "2")
+        for iteration in (done, second):
+            self.assertIn(f"continues after iteration {iteration} of", job.log())
+        self.check_same_as_uninterrupted(job, *arguments)
 
     def test_cancelled(self):
         """It stays so, and can be continued by hand."""
-        for form in FORMS:
-            with self.subTest(form=form):
-                job = self.submit_run(*SMALL, "-max_iterations", 100000, form=form)
-                job.wait_for_iterations(5)
-                self.slurm("scancel", job.number)
-                job.wait_until(lambda: job.field("JobState") == "CANCELLED", "cancelled")
-                self.assertEqual(job.field("Restarts"), "0")
-                self.assertNotIn("queued again", job.log())
-                self.assertEqual(self.newest_checkpoint(job.output), job.iterations())
+        job = self.submit_run(*SMALL, "-max_iterations", 100000)
+        job.wait_for_iterations(5)
+        self.slurm("scancel", job.number)
+        job.wait_until(lambda: job.field("JobState") == "CANCELLED", "cancelled")
+        self.assertEqual(job.field("Restarts"), "0")
+        self.assertNotIn("queued again", job.log())
+        self.assertEqual(self.newest_checkpoint(job.output), job.iterations())
 
     def test_statuses_arrive(self):
-        for form in FORMS:
-            with self.subTest(form=form):
-                self.submit_run("-layers", 0, form=form).wait_for_end("FAILED", f"{BAD_INPUT}:0")
-                job = self.submit_run("-max_iterations", 100000, form=form)
-                job.wait_for_iterations(1)
-                with open(os.path.join(job.output, "stop"), "w", encoding="utf-8"):
-                    pass
-                job.wait_for_end("FAILED", f"{STOPPED}:0")
-                self.assertEqual(job.field("Restarts"), "0")
-                self.assertNotIn("queued again", job.log())
+        self.submit_run("-layers", 0).wait_for_end("FAILED", f"{BAD_INPUT}:0")
+        job = self.submit_run("-max_iterations", 100000)
+        job.wait_for_iterations(1)
+        with open(os.path.join(job.output, "stop"), "w", encoding="utf-8"):
+            pass
+        job.wait_for_end("FAILED", f"{STOPPED}:0")
+        self.assertEqual(job.field("Restarts"), "0")
+        self.assertNotIn("queued again", job.log())
+
+
+class SrunTest(MpirunTest):
+    form = SRUN
+
+
+class TimeTest(MpirunTest):
+    # Those of MpirunTest need not run once more.
+    test_warned_then_requeued = test_cancelled = test_statuses_arrive = None
+
+    def test_time_limit(self):
+        """The least that Slurm has, one minute; it looks every 30 seconds whether the time is near. The run, stopped on its
+        way, is not done by then; it goes on when the warning has come, and the job comes back."""
+        arguments = (*SMALL, "-max_iterations", 100)
+        job = self.submit_run(*arguments, time_limit="1", options=["--signal=B:USR1@5"])
+        job.wait_for_iterations(10)
+        ranks = job.ranks()
+        self.assertEqual(len(ranks), RANKS, job.log())
+        for process in ranks:
+            os.kill(process, signal.SIGSTOP)
+        job.wait_until(lambda: all(is_pending(signal.SIGUSR1, process) for process in ranks), "warned")
+        for process in ranks:
+            os.kill(process, signal.SIGCONT)
+        job.wait_for_end("COMPLETED")
+        print_transcript(job)
+        self.assertEqual(job.field("Restarts"), "1")
+        self.assertEqual(job.log().count("queued again after iteration"), 1, job.log())
+        self.assertIn("continues after iteration", job.log())
+        self.check_same_as_uninterrupted(job, *arguments)
 
     def test_no_endless_loop(self):
         """A job that has no time for an iteration gives up."""
@@ -259,6 +264,12 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
 
 
 class ScalingTest(SlurmTest):
+    def setUp(self):
+        """In a cluster of its own: its jobs want the node for themselves."""
+        self.cluster = Cluster(cpus=RANKS)
+        self.addCleanup(self.cluster.stop)
+        super().setUp()
+
     def test_two_rank_counts(self):
         output = os.path.join(self.directory, "scaling")
         done = subprocess.run(["bash", os.path.join(SCRIPTS, "scaling.sh"), self.write_config(plate_2d()), output, "2 1", *SMALL],
@@ -310,6 +321,13 @@ def processes_with(word):
     return found
 
 
+def is_pending(number, process):
+    """Whether a signal waits for a process that has been stopped."""
+    with open(f"/proc/{process}/status", encoding="utf-8") as file:
+        waiting = re.search(r"^ShdPnd:\s*([0-9a-f]+)", file.read(), re.MULTILINE).group(1)
+    return bool(int(waiting, 16) >> (number - 1) & 1)
+
+
 def print_transcript(job):
     """What the job and Slurm said, less the iterations and mpirun's remarks on a status other than 0."""
     print(f"--- {job.log_path}")
@@ -318,14 +336,26 @@ def print_transcript(job):
     print(f"--- job {job.number}: {job.field('JobState')}, restarts: {job.field('Restarts')}", flush=True)
 
 
+class SideBySide(unittest.TestSuite):
+    """A suite whose tests all run at once."""
+
+    def run(self, result, debug=False):
+        tests = list(self)
+        with ThreadPoolExecutor(len(tests) or 1) as pool:
+            list(pool.map(lambda test: test.run(result), tests))
+        return result
+
+
 def main():
+    unittest.defaultTestLoader.suiteClass = SideBySide
     try:
-        with Cluster(cpus=RANKS) as cluster:
+        with Cluster(cpus=16) as cluster:  # for all jobs at once
             SlurmTest.cluster = cluster
             run_fabseq.main()
     except Unavailable as reason:
-        print(f"skipped: Slurm cannot start here: {reason}")
-        sys.exit(SKIPPED)
+        text = f"Slurm cannot start here: {reason}"
+        print(f"skipped: {text}")
+        sys.exit(1 if run_fabseq.must_run(text) else SKIPPED)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,9 @@ class SquaresTest(FabseqTest):
         return responses[0]["value"]
 
     def test_history_holds_the_functionals(self):
+        self.resumes = True
         run = self.run_config(2, with_squares(plate_2d(), True), "-max_iterations", 3)
+        self.resumes = False
         self.assert_done(run)
         for line in run.history():
             functionals, of_uniformity = line["functionals"]

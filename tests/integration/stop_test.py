@@ -19,8 +19,6 @@ LONG = ("-elements", "60,36", "-max_iterations", "100000")
 
 
 class StopTest(FabseqTest):
-    resumes = False
-
     def start(self, ranks, output, *arguments, environment=None):
         path = self.write_config(plate_2d())
         command = ["mpirun", "-np", str(ranks), PROGRAM, "-config", path, "-output", output, *LONG, *map(str, arguments)]

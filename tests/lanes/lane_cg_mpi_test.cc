@@ -183,7 +183,7 @@ TYPED_TEST(LaneCgTest, LanesWithoutLoadStayZeroAndDisturbNobody) {
 
 /// Loads and solutions of very different size: each lane has a test of its own.
 TYPED_TEST(LaneCgTest, SizesOfLoadsDoNotMatter) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: one rank will do";
   Solver<TypeParam, 4> solver;
   const auto factor = [](int lane) { return std::pow(10.0, 6.0 * lane - 12.0); };
   const auto outcomes = solver.solve(solver.loads(4, factor), 4);
@@ -191,7 +191,7 @@ TYPED_TEST(LaneCgTest, SizesOfLoadsDoNotMatter) {
 }
 
 TYPED_TEST(LaneCgTest, LanesThatAreNotAskedForAreIgnored) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: one rank will do";
   Solver<TypeParam, 8> solver;
   LaneArray loads = solver.loads(5);
   for (std::size_t i = 0; i < loads.size(); ++i)
@@ -265,7 +265,7 @@ TYPED_TEST(LaneCgTest, StopsAtTheIterationLimit) {
 /// Lanes that need very different numbers of iterations: they go on in narrower and narrower solvers, with
 /// the results of one lane by itself.
 TEST(LaneCgOperatorTest, EveryLaneEndsAsIfItWereAlone) {
-  if (size_of(PETSC_COMM_WORLD) > 2) GTEST_SKIP() << "one and two ranks will do";
+  if (size_of(PETSC_COMM_WORLD) > 2) GTEST_SKIP() << "ranks: one and two ranks will do";
   using Physics = test::ElasticPhysics<2>;
   const auto harder = [](std::int64_t element, int lane) {
     return std::pow(10.0, -0.8 * lane * test::noise(element, 3));
@@ -303,7 +303,7 @@ TYPED_TEST(LaneCgTest, IterationsDoNotDependOnTheRanks) {
 
 /// The same solver for one load after the other, and for other coefficients.
 TYPED_TEST(LaneCgTest, CanBeUsedAgain) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank will do";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: one rank will do";
   Solver<TypeParam, 4> solver({}, [](std::int64_t, int) { return 1.0; });
   (void)solver.solve(solver.loads(4), 4);
   solver.coefficient = moderate<TypeParam>;

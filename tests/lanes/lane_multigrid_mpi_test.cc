@@ -63,7 +63,7 @@ TYPED_TEST(LaneMultigridTest, FixedCyclesAreLinear) {
 
 /// The whole matrix M, for stiffness over nine decades.
 TEST(LaneMultigridMatrixTest, IsSymmetricAndPositiveDefinite) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "one rank sees the whole matrix";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: one rank sees the whole matrix";
   using Physics = test::ElasticPhysics<2>;
   for (const LaneCycle& cycle : {test::cycle_of(SolverCycle::v, 1), test::cycle_of(SolverCycle::v, 2)}) {
     test::MultigridCase<Physics, width> m(

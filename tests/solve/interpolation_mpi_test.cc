@@ -114,7 +114,7 @@ TYPED_TEST(InterpolationTest, OddGridsHaveNone) {
 TYPED_TEST(InterpolationTest, RanksWithoutACoarseNodeAreAnObstacle) {
   constexpr int Dim = TypeParam::value;
   const int ranks = size_of(PETSC_COMM_WORLD);
-  if (ranks != 4) GTEST_SKIP() << "needs 4 ranks";
+  if (ranks != 4) GTEST_SKIP() << "ranks: needs 4";
   Domain<Dim> domain{{}, {}, 1.0};
   domain.size.fill(1.0);
   domain.elements.fill(2);

@@ -115,7 +115,7 @@ TEST(LaneElasticitySizeTest, OddCounts) {
 
 /// On three levels, where the cycles differ.
 TEST(LaneElasticitySizeTest, AllCyclesAndDegreesConverge) {
-  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks know nothing of cycles";
+  if (size_of(PETSC_COMM_WORLD) > 1) GTEST_SKIP() << "ranks: ranks know nothing of cycles";
   auto settings = v_settings<2>();
   settings.domain.elements = {61, 53};
   settings.void_model = VoidModel::quiet;

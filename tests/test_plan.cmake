@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+# On how many ranks a test runs, what it costs and which labels it has. CONTRIBUTING.md says what to run when.
+
+# Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be left without
+# work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, and a single rank where some cases need it.
+set(FABSEQ_DECOMPOSED grid part files lanes solve sequence)
+set(FABSEQ_ALONE_TOO lane_cg_mpi_test lane_elasticity_mpi_test stop_mpi_test)
+function(fabseq_rank_counts result name module)
+  set(counts 1)
+  if(name MATCHES "_mpi_test$")
+    if(FABSEQ_SANITIZE)
+      set(counts 2)
+      if(module IN_LIST FABSEQ_DECOMPOSED)
+        set(counts 3)  # one of them without work, as tests/support/share.h deals it out
+      endif()
+      if(name IN_LIST FABSEQ_ALONE_TOO)
+        list(PREPEND counts 1)
+      endif()
+    else()
+      set(counts 1 2)
+      if(module IN_LIST FABSEQ_DECOMPOSED)
+        list(APPEND counts 4)
+      endif()
+    endif()
+  endif()
+  set(${result} ${counts} PARENT_SCOPE)
+endfunction()
+
+# Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics do, and of digits,
+# which the release build looks at.
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm")
+
+# Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at the end.
+set(FABSEQ_COSTS integration.slurm=1000)
+function(fabseq_cost result name)
+  set(cost 1)
+  foreach(entry ${FABSEQ_COSTS})
+    if(entry MATCHES "^([^=]+)=([0-9]+)$" AND CMAKE_MATCH_1 STREQUAL name)
+      set(cost ${CMAKE_MATCH_2})
+    endif()
+  endforeach()
+  set(${result} ${cost} PARENT_SCOPE)
+endfunction()
+
+# What to run after which kind of change: LABEL=REGEX of MODULE/NAME.
+set(FABSEQ_LABELS
+    "kernels=^(lanes|fem)/"
+    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct)"
+    "files=^(files|faults|config)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|reproduce|slurm|install)"
+    "slurm=^integration/integration.slurm"
+    "quick=")
+function(fabseq_labels result module name)
+  set(labels)
+  foreach(entry ${FABSEQ_LABELS})
+    string(REGEX MATCH "^([a-z]+)=(.*)$" _ "${entry}")
+    set(label ${CMAKE_MATCH_1})
+    if("${module}/${name}" MATCHES "${CMAKE_MATCH_2}")
+      list(APPEND labels ${label})
+    endif()
+  endforeach()
+  set(${result} "${labels}" PARENT_SCOPE)
+endfunction()
