@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing (Debian 12; as root or with sudo) and builds the program.
+# Installs what is missing (Debian 12; as root or with sudo) and builds the program. Its tests are only configured: scripts/test.sh
+# builds those that it runs.
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
@@ -17,10 +18,11 @@ ci_packages=(clang-format clang-tidy)
 slurm_packages=()
 preset=release
 cmake_options=()
+targets=(fabseq)
 while (($#)); do
   case $1 in
     --ci) packages+=("${ci_packages[@]}"); slurm_packages=(slurm-wlm munge) ;;
-    --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON) ;;
+    --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON); targets+=(kernels) ;;
     --preset) preset=${2:?"--preset needs a name"}; shift ;;
     *) echo "usage: scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]" >&2; exit 2 ;;
   esac
@@ -86,4 +88,4 @@ install_missing "${packages[@]}"
 install_slurm
 select_blas
 cmake --preset "$preset" --log-level=WARNING "${cmake_options[@]}"
-cmake --build --preset "$preset" --parallel "$(compile_jobs)"
+cmake --build --preset "$preset" --parallel "$(compile_jobs)" --target "${targets[@]}"

@@ -1,23 +1,47 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Builds the program and runs its tests.
+# Builds the program and the tests that are to run, and runs them.
 #
-#   scripts/test.sh [--sanitizers] [ctest options]     e.g. scripts/test.sh -R grid
+#   scripts/test.sh [--sanitizers | --preset NAME] [--quick | --label NAME] [ctest options]     e.g. scripts/test.sh -R grid
 #
 #   --sanitizers  afterwards the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
+#   --preset NAME the tests of this preset (release, sanitizers) only
+#   --quick       what finds most mistakes in less than three minutes, once it is built
+#   --label NAME  quick, kernels, gradients, files, scripts or slurm: CONTRIBUTING.md says when which of them
+#
+# With FABSEQ_NO_SKIPS=1, a test that has to be skipped fails, unless the regular expression FABSEQ_MAY_SKIP matches why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh
 allow_more_ranks_than_cores
 unset OMPI_MCA_odls_base_sigkill_timeout # many tests provoke errors; mpirun would wait two minutes after each
 
-presets=(release)
-if [[ ${1:-} == --sanitizers ]]; then
-  presets+=(sanitizers)
+presets=(release) selection=()
+while (($#)); do
+  case $1 in
+    --sanitizers) presets+=(sanitizers) ;;
+    --preset) presets=("${2:?"--preset needs a name"}"); shift ;;
+    --quick) selection+=(-L '^quick$') ;;
+    --label) selection+=(-L "^${2:?"--label needs a name"}\$"); shift ;;
+    *) selection+=("$1") ;;
+  esac
   shift
-fi
+done
+
+# Targets of the tests that ctest would run; scripts run the program.
+targets() {
+  ctest --preset "$1" --show-only "${selection[@]}" | sed -nE 's/^ *Test +#[0-9]+: //p' |
+    sed -E 's/\.np[0-9]+$//; s/^(integration|faults|scripts)\..*/fabseq/; s/^benchmarks\.kernels$/kernels/' | sort -u
+}
+
 for preset in "${presets[@]}"; do
   bash scripts/setup.sh --preset "$preset"
   echo "== tests, preset $preset"
-  ctest --preset "$preset" --parallel "$(core_count)" "$@"
+  mapfile -t names < <(targets "$preset")
+  if ((${#names[@]} == 0)); then
+    echo "test.sh: no such tests" >&2
+    exit 2
+  fi
+  cmake --build --preset "$preset" --parallel "$(compile_jobs)" --target "${names[@]}"
+  ctest --preset "$preset" --parallel "$(core_count)" "${selection[@]}"
 done

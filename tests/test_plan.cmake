@@ -31,7 +31,12 @@ endfunction()
 set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at the end.
-set(FABSEQ_COSTS integration.slurm=1000)
+set(FABSEQ_COSTS
+    integration.restart=200 integration.groups=150 integration.slurm=140 integration.multi_planar=120
+    integration.reference=110 integration.direct=100 integration.gradient_matrix=100 integration.benchmarks=90
+    integration.stop=80 integration.calibrate=70 integration.coarse=60 integration.ranks=60 integration.gradients=60
+    integration.failures=50 integration.errors=50 integration.reproduce=40 integration.outputs=40 integration.reruns=30
+    integration.simulate=30 integration.squares=30 integration.leaks=30 faults.sample=30)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})
@@ -49,7 +54,7 @@ set(FABSEQ_LABELS
     "files=^(files|faults|config)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
-    "quick=")
+    "quick=^(base|parallel|grid|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)
   set(labels)
   foreach(entry ${FABSEQ_LABELS})
@@ -59,5 +64,8 @@ function(fabseq_labels result module name)
       list(APPEND labels ${label})
     endif()
   endforeach()
+  if(name MATCHES "_mpi_test\\.np[14]$")
+    list(REMOVE_ITEM labels quick)  # two ranks, or what sanitizers have, will do
+  endif()
   set(${result} "${labels}" PARENT_SCOPE)
 endfunction()

@@ -37,7 +37,7 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         found = pool.map(lambda group: look_at_group(group, sources), groups)
         suspects = [name for group, suspected in zip(groups, found) if suspected for name in group]
-        messages = [text for text in pool.map(look_at_file, suspects) if text]
+        messages = [text for text in pool.map(lambda name: look_at_file(name, sources), suspects) if text]
     print("\n".join(messages), end="\n" if messages else "")
     sys.exit(1 if messages else 0)
 
@@ -61,9 +61,10 @@ def folders(sources):
 
 
 def flags(command):
-    """What a compiler is told besides the names of files."""
+    """What a compiler is told besides the names of files; without g++'s precompiled header, which clang-tidy cannot read."""
     words = shlex.split(command)[1:]
-    return [word for word in words if word not in ("-c", "-o") and not word.endswith((".cc", ".o"))]
+    left_out = ("-c", "-o", "-include", "-Winvalid-pch")
+    return [word for word in words if word not in left_out and not word.endswith((".cc", ".o", "cmake_pch.hxx"))]
 
 
 def look_at_group(names, sources):
@@ -74,15 +75,19 @@ def look_at_group(names, sources):
         together = os.path.join(folder, "together.cc")
         with open(together, "w", encoding="utf-8") as file:
             file.writelines(f'#include "{name}"  // NOLINT(bugprone-suspicious-include)\n' for name in names)
-        command = ["clang-tidy", "--quiet", f"--config-file={os.path.join(ROOT, '.clang-tidy')}",
-                   f"--header-filter={re.escape(ROOT)}/(src|include)/.*", together, "--",
-                   *flags(sources[names[0]]), "-Wno-shadow"]  # one file's names hide no other's when compiled
-        return subprocess.run(command, capture_output=True, cwd=ROOT, check=False).returncode != 0
+        # One file's names hide no other's when they are compiled one by one.
+        return clang_tidy(together, *flags(sources[names[0]]), "-Wno-shadow").returncode != 0
 
 
-def look_at_file(name):
+def clang_tidy(name, *compiler_flags):
+    command = ["clang-tidy", "--quiet", f"--config-file={os.path.join(ROOT, '.clang-tidy')}",
+               f"--header-filter={re.escape(ROOT)}/(src|include)/.*", name, "--", *compiler_flags]
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+
+
+def look_at_file(name, sources):
     """What is wrong with a file; nothing where nothing is."""
-    result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", name], capture_output=True, text=True, cwd=ROOT, check=False)
+    result = clang_tidy(name, *flags(sources.get(name) or next(iter(sources.values()))))
     lines = [line for line in (result.stdout + result.stderr).splitlines() if line.strip() and not CHATTER.match(line)]
     if result.returncode == 0:
         return ""

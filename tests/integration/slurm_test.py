@@ -128,13 +128,15 @@ class SlurmTest(FabseqTest):
             return file.attrs["iteration"]
 
 
-class MpirunTest(SlurmTest):
+class RunTest(SlurmTest):
     def check_same_as_uninterrupted(self, job, *arguments):
         expected = self.run_config(RANKS, plate_2d(), *arguments, timeout=PATIENCE)
         self.assertEqual(expected.status, DONE, str(expected))
         self.assertEqual(job.result().json("config.json")["run"]["ranks"], RANKS)
         assert_same_run(self, job.result(), expected, RANKS)
 
+
+class MpirunTest(RunTest):
     def test_warned_then_requeued(self):
         """First as at the end of the job's time, only when it suits; then as by an administrator, without a warning."""
         arguments = (*SMALL, "-max_iterations", 300)
@@ -182,10 +184,7 @@ class SrunTest(MpirunTest):
     form = SRUN
 
 
-class TimeTest(MpirunTest):
-    # Those of MpirunTest need not run once more.
-    test_warned_then_requeued = test_cancelled = test_statuses_arrive = None
-
+class TimeTest(RunTest):
     def test_time_limit(self):
         """The least that Slurm has, one minute; it looks every 30 seconds whether the time is near. The run, stopped on its
         way, is not done by then; it goes on when the warning has come, and the job comes back."""
