@@ -3,7 +3,7 @@
 
 # Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be left without
 # work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, and a single rank where some cases need it.
-set(FABSEQ_DECOMPOSED grid part files lanes solve sequence)
+set(FABSEQ_DECOMPOSED parallel grid part files lanes solve sequence)
 set(FABSEQ_ALONE_TOO lane_cg_mpi_test lane_elasticity_mpi_test stop_mpi_test)
 function(fabseq_rank_counts result name module)
   set(counts 1)
