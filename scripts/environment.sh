@@ -6,6 +6,8 @@ export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="${OMPI_ALLOW_RUN_AS_ROOT_CONFIRM:-1}"
 # One thread a rank: the ranks are the parallelism.
 export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
+# mpirun would look at all X servers of the machine, and be killed when one goes away meanwhile.
+export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
 # Time to write a checkpoint between a signal to mpirun and the kill of its ranks, in seconds. The price: mpirun waits twice
 # as long before it returns when ranks end with another status than 0.
 export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-60}"

@@ -33,6 +33,7 @@ only_release = unittest.skipIf(SANITIZED, OF_THIS_BUILD + "the sanitizers make t
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
+               "HWLOC_COMPONENTS": "-gl",  # mpirun would be killed when an X server that it has looked at goes away
                "ASAN_OPTIONS": "detect_leaks=0:detect_odr_violation=0"}
 # Seconds that mpirun sleeps once a rank has ended with a status other than 0, even if all are gone by then.
 FORCED_ENVIRONMENT = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
