@@ -51,13 +51,15 @@ install_missing() {
   local log
   log=$(mktemp)
   as_root apt-get update >"$log" 2>&1 || { cat "$log" >&2; return 1; }
-  # --no-remove: rather stop than throw out a package that conflicts, such as python3-vtk9 with python3-paraview.
+  # --no-remove: rather stop than throw out a package that conflicts, such as python3-vtk9 with
+  # python3-paraview.
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends --no-remove \
     -o Dpkg::Use-Pty=0 "${missing[@]}" >"$log" 2>&1 || { tail -n 40 "$log" >&2; return 1; }
   rm -f "$log"
 }
 
-# Slurm wants users that can log in and more, which not every container gives it. Half installed, it would be in the way of others.
+# Slurm wants users that can log in and more, which not every container gives it. Half installed, it would be
+# in the way of others.
 install_slurm() {
   ((${#slurm_packages[@]})) || return 0
   install_missing "${slurm_packages[@]}" && return 0

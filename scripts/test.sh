@@ -9,7 +9,8 @@
 #   --quick       what finds most mistakes in less than three minutes, once it is built
 #   --label NAME  quick, kernels, gradients, files, scripts or slurm: CONTRIBUTING.md says when which of them
 #
-# With FABSEQ_NO_SKIPS=1, a test that has to be skipped fails, unless the regular expression FABSEQ_MAY_SKIP matches why.
+# With FABSEQ_NO_SKIPS=1, a test that has to be skipped fails, unless the regular expression FABSEQ_MAY_SKIP
+# matches why.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh

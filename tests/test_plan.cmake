@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 # On how many ranks a test runs, what it costs and which labels it has. CONTRIBUTING.md says what to run when.
 
-# Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be left without
-# work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, and a single rank where some cases need it.
+# Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be
+# left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, and a single
+# rank where some cases need it.
 set(FABSEQ_DECOMPOSED parallel grid part files lanes solve sequence)
 set(FABSEQ_ALONE_TOO lane_cg_mpi_test lane_elasticity_mpi_test stop_mpi_test)
 function(fabseq_rank_counts result name module)
@@ -26,11 +27,12 @@ function(fabseq_rank_counts result name module)
   set(${result} ${counts} PARENT_SCOPE)
 endfunction()
 
-# Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics do, and of digits,
-# which the release build looks at.
+# Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
+# do, and of digits, which the release build looks at.
 set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm")
 
-# Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at the end.
+# Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
+# the end.
 set(FABSEQ_COSTS
     integration.restart=200 integration.slurm=150 integration.multi_planar=140 integration.groups=100
     integration.direct=90 integration.gradient_matrix=80 integration.benchmarks=80 integration.stop=80
