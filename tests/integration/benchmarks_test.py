@@ -18,8 +18,8 @@ class BenchmarkScriptTest(FabseqTest):
         script = os.path.join(ROOT, "benchmarks", name)
         config = hook_3d()
         config["domain"]["elements"] = [16, 8, 16]  # more than the lanes solve directly
-        command = ["/usr/bin/python3", script, self.write_config(config), "--program", PROGRAM, "--repetitions", "1", "--json", record,
-                   *map(str, arguments)]
+        command = ["/usr/bin/python3", script, self.write_config(config), "--program", PROGRAM, "--repetitions", "1",
+                   "--json", record, *map(str, arguments)]
         status, stdout, stderr = run_command(command, self.directory, 120)
         self.assertEqual(status, DONE, stdout + stderr)
         with open(record, encoding="utf-8") as file:
@@ -61,8 +61,8 @@ class BenchmarkScriptTest(FabseqTest):
             self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
 
     def test_layers_by_phase(self):
-        lines, record = self.run_script("layers.py", "--phases", "--layers", 2, 3, "--ranks", 1, "--iterations", 2, "--csv", "l.csv", "--plot",
-                                        "l.png")
+        lines, record = self.run_script("layers.py", "--phases", "--layers", 2, 3, "--ranks", 1, "--iterations", 2,
+                                        "--csv", "l.csv", "--plot", "l.png")
         total = {row["layers"]: row for row in record["table"] if row["phase"] == "total"}
         self.assertEqual(sorted(total), [2, 3])
         for layers, row in total.items():
@@ -72,8 +72,8 @@ class BenchmarkScriptTest(FabseqTest):
         self.assert_picture("l.png")
 
     def test_strong_scaling_against_one_baseline(self):
-        _, record = self.run_script("strong_scaling.py", "--ranks", 1, 2, "--baseline", "1x2", "--iterations", 3, "--warm-up", 2, "--csv",
-                                    "s.csv", "--plot", "s.png")
+        _, record = self.run_script("strong_scaling.py", "--ranks", 1, 2, "--baseline", "1x2", "--iterations", 3,
+                                    "--warm-up", 2, "--csv", "s.csv", "--plot", "s.png")
         self.assertEqual([(run["groups"], run["domain_ranks"]) for run in record["samples"]], [(1, 1), (1, 2), (2, 1)])
         self.assertEqual([len(run["iterations"]) for run in record["samples"]], [1, 1, 1])
         total = {(row["groups"], row["domain_ranks"]): row for row in record["table"] if row["phase"] == "total"}
@@ -122,7 +122,7 @@ class ScalingModelTest(FabseqTest):
         self.assertNotIn("NOT", printed)
 
     def test_what_an_iteration_is_made_of(self):
-        """A machine whose network takes no time spends none on messages; twice the ranks compute less each."""
+        """A network that takes no time spends less on messages; twice the ranks compute less each."""
         free = [word for name in ("latency", "overhead") for word in ("--" + name, "0")]
 
         def totals(*options):
