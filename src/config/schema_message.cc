@@ -75,8 +75,4 @@ void refuse(const std::string& pointer, const std::string& found, const std::str
   throw InputError((pointer.empty() ? "/" : pointer) + ": found " + found + "; allowed: " + allowed);
 }
 
-void refuse_unavailable(const std::string& pointer, const std::string& what, const std::string& allowed) {
-  throw InputError(pointer + ": " + what + " is not available in this version; allowed: " + allowed);
-}
-
 }  // namespace fabseq
