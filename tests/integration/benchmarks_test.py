@@ -92,7 +92,7 @@ class BenchmarkScriptTest(FabseqTest):
         _, record = self.run_script("size.sh", "--smallest", 500, "--largest", 2500,
                                     "--iterations", 2, "--csv", "z.csv", "--plot", "z.png")
         self.assertEqual([run["box"] for run in record["runs"]], ["10x4x10", "12x6x12", "16x8x16"])
-        for run, row in zip(record["runs"], self.read_csv("z.csv")):
+        for run, row in zip(record["runs"], self.read_csv("z.csv"), strict=True):
             self.assertGreater(run["gigabytes"], 0.01)
             self.assertEqual(int(row["part_elements"]), run["part_elements"])
             self.assertEqual(run["layer_count"], 3)

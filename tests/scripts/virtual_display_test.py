@@ -33,7 +33,7 @@ class VirtualDisplay(unittest.TestCase):
         for process in waiting:
             process.communicate(timeout=60)
         self.assertEqual(len(set(displays)), len(displays), displays)
-        for display, server in zip(displays, servers):
+        for display, server in zip(displays, servers, strict=True):
             self.assertRegex(display, r"^:\d+$")
             self.assertFalse(Path(f"/proc/{server}").exists(), display)
 
