@@ -119,6 +119,7 @@ class GradientMatrixTest(FabseqTest):
     def registered(self):
         """First words of the labels of all responses there are, and their measures and forms."""
         objective, constraints = ("-set", 'objective=[{"type": "%s"%s}]'), ("-set", 'constraints=[{"type": "none"}]')
+
         def term(kind, more=""):
             return objective[0], objective[1] % (kind, more)
         measures = {f"distortion, {word}" for word in self.allowed(*term("distortion", ', "measure": "none"'))}

@@ -71,7 +71,8 @@ class PicturesTest(FabseqTest):
                     made_up = json.loads(file.readline() if name.endswith("l") else file.read())
                 real = run.history()[0] if name.endswith("l") else run.json(name)
                 if name == "config.json":  # whose node sets are named by the user
-                    made_up["node_sets"], real["node_sets"] = (list(sets.values()) for sets in (made_up["node_sets"], real["node_sets"]))
+                    made_up["node_sets"], real["node_sets"] = (list(sets.values())
+                                                               for sets in (made_up["node_sets"], real["node_sets"]))
                 self.assertEqual(strangers(kind(made_up), kind(real)), [], name)
             with h5py.File(os.path.join(fake, "result.h5")) as made_up, h5py.File(run.path("result.h5")) as real:
                 datasets = []
