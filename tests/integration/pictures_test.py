@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/overview.py on results of the program; and the made-up results that tests/scripts draws, held against them."""
+"""scripts/use/overview.py on results of the program, and the made-up results of tests/scripts held against them."""
 
 import json
 import os
@@ -31,7 +31,9 @@ def strangers(made_up, real, place=""):
     """Where `made_up` has a member, or a kind of entry, that `real` has not."""
     if isinstance(made_up, dict) and isinstance(real, dict):
         found = [f"{place}/{name}" for name in made_up if name not in real]
-        return found + [where for name in made_up if name in real for where in strangers(made_up[name], real[name], f"{place}/{name}")]
+        for name in made_up.keys() & real.keys():
+            found += strangers(made_up[name], real[name], f"{place}/{name}")
+        return found
     if isinstance(made_up, list) and isinstance(real, list) and made_up and real:
         return strangers(made_up[0], real[0], place + "/0")
     return [] if type(made_up) is type(real) and (isinstance(made_up, list) or made_up == real) else [place]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What README.md tells a reader to type, as it stands there: its commands, and its example with part.py and part.json."""
+"""What README.md tells a reader to type, as it stands there: its commands, and its example."""
 
 import os
 import re
@@ -92,7 +92,7 @@ class ReadmeTest(FabseqTest):
         self.assert_better("part_out", 10.0)
 
     def test_the_tests(self):
-        """They are not run here, which would have no end: the command gets to ctest with its options, and ctest knows them all."""
+        """They are not run here, which would have no end: the command gets to ctest with its options."""
         line = self.command_of("test.sh").split("#")[0].strip()
         stdout = self.shell(f"PATH={self.path('bin')}:$PATH {line} -R grid")
         self.assertRegex(stdout, r"(?m)^ctest .*--preset release\b.*-R grid$")
