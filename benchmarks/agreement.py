@@ -65,7 +65,7 @@ def difference(found, correct):
 
 
 def compare(found, correct, gradients, correct_gradients):
-    record = {"each stage": max(difference(a, b) for a, b in zip(found["stages"], correct["stages"])),
+    record = {"each stage": max(difference(a, b) for a, b in zip(found["stages"], correct["stages"], strict=True)),
               "layers' norms": float(np.max(np.abs(found["norms"] - correct["norms"]) / np.maximum(correct["norms"], 1e-300))),
               "displacement": difference(found["displacement"], correct["displacement"])}
     if "temperature" in correct:

@@ -31,7 +31,7 @@ def measure(options, method, tolerance, directory):
     solves = [len(i["primal"]) + len(i["adjoint"]) for i in iterations]
     record = {phase: statistics.median(line["seconds"][phase] for line in lines) for phase in PHASES}
     record["seconds_per_solve"] = statistics.median(
-        (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves))
+        (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves, strict=True))
     for kind in ("primal", "adjoint"):
         record["iterations_" + kind] = statistics.median(i for lists in iterations for i in lists[kind])
         record["most_iterations_" + kind] = max(i for lists in iterations for i in lists[kind])

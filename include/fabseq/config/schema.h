@@ -93,8 +93,10 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text);
 /// What values the key takes, in words; dimension 0: of any domain.
 std::string allowed_values(const ConfigKey& key, int dimension);
 
-/// The word that was probably meant (smallest edit distance), empty where none is near.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
+/// The word that was probably meant (smallest edit distance), empty where none is near: `most` letters away
+/// at most, by default a third of the word's.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words,
+                         std::optional<std::size_t> most = {});
 /// Pointer with the member or list index appended (RFC 6901).
 std::string pointer_to(const std::string& pointer, const std::string& member);
 std::string pointer_to(const std::string& pointer, std::size_t index);
