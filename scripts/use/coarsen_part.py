@@ -45,7 +45,7 @@ def main():
     nz, ny, nx = density.shape
     print(f"{arguments.output}: {nx} x {ny} x {nz} voxels, {density.sum()} filled ({density.mean():.3f}), "
           f"{density[0].sum()} on the plate z-, {len(pieces) - 1} smaller pieces dropped "
-          f"({part.sum() - density.sum()} voxels)")
+          f"({part.sum() - len(kept)} voxels)")
 
 
 def parse_arguments():

@@ -4,12 +4,13 @@
 
     scripts/use/virtual_display.py COMMAND [ARGUMENTS]
 
-Other than with xvfb-run, any number of these may start at once, as the server picks its own number, and a command may close its last
+Other than with xvfb-run, any number of these may start at once, each with a number of its own, and a command may close its last
 window and open another, as the server does not reset in between. Exit status: the command's, or 1 with a line where Xvfb is missing
 or does not start.
 """
 
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -37,9 +38,22 @@ def main():
 
 
 def start_server():
-    """The process of Xvfb and the number of its display, once it takes connections."""
+    """The process of Xvfb and the number of its display, once it takes connections.
+
+    Not one of the first ten: hwloc, and with it every mpirun and every rank that starts, looks for graphics cards there, and
+    dies with a server that ends just then.
+    """
+    for number in random.sample(range(100, 1000), 20):
+        server, complaint = try_server(number)
+        if not complaint:
+            return server, number
+    sys.exit(f"{named(sys.argv)}: Xvfb does not start: {complaint}")
+
+
+def try_server(number):
+    """Xvfb as that display, and what it complains about, as of a number that is taken."""
     reading, writing = os.pipe()
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
+    command = ["Xvfb", f":{number}", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
     try:
         server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL,
                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -47,10 +61,9 @@ def start_server():
         sys.exit(f"{named(sys.argv)}: needs a display, or Xvfb, which scripts/setup.sh installs")
     os.close(writing)
     with os.fdopen(reading) as answer:
-        number = answer.readline().strip()
-    if not number:
-        sys.exit(f"{named(sys.argv)}: Xvfb does not start: {server.communicate()[1].decode(errors='replace').strip()}")
-    return server, number
+        if answer.readline().strip():
+            return server, ""
+    return server, server.communicate()[1].decode(errors="replace").strip() or "no reason given"
 
 
 def named(arguments):

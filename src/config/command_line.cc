@@ -5,7 +5,9 @@
 #include "fabseq/base/stop.h"
 #include "fabseq/config/schema.h"
 
+#include <algorithm>
 #include <cctype>
+#include <span>
 #include <string_view>
 
 namespace fabseq {
@@ -27,6 +29,39 @@ constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
 bool is_option(std::string_view word) {
   return word.size() > 1 && word[0] == '-' &&
          (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
+}
+
+/// The prefixes of the solvers' options: of stages.cc, without the '_' at the end.
+constexpr std::string_view solver_prefixes = "elasticity heat release";
+
+/// First words of PETSc's options: what its classes, and its sub-solvers, put before their own.
+constexpr std::string_view petsc_words =
+    "ao blas check_pointer_intensity checkstack citations cuda da debugger default_device_type device "
+    "display "
+    "dll dm draw error_output esteig fieldsplit fp_trap gamg get_total_flops hip history info is ksp log "
+    "malloc mat memory mg mpi no_signal_handler nox objects_dump on_error options pc pf prefix python random "
+    "redundant saws sf skip_petscrc snes splitreduction_async start_in_debugger stop_for_debugger sub tao ts "
+    "use_gpu_aware_mpi vec vecscatter viewer x_virtual";
+
+/// Whether PETSc or a solver of ours may know an option: PETSc keeps no list of its options, so this goes by
+/// their first words.
+bool begins_like_petscs(const std::string& option) {
+  const auto known = [&](std::string_view words) {
+    return std::ranges::any_of(split(words, ' '), [&](const std::string& word) {
+      return (option + "_").starts_with("-" + word + "_");
+    });
+  };
+  return known(solver_prefixes) || known(petsc_words);
+}
+
+/// "-elastcity_ksp_view" as "-elasticity_ksp_view", "-heat_ksp_view", ...
+std::vector<std::string> with_solver_prefixes(const std::string& word) {
+  const std::size_t rest = word.find('_');
+  if (rest == std::string::npos) return {};
+  std::vector<std::string> result;
+  for (const std::string& prefix : split(solver_prefixes, ' '))
+    result.push_back("-" + prefix + word.substr(rest));
+  return result;
 }
 
 Task parse_task(const std::string& name) {
@@ -80,36 +115,37 @@ class Parser {
     return words_[++position_];
   }
 
+  /// What `word`, an option of fabseq's own, does.
+  struct OwnOption {
+    std::string_view name;
+    void (*take)(Parser& parser, const std::string& word);
+  };
+  static std::span<const OwnOption> own_options() {
+    using Word = const std::string&;
+    static constexpr OwnOption options[] = {
+        {"-config", [](Parser& it, Word word) { it.result_.config_file = it.value(word); }},
+        {"-task", [](Parser& it, Word word) { it.result_.task = parse_task(it.value(word)); }},
+        {"-output", [](Parser& it, Word word) { it.result_.output = it.value(word); }},
+        {"-design", [](Parser& it, Word word) { it.result_.design_file = it.value(word); }},
+        {"-sequence", [](Parser& it, Word word) { it.result_.sequence_file = it.value(word); }},
+        {"-restart", [](Parser& it, Word word) { it.result_.restart = it.value(word); }},
+        {"-max_wall_time", [](Parser& it, Word word) { it.take_wall_time(it.value(word)); }},
+        {"-overwrite", [](Parser& it, Word) { it.result_.overwrite = true; }},
+        {"-help", [](Parser& it, Word) { it.result_.help = true; }},
+        {"--help", [](Parser& it, Word) { it.result_.help = true; }},
+        {"-h", [](Parser& it, Word) { it.result_.help = true; }},
+        {"-help_markdown", [](Parser& it, Word) { it.result_.help_markdown = true; }},
+        {"-version", [](Parser& it, Word) { it.result_.version = true; }},
+        {"--version", [](Parser& it, Word) { it.result_.version = true; }},
+        {"-set", [](Parser& it, Word word) { it.take_setting(it.value(word)); }}};
+    return options;
+  }
+
   void take(const std::string& word) {
-    if (word == "-config") {
-      result_.config_file = value(word);
-    } else if (word == "-task") {
-      result_.task = parse_task(value(word));
-    } else if (word == "-output") {
-      result_.output = value(word);
-    } else if (word == "-design") {
-      result_.design_file = value(word);
-    } else if (word == "-sequence") {
-      result_.sequence_file = value(word);
-    } else if (word == "-restart") {
-      result_.restart = value(word);
-    } else if (word == "-max_wall_time") {
-      take_wall_time(value(word));
-    } else if (word == "-overwrite") {
-      result_.overwrite = true;
-    } else if (word == "-help" || word == "--help" || word == "-h") {
-      result_.help = true;
-    } else if (word == "-help_markdown") {
-      result_.help_markdown = true;
-    } else if (word == "-version" || word == "--version") {
-      result_.version = true;
-    } else if (word == "-set") {
-      take_setting(value(word));
-    } else if (const ConfigKey* key = find_flat_option(word)) {
-      take_flat_option(*key, word);
-    } else {
-      pass_on(word);
-    }
+    for (const OwnOption& option : own_options())
+      if (option.name == word) return option.take(*this, word);
+    if (const ConfigKey* key = find_flat_option(word)) return take_flat_option(*key, word);
+    pass_on(word);
   }
 
   void take_wall_time(const std::string& text) {
@@ -158,8 +194,23 @@ class Parser {
     if (!is_option(word)) {
       throw InputError(shown(word) + ": belongs to no option; allowed: options, each with at most one value");
     }
+    refuse_misspelt(word);
     result_.petsc_arguments.push_back(word);
     if (next_is_value()) result_.petsc_arguments.push_back(words_[++position_]);
+  }
+
+  /// An option that nobody will read is better found out now than after hours of computing.
+  static void refuse_misspelt(const std::string& word) {
+    std::vector<std::string> known;
+    for (const OwnOption& option : own_options()) known.emplace_back(option.name);
+    for (const ConfigKey& key : config_keys())
+      if (!key.option.empty()) known.emplace_back(key.option);
+    if (begins_like_petscs(word) && nearest_word(word, known, 2).empty()) return;
+    std::string nearest = nearest_word(word, known);
+    if (nearest.empty()) nearest = nearest_word(word, with_solver_prefixes(word), 2);
+    throw InputError(word + ": unknown option; " +
+                     (nearest.empty() ? "" : "did you mean \"" + nearest + "\"? ") +
+                     "allowed: fabseq's options (-help lists them) and PETSc's");
   }
 
   std::vector<std::string> words_;

@@ -32,9 +32,9 @@ std::string plain_values(const ConfigKey& key, int dimension) {
   const std::string range = Interval::parse(key.range).text();
   switch (key.type) {
     case KeyType::flag:
-      return key.later.empty() ? "true or false" : "false";
+      return "true or false";
     case KeyType::integer:
-      return key.later.empty() ? "an integer" + range : "0";
+      return "an integer" + range;
     case KeyType::number:
       return "a number" + range;
     case KeyType::text:

@@ -29,9 +29,10 @@ std::size_t edit_distance(std::string_view from, std::string_view to) {
 
 }  // namespace
 
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words,
+                         std::optional<std::size_t> most) {
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+  std::size_t least = most.value_or(std::max<std::size_t>(2, word.size() / 3)) + 1;
   for (const std::string& candidate : words) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance >= std::min(least, candidate.size())) continue;
@@ -73,10 +74,6 @@ std::string shown(const Json& value) {
 
 void refuse(const std::string& pointer, const std::string& found, const std::string& allowed) {
   throw InputError((pointer.empty() ? "/" : pointer) + ": found " + found + "; allowed: " + allowed);
-}
-
-void refuse_unavailable(const std::string& pointer, const std::string& what, const std::string& allowed) {
-  throw InputError(pointer + ": " + what + " is not available in this version; allowed: " + allowed);
 }
 
 }  // namespace fabseq

@@ -68,9 +68,6 @@ class ValueCheck {
 
  private:
   [[noreturn]] void refuse_found() const { refuse_value(key_, value_, pointer_, context_); }
-  [[noreturn]] void refuse_later() const {
-    refuse_unavailable(pointer_, shown(value_), allowed_values(key_, context_.dimension));
-  }
   Json required(bool valid) const {
     if (!valid) refuse_found();
     return value_;
@@ -96,13 +93,11 @@ class ValueCheck {
 
   Json flag() const {
     if (!value_.is_boolean()) refuse_found();
-    if (!key_.later.empty() && value_.get<bool>()) refuse_later();
     return value_;
   }
 
   Json integer() const {
     if (!is_integer_in_range(value_)) refuse_found();
-    if (!key_.later.empty() && value_.get<double>() != 0.0) refuse_later();
     return static_cast<std::int64_t>(value_.get<double>());  // 1e3 is an integer, too
   }
 
@@ -115,7 +110,6 @@ class ValueCheck {
   }
 
   Json choice() const {
-    if (has_word(key_.later, value_)) refuse_later();
     return required(has_word(key_.words, value_));
   }
 

@@ -184,7 +184,7 @@ StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const doub
       Index<Dim> node = element;
       for (int axis = 0; axis < Dim; ++axis) node[axis] += (corner >> axis) & 1;
       const std::int64_t at = nodes.offset(node);
-      if (stiffness[offset] <= stiffest[at]) continue;
+      if (!(stiffness[offset] > stiffest[at])) continue;  // so, what is no number counts as nothing
       stiffest[at] = stiffness[offset];
       result.node_island[at] = island;
     }

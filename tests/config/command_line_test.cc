@@ -24,16 +24,16 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 TEST(CommandLineTest, TakesItsOwnOptionsAndLeavesTheRest) {
   const CommandLine line = parse({"-ksp_type", "cg", "-config", "a b.json", "-task", "simulate", "-output",
-                                  "out", "-log_view", "-overwrite", "-design", "d.h5", "-shift", "-1.5e3",
-                                  "-ksp_monitor", "-set", "layers.count=-3", "-last"});
+                                  "out", "-log_view", "-overwrite", "-design", "d.h5", "-ksp_rtol", "-1.5e3",
+                                  "-ksp_monitor", "-set", "layers.count=-3", "-info"});
   EXPECT_EQ(line.config_file, "a b.json");
   EXPECT_EQ(line.task, Task::simulate);
   EXPECT_EQ(line.output, "out");
   EXPECT_EQ(line.design_file, "d.h5");
   EXPECT_TRUE(line.overwrite);
   EXPECT_EQ(line.overrides, (Overrides{{"layers.count", "-3"}}));
-  const std::vector<std::string> rest = {"fabseq", "-ksp_type", "cg",           "-log_view",
-                                         "-shift", "-1.5e3",    "-ksp_monitor", "-last"};
+  const std::vector<std::string> rest = {"fabseq",    "-ksp_type", "cg",           "-log_view",
+                                         "-ksp_rtol", "-1.5e3",    "-ksp_monitor", "-info"};
   EXPECT_EQ(line.petsc_arguments, rest);
   EXPECT_EQ(line.text.rfind("fabseq -ksp_type cg -config 'a b.json' -task simulate", 0), 0U) << line.text;
 }
@@ -96,6 +96,34 @@ TEST(CommandLineTest, Errors) {
             "\"40\": belongs to no option; allowed: options, each with at most one value");
   EXPECT_EQ(error_of({"c.json"}),
             "\"c.json\": belongs to no option; allowed: options, each with at most one value");
+}
+
+TEST(CommandLineTest, UnknownOptionsNameTheNearest) {
+  const std::string allowed = "allowed: fabseq's options (-help lists them) and PETSc's";
+  const std::vector<std::pair<const char*, const char*>> misspelt = {
+      {"-max_iteratons", "-max_iterations"},
+      {"-alfa", "-alpha"},
+      {"--config", "-config"},
+      {"-sub_parts", "-subparts"},  // "sub" is a word of PETSc's
+      {"-layers=30", "-layers"},
+      {"-elastcity_ksp_max_it", "-elasticity_ksp_max_it"},
+      {"-objectives_tolerance", "-objective_tolerance"}};
+  for (const auto& [word, meant] : misspelt) {
+    EXPECT_EQ(error_of({"-config", "c", word, "10"}),
+              std::string(word) + ": unknown option; did you mean \"" + meant + "\"? " + allowed);
+  }
+  for (const char* stranger : {"-quite_something_else", "-logview", "-materials"})
+    EXPECT_EQ(error_of({stranger}), std::string(stranger) + ": unknown option; " + allowed);
+}
+
+/// Whoever reads none of them is told at the end.
+TEST(CommandLineTest, WhatBeginsAsPetscsOptionsDoIsLeftToPetsc) {
+  for (const char* option :
+       {"-log_view", "-info", "-malloc_debug", "-malloc", "-options_left", "-options_file", "-memory_view",
+        "-on_error_abort", "-start_in_debugger", "-fp_trap", "-mat_view", "-elasticity_ksp_monitor",
+        "-elasticity_mg_levels_ksp_max_it", "-heat_pc_typ", "-release_ksp_view", "-mg_levels_pc_type",
+        "-use_gpu_aware_mpi", "-citations"})
+    EXPECT_EQ(parse({"-config", "c", option}).petsc_arguments.back(), option);
 }
 
 TEST(CommandLineTest, RestartAndWallTime) {

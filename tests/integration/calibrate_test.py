@@ -36,7 +36,7 @@ class CalibrateTest(FabseqTest):
         path = os.path.join(self.directory, "measured.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("# made up\n" + ", ".join([*names, *("u" + name for name in names)]) + "\n")
-            for number, (x, u) in enumerate(zip(positions[::7], displacements[::7])):
+            for number, (x, u) in enumerate(zip(positions[::7], displacements[::7], strict=True)):
                 values = ["" if number < gaps and i == 0 else repr(float(value)) for i, value in enumerate(u)]
                 file.write(",".join([*(repr(float(value)) for value in x), *values]) + "\n")
         return path

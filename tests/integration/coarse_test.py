@@ -62,7 +62,7 @@ class CoarseTest(FabseqTest):
         reference = self.optimize(hook_3d(), 1)
         for ranks, groups in ((2, 1), (2, 2), (3, 1)):
             run = self.optimize(hook_3d(), ranks, "-layer_groups", groups)
-            for line, expected in zip(run.history(), reference.history()):
+            for line, expected in zip(run.history(), reference.history(), strict=True):
                 self.assertLess(largest_relative_difference(line["objective"], expected["objective"]), 1e-6)
 
     def test_a_quarter_first(self):

@@ -58,11 +58,11 @@ def assert_same_run(test, run, expected, ranks):
     test.assertEqual(len(history), len(correct), str(run))
     if not reproducible(expected, ranks):
         limit = 1e-6 if expected.json("config.json")["solver"]["tolerance"] <= 1e-10 else 1e-3
-        for line, wanted in zip(run.history(), expected.history()):
+        for line, wanted in zip(run.history(), expected.history(), strict=True):
             for key in ("objective", "constraints", "beta", "change"):
                 np.testing.assert_allclose(list(numbers(line[key])), list(numbers(wanted[key])), rtol=limit, err_msg=key)
         return
-    for line, wanted in zip(history, correct):
+    for line, wanted in zip(history, correct, strict=True):
         test.assertEqual(line, wanted, str(run))
     summary, wanted = run.json("summary.json"), expected.json("summary.json")
     for key in ASIDE:

@@ -143,7 +143,7 @@ class RanksTest(FabseqTest):
             with self.subTest(config=config["name"], ranks=ranks, groups=groups):
                 run = self.run_config(ranks, config, *arguments, "-layer_groups", groups)
                 self.assert_done(run)
-                for line, correct in zip(run.history(), expected.history()):
+                for line, correct in zip(run.history(), expected.history(), strict=True):
                     for key in COMPARED:
                         self.assertLess(largest_relative_difference(line[key], correct[key]), 1e-6, key)
                 fields, correct = read_result(run), read_result(expected)
@@ -181,7 +181,7 @@ class RestartOnOtherRanksTest(FabseqTest):
             run = self.run_config(ranks, direct_2d(), *arguments, "-layer_groups", groups, "-restart", "auto", output=output)
         self.assert_done(run)
         self.assertEqual(len(run.history()), 6)
-        for line, wanted in zip(run.history(), expected.history()):
+        for line, wanted in zip(run.history(), expected.history(), strict=True):
             for key in COMPARED:
                 self.assertLess(largest_relative_difference(line[key], wanted[key]), 1e-6,
                                 f"{key} of iteration {line['iteration']}")

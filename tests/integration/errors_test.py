@@ -93,6 +93,12 @@ class ConfigErrorsTest(BadInputTest):
         words = ["-task", '"optimise"', "optimize", "check_gradients"]
         self.assert_refused(plate_2d(), "-task", "optimise", words=words)
 
+    def test_misspelt_option(self):
+        """Before the config is read, which is not there."""
+        for option, meant in (("-max_iteratons", "-max_iterations"), ("-elastcity_ksp_max_it", "-elasticity_ksp_max_it"),
+                              ("-sub_parts", "-subparts")):
+            self.assert_refused("missing.json", option, "3", words=[option, "unknown option", f'"{meant}"', "-help"])
+
     def test_word_that_belongs_to_no_option(self):
         self.assert_refused(plate_2d(), "stray", words=['"stray"'])
 
@@ -320,15 +326,15 @@ class CommandLineTest(FabseqTest):
 
     def test_unread_petsc_option_is_a_warning(self):
         for ranks in (1, 3):
-            result = self.run_config(ranks, plate_2d(), "-max_iterations", 1, "-elastcity_ksp_max_it", 7)
+            result = self.run_config(ranks, plate_2d(), "-max_iterations", 1, "-elasticity_ksp_max_itt", 7)
             self.assertEqual(result.status, DONE, str(result))
             self.assertEqual(len(result.messages()), 1, str(result))
-            self.assertIn("-elastcity_ksp_max_it", result.messages()[0])
+            self.assertIn("-elasticity_ksp_max_itt", result.messages()[0])
             self.assertTrue(result.messages()[0].startswith("warning: "))
 
-    def test_petsc_option_that_is_read_is_no_warning(self):
-        result = self.run_config(1, plate_2d(), "-max_iterations", 1, "-solver_path", "reference",
-                                 "-elasticity_ksp_max_it", 700)
+    def test_petsc_options_that_are_read_are_no_warning(self):
+        options = [word for solver in ("elasticity", "heat", "release") for word in (f"-{solver}_ksp_max_it", 700)]
+        result = self.run_config(1, post_on_substrate(2), "-max_iterations", 1, "-solver_path", "reference", *options)
         self.assert_done(result)
         self.assertEqual(result.messages(), [])
 

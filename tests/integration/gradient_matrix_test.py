@@ -14,6 +14,9 @@ import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED
 
 LIMIT = 1e-5
+LEAST = 1e-10  # of a derivative that is no zero against a zero
+# Responses that do not depend on a kind of variable: exactly.
+INDEPENDENT = {("continuity", "time points"), ("subpart_volume", "angles")}
 DESIGNS = ("diffusivity", "times of nodes", "times of elements", "sub-parts")
 
 
@@ -54,13 +57,15 @@ def problem(dimension, design, void, turning):
         config["objective"].append({"type": "segmentation_alignment"})
         config["constraints"] = [{"type": "subpart_volume"}]
         return config
-    config["layers"] = {"count": 5, "time_points": "variable"}
+    # As many layers as leave the last ones so small that there is a last layer to bound.
+    count, least_volume = (7, 0.9) if design == "diffusivity" else (5, 0.99)
+    config["layers"] = {"count": count, "time_points": "variable"}
     config["projection"] = {"beta": 20}
     config["sequence"] = {"type": "heat"}
     if design != "diffusivity":
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
-                             {"type": "last_layer", "least_volume": 0.99}]
+                             {"type": "last_layer", "least_volume": least_volume}]
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
         config["constraints"].append({"type": "layer_thickness", "target": 0.25})
@@ -89,12 +94,36 @@ class GradientMatrixTest(FabseqTest):
             config = problem(dimension, design, void, turning)
             run = self.run_config(2, config, "-task", "check_gradients", timeout=900)
             self.assert_done(run)
+            largest = {}
             for entry in run.json("gradient_check.json")["components"]:
                 variables = design if entry["variables"] == "design" else entry["variables"].replace("_", " ")
                 key = label(config, entry), variables
                 found[key] = max(found.get(key, 0.0), entry["best"])
+                largest[key] = max(map(abs, [largest.get(key, 0.0), entry["adjoint"], *entry["differences"]]))
                 self.assertLess(entry["best"], LIMIT, f"{key} {dimension}D {void} {turning}: {entry}")
+            for key, derivative in largest.items():
+                if key in INDEPENDENT:
+                    self.assertEqual(derivative, 0.0, f"{key} {dimension}D {void} {turning}")
+                else:
+                    self.assertGreater(derivative, LEAST, f"zero against zero: {key} {dimension}D {void} {turning}")
         return found
+
+    def allowed(self, *setting):
+        """The words that the program would take in place of "none", the value of a setting."""
+        refusal = self.run_config(1, part(2), "-set", 'sequence={"type": "heat"}', "-layers", "4", *setting).messages()
+        self.assertIn('found "none"; allowed: ', refusal[0])
+        return set(refusal[0].split("allowed: ")[1].split(", "))
+
+    def registered(self):
+        """First words of the labels of all responses there are, and their measures and forms."""
+        objective, constraints = ("-set", 'objective=[{"type": "%s"%s}]'), ("-set", 'constraints=[{"type": "none"}]')
+
+        def term(kind, more=""):
+            return objective[0], objective[1] % (kind, more)
+        measures = {f"distortion, {word}" for word in self.allowed(*term("distortion", ', "measure": "none"'))}
+        forms = {f"layer_uniformity, {word}" for word in self.allowed(*term("layer_uniformity", ', "form": "none"'))}
+        types = self.allowed(*term("none")) | self.allowed(*term("layer_uniformity"), *constraints)
+        return types - {"distortion", "layer_uniformity"} | measures | forms
 
     def test_all(self):
         table = {}
@@ -102,6 +131,8 @@ class GradientMatrixTest(FabseqTest):
             with self.subTest(dimension=dimension, design=design):
                 for key, error in self.worst(dimension, design).items():
                     table.setdefault(key, {})[dimension] = max(error, table.get(key, {}).get(dimension, 0.0))
+        covered = {", ".join(response.split(", ")[:2]) for response, _ in table}
+        self.assertEqual(self.registered() - covered, set(), "responses that no case of this test has")
         if "--table" in sys.argv:
             print("| response | by | 2D | 3D |\n| --- | --- | --- | --- |")
             for (response, variables), errors in sorted(table.items()):

@@ -3,6 +3,7 @@
 
 import csv
 import os
+from xml.etree import ElementTree
 
 import run_fabseq
 from run_fabseq import FabseqTest, ROOT, SANITIZED
@@ -30,7 +31,10 @@ class GradientsTest(FabseqTest):
             self.assertAlmostEqual(min(errors), entry["best"], places=12)
         with open(run.path("gradient_check.csv"), encoding="utf-8") as file:
             self.assertEqual(len(list(csv.DictReader(file))), len(names) * len(check["steps"]))
-        self.assertGreater(os.path.getsize(run.path("gradient_check.svg")), 1000)
+        lines = [line for line in ElementTree.parse(run.path("gradient_check.svg")).iter() if line.tag.endswith("polyline")]
+        points = [set(line.attrib["points"].split()) for line in lines]  # one a component, a point a step
+        self.assertEqual([len(line) for line in points], [len(check["steps"])] * len(names))
+        self.assertGreater(len(set(map(frozenset, points))), 1)
         return run
 
     def box(self, *arguments, **options):

@@ -33,7 +33,7 @@ class GroupsTest(FabseqTest):
         return run
 
     def assert_same(self, run, expected):
-        for line, correct in zip(run.history(), expected.history()):
+        for line, correct in zip(run.history(), expected.history(), strict=True):
             for key in COMPARED:
                 error = largest_relative_difference(line[key], correct[key])
                 self.assertLess(error, LIMIT, f"{key} of iteration {line['iteration']}")

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""A short run of every task leaves no memory behind (LeakSanitizer; only with sanitizers). What Open MPI and PETSc leave is listed in
+"""A short run of every task leaves no memory behind (LeakSanitizer; only with sanitizers). What Open MPI leaves is listed in
 tests/leak_suppressions.txt. And the memory of a long run does not grow."""
 
 import os
+import subprocess
 
 import run_fabseq
 from run_fabseq import DONE, OF_THIS_BUILD, ROOT, SANITIZED, FabseqTest, Process, Result
@@ -10,6 +11,8 @@ from small_parts import hook_3d, plate_2d
 
 TASKS = ("optimize", "simulate", "evaluate", "check_gradients", "check")
 SUPPRESSIONS = os.path.join(ROOT, "tests", "leak_suppressions.txt")
+LEAKS = {"ASAN_OPTIONS": "detect_leaks=1:detect_odr_violation=0:fast_unwind_on_malloc=0",
+         "LSAN_OPTIONS": f"suppressions={SUPPRESSIONS}:print_suppressions=0"}
 MIB = 2**20
 
 
@@ -24,9 +27,7 @@ class LeaksTest(FabseqTest):
         output = os.path.join(self.directory, f"output_{self.runs}")
         command = ["mpirun", "-np", str(ranks), run_fabseq.PROGRAM, "-config",
                    self.write_config(config), "-output", output, *arguments]
-        environment = {"ASAN_OPTIONS": "detect_leaks=1:detect_odr_violation=0:fast_unwind_on_malloc=0",
-                       "LSAN_OPTIONS": f"suppressions={SUPPRESSIONS}:print_suppressions=0"}
-        with Process(command, self.directory, environment) as process:
+        with Process(command, self.directory, LEAKS) as process:
             run = Result(command, *process.wait(600), output)
         self.assertNotIn("LeakSanitizer", run.stderr, str(run))
         self.assertEqual(run.status, DONE, str(run))
@@ -44,6 +45,29 @@ class LeaksTest(FabseqTest):
 
     def test_reference_path(self):
         self.check(1, plate_2d(), "-max_iterations", "2", "-solver_path", "reference")
+
+
+class SuppressionsTest(FabseqTest):
+    """What libraries leave is not reported, and a handle of theirs that the program forgets is."""
+    resumes = False
+
+    def report(self, *arguments):
+        program = os.path.join(self.directory, "forgotten_handle")
+        if not os.path.exists(program):
+            flags = subprocess.run(["pkg-config", "--cflags", "--libs", "PETSc", "ompi-c"],
+                                   capture_output=True, text=True, check=True)
+            source = os.path.join(ROOT, "tests", "faults", "forgotten_handle.cc")
+            subprocess.run(["g++", "-g1", "-fsanitize=address", source, "-o", program, *flags.stdout.split()], check=True)
+        with Process(["mpirun", "-np", "2", program, *arguments], self.directory, LEAKS) as process:
+            status, _, stderr = process.wait(120)
+        return status, stderr
+
+    def test_a_forgotten_handle_is_seen(self):
+        status, stderr = self.report()
+        self.assertEqual((status, stderr), (DONE, ""))
+        status, stderr = self.report("forget")
+        self.assertNotEqual(status, DONE)
+        self.assertRegex(stderr, "(?s)LeakSanitizer: detected memory leaks.*VecCreate")
 
 
 class GrowthTest(FabseqTest):

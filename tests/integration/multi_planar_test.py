@@ -158,7 +158,7 @@ class RanksTest(FabseqTest):
             with self.subTest(config=config["name"], ranks=ranks, groups=groups):
                 run = self.run_config(ranks, config, *arguments, "-layer_groups", groups)
                 self.assert_done(run)
-                for line, correct in zip(run.history(), expected.history()):
+                for line, correct in zip(run.history(), expected.history(), strict=True):
                     for key in COMPARED:
                         self.assertLess(largest_relative_difference(line[key], correct[key]), 1e-5, key)
                     for kind, counts in correct["solver_iterations"].items():

@@ -85,7 +85,7 @@ class OutputsOfOneRankTest(FabseqTest):
             self.assertEqual(len(block["layers"]), 4)
             volume = sum(layer["volume"] for layer in block["layers"])
             self.assertAlmostEqual(volume, DENSITY.sum() * 0.1 * 0.1 * 0.5)
-            for layer, response in zip(block["layers"], block["responses"][2:]):
+            for layer, response in zip(block["layers"], block["responses"][2:], strict=True):
                 self.assertAlmostEqual(layer["thickness"] / 0.3, response["value"])
 
     def test_the_best_iterate_is_reported(self):

@@ -19,7 +19,7 @@ class RanksTest(FabseqTest):
 
     def assert_same(self, history, expected):
         self.assertEqual(len(history), len(expected))
-        for line, correct in zip(history, expected):
+        for line, correct in zip(history, expected, strict=True):
             for key in COMPARED:
                 error = largest_relative_difference(line[key], correct[key])
                 self.assertLess(error, LIMIT, f"{key} of iteration {line['iteration']}")

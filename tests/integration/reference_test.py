@@ -59,7 +59,7 @@ class ReferenceTest(FabseqTest):
             return self.check_slabs(found, expected)
         self.assertEqual(len(found["layers"]), len(expected["layers"]))
         mean = np.mean([layer["volume"] for layer in expected["layers"]])
-        for layer, reference in zip(found["layers"], expected["layers"]):
+        for layer, reference in zip(found["layers"], expected["layers"], strict=True):
             self.assertLess(abs(layer["volume"] - reference["volume"]), VALUE_LIMIT * mean)
             self.assertLess(abs(layer["thickness"] - reference["thickness"]), VALUE_LIMIT * reference["thickness"])
             self.assertLess(abs(layer["cv"] - reference["cv"]), VALUE_LIMIT * max(reference["cv"], 1e-2))
@@ -68,7 +68,7 @@ class ReferenceTest(FabseqTest):
         """Volumes of multi-planar layers; those that are left out have next to none."""
         volumes = {(layer["subpart"], layer["slab"]): layer["volume"] for layer in found["layers"]}
         total = sum(layer["volume"] for layer in expected["layers"])
-        for place, layer in zip(expected["stages"], expected["layers"]):
+        for place, layer in zip(expected["stages"], expected["layers"], strict=True):
             self.assertLess(abs(volumes.pop(tuple(place), 0.0) - layer["volume"]), VALUE_LIMIT * total, place)
         self.assertEqual(volumes, {})
 

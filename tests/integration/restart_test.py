@@ -130,7 +130,7 @@ class OtherRanksTest(RestartTest):
                     self.assert_done(run)
                     self.assertEqual(run.json("summary.json")["layer_groups"], other_groups)
                     self.assertEqual(len(run.history()), 8)
-                    for line, wanted in zip(run.history(), expected.history()):
+                    for line, wanted in zip(run.history(), expected.history(), strict=True):
                         for key in ("objective", "objective_scaled", "constraints", "change", "beta"):
                             self.assertLess(largest_relative_difference(line[key], wanted[key]), 1e-6,
                                             f"{key} of iteration {line['iteration']}")

@@ -256,7 +256,7 @@ def largest_relative_difference(values, expected):
     if isinstance(expected, (list, tuple)):
         if len(values) != len(expected):
             raise AssertionError(f"{len(values)} entries in place of {len(expected)}")
-        return max((largest_relative_difference(v, e) for v, e in zip(values, expected)), default=0.0)
+        return max((largest_relative_difference(v, e) for v, e in zip(values, expected, strict=True)), default=0.0)
     if values == expected:
         return 0.0
     return abs(values - expected) / max(abs(values), abs(expected))

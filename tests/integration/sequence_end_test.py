@@ -39,7 +39,7 @@ class SequenceEndTest(FabseqTest):
         smooth = self.run_config(2, plate_2d(), "-max_iterations", 8, "-beta", 40, "-beta_max", 40)
         self.assertFalse(any("binary" in line for line in smooth.history()))
         # Who judges changes what is kept, not where the optimizer goes.
-        for line, expected in zip(lines, smooth.history()):
+        for line, expected in zip(lines, smooth.history(), strict=True):
             self.assertLess(abs(line["objective"][0] / expected["objective"][0] - 1), 1e-3)
 
     def test_the_first_iterate_is_never_judged(self):

@@ -63,11 +63,11 @@ class SquaresTest(FabseqTest):
             runs = [self.run_config(ranks, config, "-max_iterations", 3, "-layer_groups", groups)
                     for ranks, groups in ((1, 1), (3, 1), (2, 2))]
             for run in runs[1:]:
-                for mine, first in zip(run.history(), runs[0].history()):
+                for mine, first in zip(run.history(), runs[0].history(), strict=True):
                     self.assertEqual(len(mine["functionals"]), len(first["functionals"]))
-                    for a, b in zip(mine["functionals"], first["functionals"]):
+                    for a, b in zip(mine["functionals"], first["functionals"], strict=True):
                         size = max([abs(value) for value in b], default=0)
-                        for value, expected in zip(a, b):
+                        for value, expected in zip(a, b, strict=True):
                             self.assertAlmostEqual(value, expected, delta=2e-4 * size)
 
     def test_gradients_of_functionals(self):

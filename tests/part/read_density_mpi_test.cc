@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <unistd.h>
 
 namespace fabseq {
@@ -172,14 +173,21 @@ TEST_F(ReadDensity, TakesEmptyBoxes) {
   IndexBox<3> box{{}, domain.elements};
   if (rank_of(PETSC_COMM_WORLD) != 0) box.size = {0, 3, 5};
   const auto values = read_density<3>(PETSC_COMM_WORLD, domain, voxels("density"), box);
-  EXPECT_EQ(values.size(), static_cast<std::size_t>(box.count()));
+  ASSERT_EQ(values.size(), static_cast<std::size_t>(box.count()));
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], density_of(static_cast<int>(i))) << i;
 }
 
 TEST_F(ReadDensity, BalancesVoxelParts) {
   const PartDescription description = voxels("density", 0.5);
   const Grid<3> grid = make_balanced_grid<3>(PETSC_COMM_WORLD, domain, description);
-  EXPECT_EQ(read_density<3>(grid.comm(), domain, description, grid.owned_elements()).size(),
-            static_cast<std::size_t>(grid.owned_elements().count()));
+  const auto own = read_density<3>(grid.comm(), domain, description, grid.owned_elements());
+  const std::vector<double> field = test::whole_element_field<3>(grid, own);
+  for (int i = 0; i < total; ++i) EXPECT_EQ(field[i], i % 21 >= 10 ? 1.0 : 0.0) << i;
+  const double filled = std::accumulate(own.begin(), own.end(), 0.0);
+  double most = 0.0;
+  MPI_Allreduce(&filled, &most, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  // 55 filled voxels; planes between ranks cannot cut them into equal numbers.
+  EXPECT_LE(most, 1.4 * 55 / size_of(PETSC_COMM_WORLD));
 }
 
 TEST_F(ReadDensity, NamesTheFileThatIsWrong) {

@@ -28,7 +28,7 @@ def node_coordinates(counts, size):
 
 
 def layers_of(time, density, count):
-    return np.where(density > 0, np.clip(np.ceil(time * count - 1e-12), 1, count), 0).astype(np.int32)
+    return np.where(density > 0, np.clip(np.ceil(time * count - 1e-12), 1, count), 0.0)
 
 
 def layer_table(layer, count, thickness, element_volume, spread):

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import image
 
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(PROJECT / "scripts/use"))
@@ -20,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import fake_results
 import overview
 import render_part
+from pictures import coloured, drawn
 from read_run import Run
 
 
@@ -41,18 +41,17 @@ class Pictures(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def colours_of(self, picture):
-        """Share of the picture's upper half that is clearly coloured."""
-        pixels = image.imread(picture)[..., :3]
-        upper = pixels[: len(pixels) // 2]
-        return float((upper.max(axis=-1) - upper.min(axis=-1) > 0.25).mean())
+    def assert_overview(self, picture):
+        """Four pictures of the part side by side in the upper half, charts in the lower."""
+        self.assertGreater(min(drawn(picture, 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
+        self.assertGreater(min(coloured(picture, 0.2, 0.5, 4)), 0.08)
 
     def test_overview_draws_solid_and_flat_parts(self):
         for directory in (self.solid, self.flat):
             done = run("overview.py", directory)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertNotIn("cannot be rendered", done.stderr)
-            self.assertGreater(self.colours_of(directory / "overview.png"), 0.08)
+            self.assert_overview(directory / "overview.png")
 
     def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:
@@ -91,7 +90,7 @@ class Pictures(unittest.TestCase):
         done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/render_part.py",
                                self.solid / "result.h5", picture, "--pixels", "400"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertGreater(self.colours_of(picture), 0.05)
+        self.assertGreater(coloured(picture)[0], 0.05)
 
 
 class Surface(unittest.TestCase):

@@ -53,7 +53,6 @@ struct ConfigKey {
   std::string_view default_2d = "";     ///< where it differs in two dimensions
   std::string_view range = "";          ///< interval such as "(0, 1]" for every number
   std::string_view words = "";          ///< allowed words, separated by blanks
-  std::string_view later = "";          ///< words (flag: value) documented for later versions; refused
   int dimension = 0;                    ///< 2 or 3: only in domains of that dimension
   std::string_view unit = "";           ///< "" where it has none
   std::string_view option = "";         ///< flat command line option, with its '-'
@@ -94,8 +93,10 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text);
 /// What values the key takes, in words; dimension 0: of any domain.
 std::string allowed_values(const ConfigKey& key, int dimension);
 
-/// The word that was probably meant (smallest edit distance), empty where none is near.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
+/// The word that was probably meant (smallest edit distance), empty where none is near: `most` letters away
+/// at most, by default a third of the word's.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words,
+                         std::optional<std::size_t> most = {});
 /// Pointer with the member or list index appended (RFC 6901).
 std::string pointer_to(const std::string& pointer, const std::string& member);
 std::string pointer_to(const std::string& pointer, std::size_t index);
@@ -103,9 +104,6 @@ std::string pointer_to(const std::string& pointer, std::size_t index);
 std::string shown(const Json& value);
 /// Throws InputError("POINTER: found FOUND; allowed: ALLOWED").
 [[noreturn]] void refuse(const std::string& pointer, const std::string& found, const std::string& allowed);
-/// Throws InputError("POINTER: WHAT is not available in this version; allowed: ALLOWED").
-[[noreturn]] void refuse_unavailable(const std::string& pointer, const std::string& what,
-                                     const std::string& allowed);
 
 /// Checks every key of `document` against the table and returns it complete: keys in the order of the table,
 /// defaults filled in, paths absolute (relative ones refer to `directory`), without the key "run". Relations

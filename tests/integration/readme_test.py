@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""What README.md tells a reader to type, as it stands there: its commands, and its example."""
+
+import os
+import re
+import subprocess
+import sys
+
+import run_fabseq
+from run_fabseq import DONE, FabseqTest, ROOT, only_release
+
+sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
+from pictures import drawn  # noqa: E402
+
+with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
+    README = readme.read()
+
+
+def fenced(language):
+    """Text of the only block in that language."""
+    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+    return block
+
+
+def commands():
+    """The indented blocks."""
+    return [re.sub("^    ", "", block, flags=re.MULTILINE) for block in re.findall(r"(?:^    .*\n)+", README, re.MULTILINE)]
+
+
+class ReadmeTest(FabseqTest):
+    resumes = False
+
+    def setUp(self):
+        """A tree as after a build, without what builds it: the tree under test must stay as it is."""
+        super().setUp()
+        for name in ("scripts", "bin", "build/release"):
+            os.makedirs(self.path(name))
+        for name in os.listdir(os.path.join(ROOT, "scripts")):
+            if name != "setup.sh":
+                os.symlink(os.path.join(ROOT, "scripts", name), self.path("scripts/" + name))
+        os.symlink(os.path.join(ROOT, "configs"), self.path("configs"))
+        os.symlink(run_fabseq.PROGRAM, self.path("build/release/fabseq"))
+        for name in ("scripts/setup.sh", "bin/cmake", "bin/ctest"):  # they print how they were called
+            with open(self.path(name), "w", encoding="utf-8") as file:
+                file.write(f"#!/bin/sh\necho {os.path.basename(name)} \"$@\"\n")
+            os.chmod(self.path(name), 0o755)
+
+    def path(self, name):
+        return os.path.join(self.directory, name)
+
+    def shell(self, text, timeout=600):
+        """Output of commands typed one after the other in the tree's root; the first that fails ends them."""
+        status, stdout, stderr = run_fabseq.run_command(["bash", "-euc", text], self.directory, timeout)
+        self.assertEqual(status, DONE, f"{text}\n{stdout}{stderr}")
+        return stdout
+
+    def command_of(self, script):
+        """The line that runs a script."""
+        (line,) = [line for block in commands() for line in block.splitlines() if f"scripts/{script}" in line]
+        return line
+
+    def assert_better(self, output, factor):
+        """Smooth layers distort that many times less than planar ones, and satisfy the constraints."""
+        run = run_fabseq.Result([], DONE, "", "", self.path(output))
+        summary = run.json("summary.json")
+        planar, smooth = (summary[block]["responses"][0]["value"] for block in ("baseline", "optimized"))
+        print(f"{output}: {planar / smooth:.1f} times less distortion than planar")
+        self.assertGreater(planar / smooth, factor)
+        self.assertTrue(summary["feasible"])
+        self.assertLessEqual(summary["worst_constraint"], 0.0)
+        for layer in summary["optimized"]["layers"]:
+            constraint = run.json("config.json")["constraints"][0]
+            self.assertLessEqual(abs(layer["thickness"] / constraint["target"] - 1), constraint["tolerance"])
+        # Below the title, the four pictures of the part fill the middle, and charts the rest.
+        self.assertGreater(min(drawn(self.path(output + "/overview.png"), 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
+
+    @only_release
+    def test_the_demo(self):
+        stdout = self.shell(self.command_of("demo.sh"))
+        self.assertIn("setup.sh", stdout)
+        self.assertIn("overview.png", stdout)
+        self.assert_better("demo", 40.0)
+
+    @only_release
+    def test_your_own_part(self):
+        with open(self.path("part.json"), "w", encoding="utf-8") as file:
+            file.write(fenced("json"))
+        subprocess.run(["/usr/bin/python3", "-c", fenced("python")], cwd=self.directory, check=True)
+        (block,) = [block for block in commands() if "part.json" in block]
+        stdout = self.shell(block)
+        self.assertIn("planar / this", stdout)
+        self.assert_better("part_out", 10.0)
+
+    def test_the_tests(self):
+        """They are not run here, which would have no end: the command gets to ctest with its options."""
+        line = self.command_of("test.sh").split("#")[0].strip()
+        stdout = self.shell(f"PATH={self.path('bin')}:$PATH {line} -R grid")
+        self.assertRegex(stdout, r"(?m)^ctest .*--preset release\b.*-R grid$")
+
+    @only_release
+    def test_every_topic_is_a_test(self):
+        build = os.environ.get("FABSEQ_BUILD", os.path.join(ROOT, "build", "release"))
+        listed = subprocess.run(["ctest", "-N", "--test-dir", build], capture_output=True, text=True, check=True).stdout
+        here = os.path.dirname(os.path.abspath(__file__))
+        topics = [name.removesuffix("_test.py") for name in os.listdir(here) if name.endswith("_test.py")]
+        self.assertEqual([topic for topic in topics if not re.search(rf": integration\.{topic}$", listed, re.MULTILINE)], [])
+
+    def test_all_that_is_named_is_there(self):
+        names = re.findall(r"\]\(([^)#]+)\)", README) + re.findall(r"\b(?:scripts|configs|docs)/[\w./-]*\w", README)
+        for name in names:
+            self.assertTrue(os.path.exists(os.path.join(ROOT, name)), name)
+            if name.endswith(".sh"):
+                subprocess.run(["bash", "-n", os.path.join(ROOT, name)], check=True)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()
