@@ -28,8 +28,6 @@ def reduced(path):
 
 @run_fabseq.only_release
 class ConfigsTest(FabseqTest):
-    resumes = False
-
     def for_each_config(self, test):
         names = sorted(name for name in os.listdir(CONFIGS) if name.endswith(".json") and name != "cases.json")
         self.assertIn("demo.json", names)

@@ -41,8 +41,6 @@ def strangers(made_up, real, place=""):
 
 @run_fabseq.only_release
 class PicturesTest(FabseqTest):
-    resumes = False
-
     def optimized(self, config):
         run = self.run_config(2, config, "-max_iterations", 3)
         self.assert_done(run)
