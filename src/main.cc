@@ -19,6 +19,7 @@
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/optimize/run_state.h"
+#include "fabseq/optimize/stages.h"
 #include "fabseq/run/coarse_grid.h"
 #include "fabseq/run/restart.h"
 #include "fabseq/run/run_output.h"
@@ -32,9 +33,9 @@ namespace {
 
 template <int Dim>
 SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), make_uniform_layers(setup),
-                         setup.config.solver.tolerance, timer);
-  const auto state = pipeline.run({}, setup.baseline_layers, 0.0, true);
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), *setup.baseline, setup.config.solver.tolerance,
+                         timer);
+  const auto state = pipeline.run({}, 0.0, true);
   return report_sequence(setup, problem, pipeline, state);
 }
 
@@ -44,17 +45,16 @@ template <int Dim>
 void scale_by_initial_design(const Setup<Dim>& setup, const CommandLine& command_line,
                              Pipeline<Dim>& pipeline, Problem<Dim>& problem) {
   const Design initial = starting_design(setup, pipeline.sequence(), command_line);
-  problem.evaluate(pipeline, pipeline.run(initial, setup.layer_count, setup.first_beta(), false));
+  problem.evaluate(pipeline, pipeline.run(initial, setup.layers->traits().first_beta, false));
   pipeline.start_cold();
 }
 
 /// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
 template <int Dim>
-std::optional<ProblemValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
-                                          RunState<Dim>& run, int iteration) {
+std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
   if (!run.continuation.judges_binary(iteration)) return std::nullopt;
   const double beta = run.continuation.beta(iteration);
-  return run.problem.evaluate(pipeline, pipeline.run(run.design(), setup.layer_count, beta, true));
+  return run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
 }
 
 template <int Dim>
@@ -62,7 +62,7 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
                                 const BestIterate& best) {
   FinalReports<Dim> reports;
   for (const bool binary : {false, true}) {
-    const auto state = pipeline.run(best.design(), setup.layer_count, best.beta(), binary);
+    const auto state = pipeline.run(best.design(), best.beta(), binary);
     (binary ? reports.binary : reports.optimized) = report_sequence(setup, problem, pipeline, state);
     reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
   }
@@ -107,10 +107,9 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   RunOutput<Dim> output(setup, command_line, restart, timer);
   const CommandLine start =
       coarse ? begin_on_coarse_grid(*coarse, command_line, setup, output) : command_line;
-  const double tolerance = config.solver.tolerance;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), start));
+  Pipeline<Dim> pipeline(setup, config.solver.tolerance, timer);
+  RunState<Dim> run(setup, config.optimizer, pipeline.sequence(),
+                    starting_design(setup, pipeline.sequence(), start));
   if (coarse) scale_by_initial_design(setup, command_line, pipeline, run.problem);
   if (restart) {
     run.restore(restart->state);
@@ -124,8 +123,8 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
       const double beta = run.continuation.beta(iteration);
-      const auto binary = judge_binary(setup, pipeline, run, iteration);
-      const auto state = pipeline.run(run.design(), setup.layer_count, beta, config.projection.binary);
+      const auto binary = judge_binary(pipeline, run, iteration);
+      const auto state = pipeline.run(run.design(), beta, config.projection.binary);
       const Iterate iterate{iteration, beta, run.problem.evaluate(pipeline, state), binary};
       run.best.offer(iterate, run.design());
 

@@ -24,11 +24,11 @@ double normalized(double normalize, double value) { return value > 0.0 ? normali
 }  // namespace
 
 template <int Dim>
-Problem<Dim>::Problem(const Setup<Dim>& setup)
-    : terms_(setup.config.objective), margin_(setup.config.optimizer.constraint_margin) {
-  const ResponseContext<Dim> context = setup.context();
+Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
+    : terms_(model.settings.objective), margin_(constraint_margin) {
+  const ResponseContext<Dim> context = model.context();
   for (const ObjectiveTerm& term : terms_) responses_.push_back(make_objective<Dim>(term, context));
-  for (const ConstraintTerm& term : setup.config.constraints)
+  for (const ConstraintTerm& term : model.settings.constraints)
     responses_.push_back(make_constraint<Dim>(term, context));
   configured_ = responses_.size();
   add_functionals(context);

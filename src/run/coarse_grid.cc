@@ -68,8 +68,9 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
 /// What "auto" stands for, lest it be another thing on the coarse grid.
 template <int Dim>
 void fix_automatic_values(const Setup<Dim>& fine, Json& document) {
-  if (document.at("layers").find("count") != nullptr) document.find("layers")->set("count", fine.layer_count);
-  document.find("baseline")->set("layers", fine.baseline_layers);
+  if (document.at("layers").find("count") != nullptr)
+    document.find("layers")->set("count", fine.layers->count());
+  document.find("baseline")->set("layers", fine.baseline->count());
   if (document.at("sequence").find("characteristic_length") != nullptr)
     document.find("sequence")->set("characteristic_length", fine.characteristic_length);
 }
@@ -181,7 +182,7 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
   file.template write_fields<Dim>(fields);
-  if (const LayerVariables& variables = fine.layer_variables; variables.count() > 0)
+  if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
     file.write_array(variables.name,
                      read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",
                                key, key, variables.columns),

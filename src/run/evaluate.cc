@@ -36,7 +36,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
     fields.add(setup.design_support.on_nodes(), name + "/design", field);
     file.template write_fields<Dim>(fields);
   }
-  write_layer_variables(file, setup.layer_variables, name + "/", gradient);
+  write_layer_variables(file, setup.layers->variables(), name + "/", gradient);
 }
 
 }  // namespace
@@ -44,14 +44,13 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
 template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double tolerance = evaluation_tolerance(setup.config);
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  Problem<Dim> problem(setup);
+  Pipeline<Dim> pipeline(setup, tolerance, timer);
+  Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
+  const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<GradientRow> rows = all_components<Dim>(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
@@ -61,9 +60,9 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
     write_gradient(file, setup, problem.component_name(rows[row][0].response, rows[row][0].component),
                    gradients[row], pipeline.sequence().has_design());
   file.close();
-  Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
+  Json record = Json::object({{"beta", setup.layers->traits().first_beta}, {"binary", setup.binary()}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
-  set_layer_variables(record, setup.layer_variables, design);
+  set_layer_variables(record, setup.layers->variables(), design);
   const SolverIterations& solves = pipeline.iterations();
   record.set("solver_iterations",
              Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}}));

@@ -60,7 +60,7 @@ void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& sol
   if (!setup_.group_choice.explanation.empty()) print(setup_.group_choice.explanation);
   char line[160];
   std::snprintf(line, sizeof line, "planar baseline: %d layers, first objective term %.4e",
-                setup_.baseline_layers, baseline_.first_objective());
+                setup_.baseline->count(), baseline_.first_objective());
   print(line);
   timer_.reset();
   iteration_start_ = MPI_Wtime();
@@ -121,7 +121,7 @@ void RunOutput<Dim>::write_history(const Iterate& iterate, const StepReport& ste
   if (!state.time.temperature.empty())
     line.set("temperature_range",
              std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
-  set_layer_variables(line, setup_.layer_variables, design);
+  set_layer_variables(line, setup_.layers->variables(), design);
   if (has_functionals(values)) line.set("functionals", lists(values.functionals));
   if (iterate.binary)
     line.set("binary", Json::object({{"objective", first_components(iterate.binary->objective)},
@@ -163,7 +163,7 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   record.set("binary", reports.binary.block);
   record.set("baseline", baseline_.block);
   record.set("interior_minima", reports.interior_minima);
-  set_layer_variables(record, setup_.layer_variables, best.design());
+  set_layer_variables(record, setup_.layers->variables(), best.design());
   directory_.write("summary.json", record.dump(2) + "\n");
   print_table(reports, record);
 }
@@ -198,7 +198,7 @@ void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIt
   baseline_.add_fields(fields, "planar/");
   Hdf5Writer file(setup_.world(), directory_.file("result.h5"));
   file.template write_fields<Dim>(fields);
-  write_layer_variables(file, setup_.layer_variables, "", best.design());
+  write_layer_variables(file, setup_.layers->variables(), "", best.design());
   file.write_attribute("name", setup_.config.name);
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());

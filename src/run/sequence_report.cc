@@ -12,8 +12,8 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-Json layer_table(const Setup<Dim>& setup, const PipelineState<Dim>& state) {
-  const LayerStatistics statistics = layer_statistics(setup.context(), state.time, state.layers);
+Json layer_table(const Model<Dim>& model, const PipelineState<Dim>& state) {
+  const LayerStatistics statistics = layer_statistics(model.context(), state.time, state.layers);
   Json table = Json::array();
   const SubParts& sub_parts = state.layers.sub_parts;
   for (int j = 0; j < state.layers.count(); ++j) {
@@ -53,15 +53,15 @@ void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& p
 }
 
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
+SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
   SequenceReport<Dim> report;
   report.values = pipeline.values(problem.responses(), state);
   report.block = Json::object({{"responses", problem.describe(report.values)},
-                               {"layers", layer_table(setup, state)},
-                               {"displacement", displacement_size(setup.part, state.process.displacement)}});
-  report.time = setup.part.expand(state.time.time);
-  report.layer = setup.part.expand(pipeline.last_layer_index());
+                               {"layers", layer_table(model, state)},
+                               {"displacement", displacement_size(model.part, state.process.displacement)}});
+  report.time = model.part.expand(state.time.time);
+  report.layer = model.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;
   report.displacement = state.process.displacement;
   return report;
@@ -80,9 +80,9 @@ template Json displacement_size<2>(const Part<2>&, const std::vector<double>&);
 template Json displacement_size<3>(const Part<3>&, const std::vector<double>&);
 template struct SequenceReport<2>;
 template struct SequenceReport<3>;
-template SequenceReport<2> report_sequence<2>(const Setup<2>&, const Problem<2>&, Pipeline<2>&,
+template SequenceReport<2> report_sequence<2>(const Model<2>&, const Problem<2>&, Pipeline<2>&,
                                               const PipelineState<2>&);
-template SequenceReport<3> report_sequence<3>(const Setup<3>&, const Problem<3>&, Pipeline<3>&,
+template SequenceReport<3> report_sequence<3>(const Model<3>&, const Problem<3>&, Pipeline<3>&,
                                               const PipelineState<3>&);
 
 }  // namespace fabseq

@@ -5,6 +5,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
+#include "fabseq/optimize/stages.h"
 #include "fabseq/process/residual_stress.h"
 #include "fabseq/run/layer_variable_output.h"
 #include "fabseq/run/run_output.h"
@@ -57,7 +58,8 @@ std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation
   std::vector<double> release;
   try {
     process.groups().run([&] {
-      Release<Dim> solver(process.model(), release_solver(setup.config, setup.config.solver.tolerance));
+      Release<Dim> solver(process.model(),
+                          release_solver(setup.config.solver, setup.config.solver.tolerance));
       release = solver.displacement(reactions);
     });
   } catch (const NumericalError& error) {
@@ -94,14 +96,13 @@ template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double start = MPI_Wtime();
   const double tolerance = setup.config.solver.tolerance;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  const Problem<Dim> problem(setup);
+  Pipeline<Dim> pipeline(setup, tolerance, timer);
+  const Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
+  const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
   std::string failure;
@@ -127,7 +128,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
-  write_layer_variables(file, setup.layer_variables, "", design);
+  write_layer_variables(file, setup.layers->variables(), "", design);
   file.write_array("layer_displacement_norms", norms);
   if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), state.layers.count());
   file.write_attribute("name", setup.config.name);
@@ -140,7 +141,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
   for (const auto& [key, value] : report.block.members()) record.set(key, value);
-  set_layer_variables(record, setup.layer_variables, design);
+  set_layer_variables(record, setup.layers->variables(), design);
   record.set("layer_displacement_norms", norms);
   record.set("residual_stress", stress_record(setup.part, stress));
   if (released)

@@ -3,6 +3,8 @@
 /// The method of moving asymptotes, distributed.
 #pragma once
 
+#include "fabseq/mma/mma_settings.h"
+
 #include <mpi.h>
 
 #include <span>
@@ -11,15 +13,6 @@
 namespace fabseq {
 
 struct MmaBox;
-
-/// Asymptotes of Svanberg 1987; distances are fractions of a variable's range.
-struct MmaSettings {
-  double asymptote_initial = 0.5;
-  double asymptote_increase = 1.2;
-  double asymptote_decrease = 0.7;
-  double asymptote_floor = 0.1;     ///< least distance of an asymptote from the variable
-  double asymptote_ceiling = 10.0;  ///< largest
-};
 
 /// The general form min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), f_i - a_i z - y_i <= 0, y_i, z >= 0.
 /// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c

@@ -3,8 +3,8 @@
 /// When a run is done (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/config/config.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/optimize/optimizer_settings.h"
 
 #include <string>
 #include <vector>

@@ -37,12 +37,13 @@ struct ProblemValues {
       0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
 };
 
-/// The objective terms and constraints of a config. Knows weights, scaling and margins, and nothing of what
+/// The objective terms and constraints of a model. Knows weights, scaling and margins, and nothing of what
 /// is measured.
 template <int Dim>
 class Problem {
  public:
-  explicit Problem(const Setup<Dim>& setup);
+  /// `constraint_margin`: part of the width of each allowed range that the optimizer gets.
+  Problem(const Model<Dim>& model, double constraint_margin);
 
   /// What the config lists.
   std::span<const std::unique_ptr<Response<Dim>>> responses() const {

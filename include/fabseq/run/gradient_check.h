@@ -40,7 +40,7 @@ struct GradientCheck {
 /// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
 /// Collective.
 template <int Dim>
-GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const Design& design);
 
 }  // namespace fabseq

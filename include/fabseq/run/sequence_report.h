@@ -28,7 +28,7 @@ struct SequenceReport {
 
 /// Reports the state of a pipeline's last run. Collective.
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
+SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
 /// Largest and rms displacement ([owned node][component]) of the part's nodes: `max`, `rms`. Collective.
