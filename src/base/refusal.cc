@@ -14,9 +14,9 @@ std::string join(const std::vector<std::string>& words, const std::string& separ
 }
 
 std::string shown(const Json& value) {
-  if (value.is_number() && !std::isfinite(value.number())) return std::to_string(value.number());
+  if (value.is_number() && !std::isfinite(value.get<double>())) return std::to_string(value.get<double>());
   constexpr std::size_t longest = 80;
-  std::string text = value.dump();
+  std::string text = to_text(value);
   if (text.size() <= longest) return text;
   std::size_t end = longest - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)

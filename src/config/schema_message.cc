@@ -51,7 +51,7 @@ std::string pointer_to(const std::string& pointer, const std::string& member) {
       escaped += character;
     }
   }
-  const std::string quoted = Json(escaped).dump();  // a line break in a key must not break the message
+  const std::string quoted = to_text(escaped);  // a line break in a key must not break the message
   return pointer + "/" + quoted.substr(1, quoted.size() - 2);
 }
 
