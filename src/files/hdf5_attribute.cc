@@ -73,7 +73,7 @@ bool write_attribute(hid_t object, const std::string& name, const Json& value) {
     return write_scalar(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
   }
   if (value.is_string()) {
-    const char* text = value.get<std::string>().c_str();
+    const char* text = value.get_ref<const std::string&>().c_str();
     const Hdf5Datatype type = string_type();
     return type && write_scalar(object, name, type, type, static_cast<const void*>(&text));
   }

@@ -14,12 +14,12 @@ constexpr double layers_in_reach = 10.0;
 
 Json LayerVariables::record(std::span<const double> values) const {
   if (columns == 0) return std::vector<double>(values.begin(), values.end());
-  Json rows = Json::array();
+  Json table = Json::array();
   for (std::size_t first = 0; first < values.size(); first += columns) {
-    const auto row = values.subspan(first, columns);
-    rows.push_back(std::vector<double>(row.begin(), row.end()));
+    const auto of_sub_part = values.subspan(first, columns);
+    table.push_back(std::vector<double>(of_sub_part.begin(), of_sub_part.end()));
   }
-  return rows;
+  return table;
 }
 
 LayerVariables time_point_variables(int layers) {

@@ -11,7 +11,7 @@ namespace fabseq {
 
 namespace {
 
-/// In a checkpoint.
+/// Its name in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
 
 }  // namespace
@@ -96,7 +96,7 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     });
     result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count()), {}, {}});
   }
-  const std::vector<double> work(rows.size(), 1.0);  // a heat adjoint each
+  const std::vector<double> work(rows.size(), 1.0);  // one heat adjoint per row
   const LayerDeal deal =
       deal_out_layers(work, model_.groups.count(), HeatSolver<Dim>::widest, model_.block_solver());
   for (int group = 0; group < model_.groups.count(); ++group)

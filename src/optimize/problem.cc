@@ -34,7 +34,7 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
   add_functionals(context);
 }
 
-/// Of terms without weight they would be rows without meaning.
+/// Terms without weight get none: their rows would have no meaning.
 template <int Dim>
 void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -195,12 +195,11 @@ std::string Problem<Dim>::component_name(std::size_t response, std::size_t compo
 }
 
 template <int Dim>
-Json Problem<Dim>::describe(const std::vector<std::vector<double>>& values) const {
-  Json result = Json::array();
+std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<double>>& values) const {
+  std::vector<NamedValue> result;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.push_back(Json::object(
-          {{"name", component_name(r, c)}, {"type", responses_[r]->type()}, {"value", values[r][c]}}));
+      result.push_back({component_name(r, c), responses_[r]->type(), values[r][c]});
   return result;
 }
 

@@ -2,9 +2,11 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
+#include "fabseq/run/history_line.h"
 #include "fabseq/run/layer_variable_output.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/run_directory.h"
 #include "fabseq/run/tasks.h"
+#include "fabseq/run/terminal.h"
 
 #include <algorithm>
 #include <string>
@@ -61,15 +63,11 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                    gradients[row], pipeline.sequence().has_design());
   file.close();
   Json record = Json::object({{"beta", setup.layers->traits().first_beta}, {"binary", setup.binary()}});
-  for (const auto& [key, value] : report.block) record[key] = value;
+  add_members(record, report);
   set_layer_variables(record, setup.layers->variables(), design);
-  const SolverIterations& solves = pipeline.iterations();
-  record["solver_iterations"] =
-      Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}});
+  record["solver_iterations"] = to_record(pipeline.iterations());
   directory.write("evaluation.json", to_text(record, 2) + "\n");
-  for (const Json& response : report.block.at("responses"))
-    print(response.at("name").get<std::string>() + " (" + response.at("type").get<std::string>() +
-          "): " + response.at("value").dump());
+  print_responses(report);
   print("values and gradients in " + directory.path());
 }
 

@@ -19,7 +19,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   warn_about_method();
 }
 
-/// In the design's and in the planar baseline.
+/// The design's sequence and the planar baseline count.
 template <int Dim>
 int Setup<Dim>::most_layers_of_a_sequence() const {
   return std::max(this->layers->count(), this->baseline->count());

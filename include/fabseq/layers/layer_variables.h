@@ -26,7 +26,7 @@ struct LayerVariables {
   bool fixed = false;  ///< part of every design, but kept from the optimizer
 
   std::size_t count() const { return start.size(); }
-  /// Values as a list, or as a list of rows.
+  /// Values as a list, or per sub-part a list.
   Json record(std::span<const double> values) const;
 };
 

@@ -19,7 +19,7 @@ struct MmaBox;
 /// = 0, d = 2.
 struct MmaRows {
   double a0 = 1.0;
-  std::vector<double> a, c, d;  ///< one entry a row
+  std::vector<double> a, c, d;  ///< one entry per row
   /// m ordinary constraints: a = 0, c = 1000, d = 1.
   static MmaRows constraints(int m);
   /// Adds the pairs of so many least-squares residuals: a = 0, c = 0, d = 2.
@@ -58,8 +58,8 @@ class Mma {
   /// Moves `x` to the solution of the convex subproblem.
   /// \param x                 variables, this rank's (in and out)
   /// \param objective_gradient df0/dx, this rank's
-  /// \param values            f_i, one a row, the same on all ranks
-  /// \param gradients         df_i/dx, one vector of this rank's entries a row
+  /// \param values            f_i, one per row, the same on all ranks
+  /// \param gradients         df_i/dx, per row one vector of this rank's entries
   /// \param lower,upper       bounds of each variable; their distance is its range; with lower = upper it
   /// stays \param move_limit        largest step, fraction of the range \param rows              the general
   /// form's coefficients of each row Throws NumericalError if values or gradients are not finite or the

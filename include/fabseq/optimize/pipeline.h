@@ -48,7 +48,7 @@ class Pipeline {
   /// The models and the timer must outlive the pipeline.
   Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> sequence, const LayerModel<Dim>& layers,
            double tolerance, PhaseTimer& timer);
-  /// With the sequence and the layers that the model asks for.
+  /// Takes sequence and layers that the model asks for.
   Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return *sequence_; }
