@@ -1,121 +1,39 @@
 // SPDX-License-Identifier: MIT
+// clang-format off
 /// \file
 /// fabseq: optimizes the fabrication sequence of a part so that it distorts least.
 ///
-///     minimize    sum of weighted terms of the displacement u and the layers' uniformity
-///     subject to  bounds on the thickness (or volume) of each layer
+///     minimize    weighted terms of the displacement u, of the layers' uniformity and the like
+///     subject to  bounds on the layers, such as their thickness or volume
 ///
-///     design --Sequence--> pseudo-time --Layers--> densities --Process--> displacements --Responses-->
-///     values
-///            <-----------------------------------  gradients  <-------------------------------------
+///                    t            rho              u
+///     design ---> Sequence ---> Layers ---> Process ---> Responses ---> Problem ---> values
+///       ^           (2)          (3)          (4)         (5 to 7)        (9)          |
+///       |                                                                              |
+///     MMA (9) <--- gradients of all rows <--- adjoints of the same stages (8) <--------+
 ///
-/// 1 pseudo-time from the design by a heat problem                     (docs/formulation.md 2)
-/// 2 layers from the pseudo-time                                       (3)
-/// 3 one inherent-strain solve a layer                                 (4)
-/// 4 objective and constraints, and their gradients by adjoints        (5 to 8)
-/// 5 a new design by the method of moving asymptotes                   (9)
+/// Numbers are the sections of docs/formulation.md.
+// clang-format on
 #include "fabseq/base/error.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/optimize/run_state.h"
-#include "fabseq/run/coarse_grid.h"
-#include "fabseq/run/restart.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/optimization.h"
 #include "fabseq/run/tasks.h"
-#include "fabseq/sequence/given_sequence.h"
-
-#include <cstdio>
 
 namespace fabseq {
 namespace {
 
-template <int Dim>
-SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), make_uniform_layers(setup),
-                         setup.config.solver.tolerance, timer);
-  const auto state = pipeline.run({}, setup.baseline_layers, 0.0, true);
-  return report_sequence(setup, problem, pipeline, state);
-}
-
-/// Terms that are scaled by their first values are so by those of the initial design, as without a coarse
-/// grid.
-template <int Dim>
-void scale_by_initial_design(const Setup<Dim>& setup, const CommandLine& command_line,
-                             Pipeline<Dim>& pipeline, Problem<Dim>& problem) {
-  const Design initial = starting_design(setup, pipeline.sequence(), command_line);
-  problem.evaluate(pipeline, pipeline.run(initial, setup.layer_count, setup.first_beta(), false));
-  pipeline.start_cold();
-}
-
-/// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
-template <int Dim>
-std::optional<ProblemValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
-                                          RunState<Dim>& run, int iteration) {
-  if (!run.continuation.judges_binary(iteration)) return std::nullopt;
-  const double beta = run.continuation.beta(iteration);
-  return run.problem.evaluate(pipeline, pipeline.run(run.design(), setup.layer_count, beta, true));
-}
-
-template <int Dim>
-FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                const BestIterate& best) {
-  FinalReports<Dim> reports;
-  for (const bool binary : {false, true}) {
-    const auto state = pipeline.run(best.design(), setup.layer_count, best.beta(), binary);
-    (binary ? reports.binary : reports.optimized) = report_sequence(setup, problem, pipeline, state);
-    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
-  }
-  return reports;
-}
-
-template <int Dim>
-void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
-
-/// The first iterations, on a grid of half the resolution if the config asks for that; returns the command
-/// line of the others, whose -design they come to.
-template <int Dim>
-CommandLine begin_on_coarse_grid(const CoarseGrid<Dim>& coarse, const CommandLine& command_line,
-                                 const Setup<Dim>& setup, RunOutput<Dim>& output) {
-  const auto grid_text = [](const Setup<Dim>& of) {
-    return to_text<Dim>(of.grid.domain().elements) + " elements";
-  };
-  print("begins with " + std::to_string(coarse.setup().config.optimizer.max_iterations) + " iterations on " +
-        grid_text(coarse.setup()));
-  PhaseTimer timer;
-  try {
-    optimize(coarse.command_line(command_line, output.path()), coarse.setup(), timer);
-  } catch (const Stopped& reason) {
-    output.end_before_the_first("stopped", reason.what());
-    throw;
-  } catch (const NumericalError& error) {
-    output.end_before_the_first("failed", error.what());
-    throw;
-  }
-  CommandLine others = command_line;
-  others.design_file = CoarseGrid<Dim>::refine(setup, output.path());
-  print("goes on with " + std::to_string(setup.config.optimizer.max_iterations) + " iterations on " +
-        grid_text(setup));
-  return others;
-}
-
+/// One design after the other, until they converge or there have been as many as were asked for.
 template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  const Config& config = setup.config;
   const std::optional<Restart> restart = find_restart(setup, command_line);
   const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
   RunOutput<Dim> output(setup, command_line, restart, timer);
-  const CommandLine start =
-      coarse ? begin_on_coarse_grid(*coarse, command_line, setup, output) : command_line;
-  const double tolerance = config.solver.tolerance;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  RunState<Dim> run(setup, pipeline.sequence(), starting_design(setup, pipeline.sequence(), start));
-  if (coarse) scale_by_initial_design(setup, command_line, pipeline, run.problem);
-  if (restart) {
-    run.restore(restart->state);
-    pipeline.restore(restart->state);
-  }
+  const CommandLine start =  // grid sequencing (9)
+      begin_on_coarse_grid<Dim>(coarse, command_line, setup, output, optimize<Dim>);
+  Pipeline<Dim> pipeline(setup, setup.config.solver.tolerance, timer);
+  RunState<Dim> run = starting_state(setup, command_line, start, restart, pipeline);
   try {
     output.keep(run, pipeline);
     output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());
@@ -123,19 +41,21 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       note_iterations(run.completed());
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
-      const double beta = run.continuation.beta(iteration);
-      const auto binary = judge_binary(setup, pipeline, run, iteration);
-      const auto state = pipeline.run(run.design(), setup.layer_count, beta, config.projection.binary);
+      const double beta = run.continuation.beta(iteration);        // sharpness (3.1)
+      const auto binary = judge_binary(pipeline, run, iteration);  // (9)
+      // Pseudo-time (2), layers (3), displacements (4).
+      const auto state = pipeline.run(run.design(), beta, setup.config.projection.binary);
+      // Objective and constraints (5 to 7), scaled (9).
       const Iterate iterate{iteration, beta, run.problem.evaluate(pipeline, state), binary};
       run.best.offer(iterate, run.design());
-
+      // Adjoints through all stages (8).
       const ProblemGradients gradients = run.problem.gradients(pipeline, state, iterate.values);
+      // A step of the method of moving asymptotes (9).
       Design next = run.design();
-      StepReport step;
-      {
+      const StepReport step = [&] {
         const auto scope = timer.enter(Phase::optimizer);
-        step = run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
-      }
+        return run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
+      }();
       output.iteration(iterate, step, pipeline, state, run.design());
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
@@ -170,12 +90,8 @@ void run_task(const CommandLine& command_line, const Config& config) {
   }
 }
 
-/// What docs/users-guide.md holds between its marks, to the character.
-void print_reference() {
-  std::string text = reference_table();
-  text.pop_back();  // print() ends the line
-  print(text);
-}
+/// What docs/users-guide.md holds between its marks; print() ends the last line.
+std::string reference_text() { return reference_table().substr(0, reference_table().size() - 1); }
 
 }  // namespace
 }  // namespace fabseq
@@ -195,7 +111,7 @@ int main(int argc, char** argv) {
   return run_session(command_line.petsc_arguments, [&] {
     if (!refusal.empty()) throw InputError(refusal);
     if (command_line.help) return print(help_text());
-    if (command_line.help_markdown) return print_reference();
+    if (command_line.help_markdown) return print(reference_text());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
     return config.dimension == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);

@@ -196,10 +196,10 @@ OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequ
   const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;
   optimizer.final_move_limit = optional_number(value.at("final_move_limit")).value_or(final_limit);
   const Json& asymptotes = value.at("asymptotes");
-  optimizer.asymptote_initial = asymptotes.at("initial").get<double>();
-  optimizer.asymptote_increase = asymptotes.at("increase").get<double>();
-  optimizer.asymptote_decrease = asymptotes.at("decrease").get<double>();
-  optimizer.asymptote_floor = asymptotes.at("floor").get<double>();
+  optimizer.mma.asymptote_initial = asymptotes.at("initial").get<double>();
+  optimizer.mma.asymptote_increase = asymptotes.at("increase").get<double>();
+  optimizer.mma.asymptote_decrease = asymptotes.at("decrease").get<double>();
+  optimizer.mma.asymptote_floor = asymptotes.at("floor").get<double>();
   optimizer.constraint_margin = value.at("constraint_margin").get<double>();
   optimizer.binary_iterations = integer(value, "binary_iterations");
   optimizer.coarse_iterations = integer(value, "coarse_iterations");
@@ -230,6 +230,14 @@ OutputSettings make_output(const Json& value) {
   return {integer(value, "every"), integer(value, "checkpoint_every"), value.at("stages").get<bool>()};
 }
 
+/// The first constraint on the thickness says how thick layers shall be.
+std::optional<TargetThickness> target_of(const std::vector<ConstraintTerm>& constraints) {
+  for (std::size_t i = 0; i < constraints.size(); ++i)
+    if (constraints[i].type == "layer_thickness")
+      return TargetThickness{constraints[i].target, "/constraints/" + std::to_string(i) + "/target"};
+  return std::nullopt;
+}
+
 void read_domain(Config& config, const Json& value) {
   config.size = value.at("size").get<std::vector<double>>();
   config.dimension = static_cast<int>(config.size.size());
@@ -239,18 +247,6 @@ void read_domain(Config& config, const Json& value) {
 }
 
 }  // namespace
-
-std::optional<double> Config::target_thickness() const {
-  for (const ConstraintTerm& term : constraints) {
-    if (term.type == "layer_thickness") return term.target;
-  }
-  return std::nullopt;
-}
-
-bool Config::has_release() const {
-  return std::any_of(objective.begin(), objective.end(),
-                     [](const ObjectiveTerm& term) { return term.after_release; });
-}
 
 Config make_config(const Json& document, const std::string& directory) {
   Config config;
@@ -271,6 +267,7 @@ Config make_config(const Json& document, const std::string& directory) {
   config.projection = make_projection(all.at("projection"));
   for (const Json& term : all.at("objective")) config.objective.push_back(make_objective_term(term));
   for (const Json& term : all.at("constraints")) config.constraints.push_back(make_constraint(term));
+  config.layers.target = target_of(config.constraints);
   config.baseline.layers = optional_integer(all.at("baseline").at("layers"));
   config.baseline.direction = optional_vector(all.at("baseline").at("direction"));
   config.optimizer = make_optimizer(all.at("optimizer"), config.sequence);

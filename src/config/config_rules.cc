@@ -203,7 +203,7 @@ void check_multi_planar(const Config& config) {
 
 void check_layers(const Config& config) {
   if (config.layers.multi_planar) return check_multi_planar(config);
-  if (config.layers.count || config.target_thickness()) return;
+  if (config.layers.count || config.layers.target) return;
   refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
          "an integer in [1, " + std::to_string(most_layers) +
              "], or \"auto\" with a constraint of type layer_thickness");

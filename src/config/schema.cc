@@ -120,12 +120,6 @@ std::vector<std::string> split(std::string_view text, char separator) {
   return result;
 }
 
-std::string join(const std::vector<std::string>& words, const std::string& separator) {
-  std::string result;
-  for (const std::string& word : words) result += (result.empty() ? "" : separator) + word;
-  return result;
-}
-
 std::string subsection(const ConfigKey& key) {
   return key.section.empty() ? std::string(key.name) : std::string(key.section) + "." + std::string(key.name);
 }

@@ -4,7 +4,6 @@
 #include "fabseq/config/schema.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace fabseq {
@@ -59,21 +58,6 @@ std::string pointer_to(const std::string& pointer, const std::string& member) {
 
 std::string pointer_to(const std::string& pointer, std::size_t index) {
   return pointer + "/" + std::to_string(index);
-}
-
-std::string shown(const Json& value) {
-  if (value.is_number() && !std::isfinite(value.get<double>())) return std::to_string(value.get<double>());
-  constexpr std::size_t longest = 80;
-  std::string text = to_text(value);
-  if (text.size() <= longest) return text;
-  std::size_t end = longest - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-    --end;  // keep UTF-8 characters whole
-  return text.substr(0, end) + "...";
-}
-
-void refuse(const std::string& pointer, const std::string& found, const std::string& allowed) {
-  throw InputError((pointer.empty() ? "/" : pointer) + ": found " + found + "; allowed: " + allowed);
 }
 
 }  // namespace fabseq

@@ -95,7 +95,7 @@ void MultiPlanarLayers<Dim>::set_slab(std::span<const double> height, int slab,
   for (std::size_t e = 0; e < height.size(); ++e) values[e] = step.value(height[e]);
 }
 
-/// From floor(min S / w) to ceil(max S / w) + 1 over all ranks.
+/// Slabs go from floor(min S / w) to ceil(max S / w) + 1 over all ranks.
 template <int Dim>
 void MultiPlanarLayers<Dim>::find_slabs(const std::vector<std::vector<double>>& height,
                                         SubParts& sub_parts) const {
@@ -115,7 +115,7 @@ void MultiPlanarLayers<Dim>::find_slabs(const std::vector<std::vector<double>>& 
   }
 }
 
-/// Of every slab of every sub-part, over all ranks. An element is in two or three slabs.
+/// One number per slab of each sub-part, over all ranks. An element is in two or three slabs.
 template <int Dim>
 std::vector<std::vector<double>> MultiPlanarLayers<Dim>::largest_densities(
     const std::vector<std::vector<double>>& height, const SubParts& sub_parts) const {

@@ -8,8 +8,8 @@ namespace fabseq {
 
 namespace {
 
-// Of a variable's own equation, in v. Steps converge quadratically: after one as small as this the next would
-// be lost in rounding.
+// Tolerance of a variable's own equation, in v. Steps converge quadratically: after one as small as this the
+// next would be lost in rounding.
 constexpr double step_tolerance = 1e-8;
 constexpr int step_iterations = 60;
 

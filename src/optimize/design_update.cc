@@ -9,29 +9,14 @@
 
 namespace fabseq {
 
-namespace {
-
-MmaSettings mma_settings(const OptimizerSettings& settings) {
-  MmaSettings result;
-  result.asymptote_initial = settings.asymptote_initial;
-  result.asymptote_increase = settings.asymptote_increase;
-  result.asymptote_decrease = settings.asymptote_decrease;
-  result.asymptote_floor = settings.asymptote_floor;
-  return result;
-}
-
-}  // namespace
-
 DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_is_fixed,
-                           LayerVariables layer_variables, const Design& design,
-                           const OptimizerSettings& settings)
+                           LayerVariables layer_variables, const Design& design, const MmaSettings& settings)
     : comm_(comm),
       space_(space),
       field_is_fixed_(field_is_fixed),
       layer_variables_(std::move(layer_variables)),
       field_size_(field_is_fixed ? 0 : design.field.size()),
-      mma_(comm, field_size_ + (has_layer_variables() ? layer_variable_count() : 0), mma_settings(settings)) {
-}
+      mma_(comm, field_size_ + (has_layer_variables() ? layer_variable_count() : 0), settings) {}
 
 std::vector<double> DesignUpdate::to_variables(const Design& design) const {
   std::vector<double> result;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/pipeline.h"
 
+#include "fabseq/optimize/stages.h"
 #include "fabseq/solve/heat_solver.h"
 
 #include <algorithm>
@@ -10,36 +11,41 @@ namespace fabseq {
 
 namespace {
 
-/// In a checkpoint.
+/// Its name in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
 
 }  // namespace
 
 template <int Dim>
-Pipeline<Dim>::Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence,
-                        LayerMaker make_layers, double tolerance, PhaseTimer& timer)
-    : setup_(setup),
+Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> sequence,
+                        const LayerModel<Dim>& layers, double tolerance, PhaseTimer& timer)
+    : model_(model),
       timer_(timer),
       sequence_(std::move(sequence)),
-      make_layers_(std::move(make_layers)),
-      strain_(setup.config.material, setup.characteristic_length),
-      model_(setup.part, setup.supports, setup.config.material, setup.config.process),
-      process_(model_, make_elasticity_solver(setup, model_, tolerance), setup.groups, setup.block_solver(),
-               setup.lanes) {
-  if (setup.config.has_release()) process_.release_with(release_solver(setup.config, tolerance));
+      layer_model_(layers),
+      negligible_{tolerance * model.settings.process.min_stiffness, model.settings.process.strain_penalty},
+      strain_(model.settings.material, model.characteristic_length),
+      elastic_(model.part, model.supports, model.settings.material, model.settings.process),
+      process_(elastic_, make_elasticity_solver(model, elastic_, tolerance), model.groups,
+               model.block_solver(), model.lanes) {
+  if (model.settings.has_release()) process_.release_with(release_solver(model.settings.solver, tolerance));
 }
 
 template <int Dim>
-PipelineState<Dim> Pipeline<Dim>::run(const Design& design, int layers, double beta, bool binary) {
+Pipeline<Dim>::Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer)
+    : Pipeline(model, make_sequence(model, tolerance), *model.layers, tolerance, timer) {}
+
+template <int Dim>
+PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool binary) {
   time_ = nullptr;
   layer_variables_ = design.layer_variables.size();
   {
     const auto scope = timer_.enter(Phase::heat);
-    time_ = &sequence_->update(setup_.groups.gather(design.field));
+    time_ = &sequence_->update(model_.groups.gather(design.field));
   }
   {
     const auto scope = timer_.enter(Phase::layers);
-    layers_ = make_layers_(design.layer_variables, layers, beta, binary);
+    layers_ = layer_model_.make(design.layer_variables, beta, binary, negligible_);
     layers_->set_densities(time_->time, densities_);
   }
   const auto scope = timer_.enter(Phase::primal);
@@ -59,7 +65,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(
   for (const auto& response : responses) {
     std::vector<double>& values = result.emplace_back(response->values(state));
     // Decisions hang on them: sums of different groups may differ in the last bit.
-    setup_.groups.broadcast(0, values);
+    model_.groups.broadcast(0, values);
   }
   return result;
 }
@@ -90,10 +96,10 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     });
     result.push_back({&terms, 0, shared, PipelineAdjoint<Dim>(state.layers.count()), {}, {}});
   }
-  const std::vector<double> work(rows.size(), 1.0);  // a heat adjoint each
+  const std::vector<double> work(rows.size(), 1.0);  // one heat adjoint per row
   const LayerDeal deal =
-      deal_out_layers(work, setup_.groups.count(), HeatSolver<Dim>::widest, setup_.block_solver());
-  for (int group = 0; group < setup_.groups.count(); ++group)
+      deal_out_layers(work, model_.groups.count(), HeatSolver<Dim>::widest, model_.block_solver());
+  for (int group = 0; group < model_.groups.count(); ++group)
     for (const LayerBlock& block : deal.blocks[group])
       for (int row = block.first; row < block.first + block.lanes; ++row) result[row].owner = group;
   return result;
@@ -120,7 +126,7 @@ template <int Dim>
 void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                              const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::responses);
-  setup_.groups.run([&] {
+  model_.groups.run([&] {
     for (Row& row : rows) {
       if (!is_own(row) && !row.shared) continue;
       for (const WeightedComponent& term : *row.terms)
@@ -177,13 +183,13 @@ std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState
     DensityDerivatives& densities = row.adjoint.densities;
     if (row.shared && strain_.turns()) {
       strain_.pull_back(state.time.gradient, state.layers, row.strains, time.gradient, densities);
-      if (densities.directions.empty()) setup_.groups.sum_at(row.owner, time.gradient);
+      if (densities.directions.empty()) model_.groups.sum_at(row.owner, time.gradient);
     }
     // What is the same on all ranks counts once.
-    if (!is_own(row) || rank_of(setup_.groups.domain()) != 0) densities.time_points.clear();
+    if (!is_own(row) || rank_of(model_.groups.domain()) != 0) densities.time_points.clear();
     row.layer_variables.resize(layer_variables_, 0.0);
     layers_->pull_back(state.time.time, state.layers, densities, time.time, row.layer_variables);
-    if (row.shared) setup_.groups.sum_at(row.owner, time.time);
+    if (row.shared) model_.groups.sum_at(row.owner, time.time);
     if (is_own(row)) result.push_back(std::move(time));
   }
   return result;
@@ -194,7 +200,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<con
                                                                    const std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::heat);
   std::vector<std::vector<double>> gradients;
-  setup_.groups.run([&] {
+  model_.groups.run([&] {
     if (!own.empty()) gradients = sequence_->pull_back(own);
   });
   std::vector<int> owners, iterations(rows.size(), 0);
@@ -205,10 +211,10 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<con
     if (is_own(rows[row]) && next < solves.size()) iterations[row] = solves[next++];
   }
   if (!time_->temperature.empty()) {
-    setup_.groups.sum(iterations);
+    model_.groups.sum(iterations);
     iterations_.heat.insert(iterations_.heat.end(), iterations.begin(), iterations.end());
   }
-  return setup_.groups.share_out(gradients, owners, sequence_->variables());
+  return model_.groups.share_out(gradients, owners, sequence_->variables());
 }
 
 /// Derivatives by the layers' variables of every row, from the parts of all ranks.
@@ -220,7 +226,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::sum_up_layer_variables(const std
   for (std::size_t row = 0; row < rows.size(); ++row)
     std::copy(rows[row].layer_variables.begin(), rows[row].layer_variables.end(),
               sums.begin() + static_cast<std::ptrdiff_t>(row * layer_variables_));
-  sum_in_place(setup_.world(), sums);
+  sum_in_place(model_.world(), sums);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const auto first = sums.begin() + static_cast<std::ptrdiff_t>(row * layer_variables_);
     result[row].assign(first, first + static_cast<std::ptrdiff_t>(layer_variables_));

@@ -24,17 +24,17 @@ double normalized(double normalize, double value) { return value > 0.0 ? normali
 }  // namespace
 
 template <int Dim>
-Problem<Dim>::Problem(const Setup<Dim>& setup)
-    : terms_(setup.config.objective), margin_(setup.config.optimizer.constraint_margin) {
-  const ResponseContext<Dim> context = setup.context();
+Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
+    : terms_(model.settings.objective), margin_(constraint_margin) {
+  const ResponseContext<Dim> context = model.context();
   for (const ObjectiveTerm& term : terms_) responses_.push_back(make_objective<Dim>(term, context));
-  for (const ConstraintTerm& term : setup.config.constraints)
+  for (const ConstraintTerm& term : model.settings.constraints)
     responses_.push_back(make_constraint<Dim>(term, context));
   configured_ = responses_.size();
   add_functionals(context);
 }
 
-/// Of terms without weight they would be rows without meaning.
+/// Terms without weight get none: their rows would have no meaning.
 template <int Dim>
 void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -195,12 +195,11 @@ std::string Problem<Dim>::component_name(std::size_t response, std::size_t compo
 }
 
 template <int Dim>
-Json Problem<Dim>::describe(const std::vector<std::vector<double>>& values) const {
-  Json result = Json::array();
+std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<double>>& values) const {
+  std::vector<NamedValue> result;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.push_back(Json::object(
-          {{"name", component_name(r, c)}, {"type", responses_[r]->type()}, {"value", values[r][c]}}));
+      result.push_back({component_name(r, c), responses_[r]->type(), values[r][c]});
   return result;
 }
 

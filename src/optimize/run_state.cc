@@ -6,16 +6,18 @@
 namespace fabseq {
 
 template <int Dim>
-RunState<Dim>::RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, Design design)
-    : problem(setup),
-      continuation(setup.config.projection, setup.first_beta(), setup.last_beta(), setup.config.optimizer),
-      optimizer(setup.world(), sequence.space(), setup.config.has_fixed_time(), setup.layer_variables, design,
-                setup.config.optimizer),
-      best(setup.layer_variables.name),
-      settings_(setup.config.optimizer),
-      layer_variables_(setup.layer_variables),
+RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settings,
+                        const Sequence<Dim>& sequence, Design design)
+    : problem(model, settings.constraint_margin),
+      continuation(model.settings.projection, model.layers->traits().first_beta,
+                   model.layers->traits().last_beta, settings),
+      optimizer(model.world(), sequence.space(), model.layers->traits().time_is_fixed,
+                model.layers->variables(), design, settings.mma),
+      best(model.layers->variables().name),
+      settings_(settings),
+      layer_variables_(model.layers->variables()),
       design_(std::move(design)),
-      convergence_(setup.config.optimizer, problem.merit_unit()) {}
+      convergence_(settings, problem.merit_unit()) {}
 
 template <int Dim>
 void RunState<Dim>::complete(Design next, double change, const ProblemValues& values) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/stages.h"
 
-#include "fabseq/layers/curved_layers.h"
-#include "fabseq/layers/multi_planar_layers.h"
 #include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/heat_sequence.h"
@@ -30,116 +28,85 @@ LaneCycle lane_cycle(const SolverSettings& settings) {
   return cycle;
 }
 
+/// Elasticity is solved to `tolerance`, heat a thousand times closer: its error enters all others.
+AssembledSolverSettings elasticity_settings(const SolverSettings& settings, double tolerance) {
+  return {settings.method, std::max(tolerance, smallest_tolerance), 1000, "elasticity_"};
+}
+
+AssembledSolverSettings heat_settings(const SolverSettings& settings, double tolerance) {
+  return {settings.method, std::max(1e-3 * tolerance, smallest_tolerance), 1000, "heat_"};
+}
+
 template <int Dim>
-std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Setup<Dim>& setup, const HeatModel<Dim>& model,
+std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Model<Dim>& model, const HeatModel<Dim>& heat,
                                                   double tolerance) {
-  const AssembledSolverSettings settings = heat_solver_settings(setup.config, tolerance);
-  if (setup.config.solver.path == SolverPath::lanes)
-    return std::make_unique<LaneHeat<Dim>>(setup.grid, model.domain, model.lumped, lane_iterations, settings,
-                                           setup.lanes);
-  return std::make_unique<ReferenceHeat<Dim>>(setup.grid, model.domain, model.lumped, settings);
+  const AssembledSolverSettings settings = heat_settings(model.settings.solver, tolerance);
+  if (model.settings.solver.path == SolverPath::lanes)
+    return std::make_unique<LaneHeat<Dim>>(model.grid, heat.domain, heat.lumped, lane_iterations, settings,
+                                           model.lanes);
+  return std::make_unique<ReferenceHeat<Dim>>(model.grid, heat.domain, heat.lumped, settings);
 }
 
 template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Setup<Dim>& setup, double tolerance) {
-  const SequenceSettings& settings = setup.config.sequence;
-  const auto target = setup.config.target_thickness();
-  const double gradient = target ? 1.0 / (setup.layer_count * *target) : 0.0;
-  auto model = std::make_unique<const HeatModel<Dim>>(setup.part, settings);
-  auto solver = make_heat_solver(setup, *model, tolerance);
-  return std::make_unique<HeatSequence<Dim>>(setup.part, settings, gradient, std::move(model),
-                                             std::move(solver), setup.groups.across(), setup.lanes);
-}
-
-/// T_0 ... T_N, with those that vary.
-std::vector<double> time_points_of(std::span<const double> variables, int layers) {
-  if (variables.empty()) return uniform_time_points(layers);
-  std::vector<double> result = {0.0};
-  result.insert(result.end(), variables.begin(), variables.end());
-  result.push_back(1.0);
-  return result;
+std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Model<Dim>& model, double tolerance) {
+  const SequenceSettings& settings = model.settings.sequence;
+  const auto& target = model.settings.layers.target;
+  const double gradient = target ? 1.0 / (model.layers->count() * target->value) : 0.0;
+  auto heat = std::make_unique<const HeatModel<Dim>>(model.part, settings);
+  auto solver = make_heat_solver(model, *heat, tolerance);
+  return std::make_unique<HeatSequence<Dim>>(model.part, settings, gradient, std::move(heat),
+                                             std::move(solver), model.groups.across(), model.lanes);
 }
 
 }  // namespace
 
-AssembledSolverSettings elasticity_solver_settings(const Config& config, double tolerance) {
-  return {config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "elasticity_"};
-}
-
-ReleaseSolver release_solver(const Config& config, double tolerance) {
-  return {{config.solver.method, std::max(tolerance, smallest_tolerance), 1000, "release_"},
-          config.solver.path,
-          lane_cycle(config.solver)};
-}
-
-AssembledSolverSettings heat_solver_settings(const Config& config, double tolerance) {
-  return {config.solver.method, std::max(1e-3 * tolerance, smallest_tolerance), 1000, "heat_"};
+ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
+  return {{settings.method, std::max(tolerance, smallest_tolerance), 1000, "release_"},
+          settings.path,
+          lane_cycle(settings)};
 }
 
 template <int Dim>
-std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Setup<Dim>& setup,
-                                                              const ElasticModel<Dim>& model,
+std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Model<Dim>& model,
+                                                              const ElasticModel<Dim>& elastic,
                                                               double tolerance) {
-  const SolverSettings& solver = setup.config.solver;
+  const SolverSettings& solver = model.settings.solver;
   if (solver.path == SolverPath::lanes)
-    return std::make_unique<LaneElasticity<Dim>>(
-        setup.grid, model.domain, model.material.poisson, lane_cycle(solver), lane_iterations,
-        elasticity_solver_settings(setup.config, tolerance), setup.lanes);
-  return std::make_unique<ReferenceElasticity<Dim>>(setup.grid, model.domain, model.element.stiffness(),
-                                                    elasticity_solver_settings(setup.config, tolerance));
+    return std::make_unique<LaneElasticity<Dim>>(model.grid, elastic.domain, elastic.material.poisson,
+                                                 lane_cycle(solver), lane_iterations,
+                                                 elasticity_settings(solver, tolerance), model.lanes);
+  return std::make_unique<ReferenceElasticity<Dim>>(model.grid, elastic.domain, elastic.element.stiffness(),
+                                                    elasticity_settings(solver, tolerance));
 }
 
 template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_sequence(const Setup<Dim>& setup, double tolerance) {
-  const SequenceSettings& settings = setup.config.sequence;
+std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tolerance) {
+  const SequenceSettings& settings = model.settings.sequence;
   switch (settings.type) {
     case SequenceType::planar:
-      return std::make_unique<GivenSequence<Dim>>(planar_time(setup.part, settings.direction));
+      return std::make_unique<GivenSequence<Dim>>(planar_time(model.part, settings.direction));
     case SequenceType::file:
       return std::make_unique<GivenSequence<Dim>>(
-          time_from_file(setup.part, settings.file, settings.dataset));
+          time_from_file(model.part, settings.file, settings.dataset));
     case SequenceType::direct:
-      return make_direct_sequence(setup.part, setup.design_support, *setup.start, settings.filter_radius);
+      return make_direct_sequence(model.part, model.design_support, *model.start, settings.filter_radius);
     default:
-      return make_heat_sequence(setup, tolerance);
+      return make_heat_sequence(model, tolerance);
   }
 }
 
 template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Setup<Dim>& setup) {
-  return std::make_unique<GivenSequence<Dim>>(planar_time(setup.part, setup.config.baseline.direction));
+std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Model<Dim>& model) {
+  return std::make_unique<GivenSequence<Dim>>(planar_time(model.part, model.settings.baseline.direction));
 }
 
-template <int Dim>
-LayerMaker make_uniform_layers(const Setup<Dim>& setup) {
-  return [&setup](std::span<const double> variables, int count, double beta, bool binary) {
-    return std::make_unique<CurvedLayers>(setup.part.part_density(), time_points_of(variables, count), beta,
-                                          binary);
-  };
-}
-
-template <int Dim>
-LayerMaker make_layers(const Setup<Dim>& setup, double tolerance) {
-  if (!setup.config.layers.multi_planar) return make_uniform_layers(setup);
-  const ProcessSettings& process = setup.config.process;
-  const NegligibleLayers negligible{tolerance * process.min_stiffness, process.strain_penalty};
-  return [&setup, negligible](std::span<const double> angles, int, double, bool binary) {
-    return std::make_unique<MultiPlanarLayers<Dim>>(setup.part, *setup.config.layers.multi_planar, angles,
-                                                    binary, negligible);
-  };
-}
-
-template std::unique_ptr<Sequence<2>> make_sequence<2>(const Setup<2>&, double);
-template std::unique_ptr<Sequence<3>> make_sequence<3>(const Setup<3>&, double);
-template LayerMaker make_layers<2>(const Setup<2>&, double);
-template LayerMaker make_layers<3>(const Setup<3>&, double);
-template LayerMaker make_uniform_layers<2>(const Setup<2>&);
-template LayerMaker make_uniform_layers<3>(const Setup<3>&);
-template std::unique_ptr<Sequence<2>> make_baseline_sequence<2>(const Setup<2>&);
-template std::unique_ptr<Sequence<3>> make_baseline_sequence<3>(const Setup<3>&);
-template std::unique_ptr<ElasticitySolver<2>> make_elasticity_solver<2>(const Setup<2>&,
+template std::unique_ptr<Sequence<2>> make_sequence<2>(const Model<2>&, double);
+template std::unique_ptr<Sequence<3>> make_sequence<3>(const Model<3>&, double);
+template std::unique_ptr<Sequence<2>> make_baseline_sequence<2>(const Model<2>&);
+template std::unique_ptr<Sequence<3>> make_baseline_sequence<3>(const Model<3>&);
+template std::unique_ptr<ElasticitySolver<2>> make_elasticity_solver<2>(const Model<2>&,
                                                                         const ElasticModel<2>&, double);
-template std::unique_ptr<ElasticitySolver<3>> make_elasticity_solver<3>(const Setup<3>&,
+template std::unique_ptr<ElasticitySolver<3>> make_elasticity_solver<3>(const Model<3>&,
                                                                         const ElasticModel<3>&, double);
 
 }  // namespace fabseq

@@ -33,7 +33,7 @@ template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
-  const RunSize size = run_size(setup.config, setup.part, setup.layer_count, ranks);
+  const RunSize size = run_size(setup.config, setup.part, setup.layers->count(), ranks);
   print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
              2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
@@ -74,14 +74,14 @@ void run_check(const Setup<Dim>& setup) {
   }
   print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
              geodesic_height(part, distance));
-  print_line(setup.config.layers.multi_planar ? "layers: about %d multi-planar, %d planar in the baseline"
-                                              : "layers: %d curved, %d planar in the baseline",
-             setup.layer_count, setup.baseline_layers);
+  const LayerTraits& layers = setup.layers->traits();
+  print_line("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
+             layers.count, layers.kind.c_str(), setup.baseline->count());
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
   print_line("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
-             setup.design_support.on_nodes() ? "nodes" : "elements", setup.layer_variables.count(),
-             setup.config.layers.multi_planar ? "angles" : "time points");
+             setup.design_support.on_nodes() ? "nodes" : "elements", layers.variables.count(),
+             layers.variables.label.c_str());
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_cost(setup);

@@ -67,8 +67,9 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
 /// What "auto" stands for, lest it be another thing on the coarse grid.
 template <int Dim>
 void fix_automatic_values(const Setup<Dim>& fine, Json& document) {
-  if (find_member(document.at("layers"), "count") != nullptr) document["layers"]["count"] = fine.layer_count;
-  document["baseline"]["layers"] = fine.baseline_layers;
+  if (find_member(document.at("layers"), "count") != nullptr)
+    document["layers"]["count"] = fine.layers->count();
+  document["baseline"]["layers"] = fine.baseline->count();
   if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
     document["sequence"]["characteristic_length"] = fine.characteristic_length;
 }
@@ -180,7 +181,7 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
   file.template write_fields<Dim>(fields);
-  if (const LayerVariables& variables = fine.layer_variables; variables.count() > 0)
+  if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
     file.write_array(variables.name,
                      read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",
                                key, key, variables.columns),

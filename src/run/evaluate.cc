@@ -2,9 +2,11 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
+#include "fabseq/run/history_line.h"
 #include "fabseq/run/layer_variable_output.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/run_directory.h"
 #include "fabseq/run/tasks.h"
+#include "fabseq/run/terminal.h"
 
 #include <algorithm>
 #include <string>
@@ -36,7 +38,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
     fields.add(setup.design_support.on_nodes(), name + "/design", field);
     file.template write_fields<Dim>(fields);
   }
-  write_layer_variables(file, setup.layer_variables, name + "/", gradient);
+  write_layer_variables(file, setup.layers->variables(), name + "/", gradient);
 }
 
 }  // namespace
@@ -44,14 +46,13 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
 template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double tolerance = evaluation_tolerance(setup.config);
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  Problem<Dim> problem(setup);
+  Pipeline<Dim> pipeline(setup, tolerance, timer);
+  Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
+  const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
   const std::vector<GradientRow> rows = all_components<Dim>(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
@@ -61,16 +62,12 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
     write_gradient(file, setup, problem.component_name(rows[row][0].response, rows[row][0].component),
                    gradients[row], pipeline.sequence().has_design());
   file.close();
-  Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
-  for (const auto& [key, value] : report.block.items()) record[key] = value;
-  set_layer_variables(record, setup.layer_variables, design);
-  const SolverIterations& solves = pipeline.iterations();
-  record["solver_iterations"] =
-      Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}});
+  Json record = Json::object({{"beta", setup.layers->traits().first_beta}, {"binary", setup.binary()}});
+  add_members(record, report);
+  set_layer_variables(record, setup.layers->variables(), design);
+  record["solver_iterations"] = to_record(pipeline.iterations());
   directory.write("evaluation.json", to_text(record, 2) + "\n");
-  for (const Json& response : report.block.at("responses"))
-    print(response.at("name").get<std::string>() + " (" + response.at("type").get<std::string>() +
-          "): " + response.at("value").dump());
+  print_responses(report);
   print("values and gradients in " + directory.path());
 }
 

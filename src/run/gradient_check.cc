@@ -4,7 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/run_directory.h"
 #include "fabseq/run/tasks.h"
 
 #include <algorithm>
@@ -32,19 +32,19 @@ struct Direction {
 };
 
 template <int Dim>
-std::vector<Direction> directions(const Setup<Dim>& setup, const Design& design) {
+std::vector<Direction> directions(const Model<Dim>& model, const Design& design) {
   std::vector<Direction> result;
   const Design zero{std::vector<double>(design.field.size(), 0.0),
                     std::vector<double>(design.layer_variables.size(), 0.0)};
-  if (any(setup.world(), !design.field.empty())) {
+  if (any(model.world(), !design.field.empty())) {
     std::vector<double> field;
-    for (std::size_t i = 0; i < setup.design_support.size(); ++i)
-      field.push_back(pseudo_random(setup.design_support.number(i)));
+    for (std::size_t i = 0; i < model.design_support.size(); ++i)
+      field.push_back(pseudo_random(model.design_support.number(i)));
     result.push_back({"design", zero});
-    result.back().along.field = setup.groups.share(field);
+    result.back().along.field = model.groups.share(field);
   }
   if (!design.layer_variables.empty()) {
-    const LayerVariables& variables = setup.layer_variables;
+    const LayerVariables& variables = model.layers->variables();
     result.push_back({variables.name, zero});
     for (std::size_t j = 0; j < variables.count(); ++j)
       result.back().along.layer_variables[j] =
@@ -134,12 +134,10 @@ Json GradientCheck::json() const {
 }
 
 template <int Dim>
-GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const Design& design) {
   const DesignSpace space = pipeline.sequence().space();
-  const auto run = [&](const Design& x) {
-    return pipeline.run(x, setup.layer_count, setup.first_beta(), false);
-  };
+  const auto run = [&](const Design& x) { return pipeline.run(x, model.layers->traits().first_beta, false); };
   const auto state = run(design);
   const auto values = pipeline.values(problem.responses_and_functionals(), state);
   std::vector<GradientRow> rows;
@@ -149,7 +147,7 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
   const auto gradients = pipeline.gradients(problem.responses_and_functionals(), state, rows);
   GradientCheck check;
   for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(step_ratio_squared)) check.steps.push_back(step);
-  for (const auto& [variables, along] : directions(setup, design)) {
+  for (const auto& [variables, along] : directions(model, design)) {
     const std::size_t first = check.errors.size();
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const auto [response, component, weight] = rows[row][0];
@@ -158,12 +156,12 @@ GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pi
       error.type = problem.responses_and_functionals()[response]->type();
       error.variables = variables;
       error.value = values[response][component];
-      error.adjoint = slope_along(setup.world(), gradients[row], design, along, space);
+      error.adjoint = slope_along(model.world(), gradients[row], design, along, space);
     }
     for (const double step : check.steps) {
       const auto values_at = [&, &way = along](double distance) {
         return pipeline.values(problem.responses_and_functionals(),
-                               run(moved(design, way, distance, space, setup.layer_variables)));
+                               run(moved(design, way, distance, space, model.layers->variables())));
       };
       const auto ahead = values_at(step), behind = values_at(-step);
       for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -191,15 +189,14 @@ void keep_off_the_bounds(Design& design, const DesignSpace& space, const LayerVa
 
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, gradient_check_tolerance),
-                         make_layers(setup, gradient_check_tolerance), gradient_check_tolerance, timer);
-  Problem<Dim> problem(setup);
+  Pipeline<Dim> pipeline(setup, gradient_check_tolerance, timer);
+  Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   if (!pipeline.sequence().has_design()) {
     print("this sequence has no design variables: there are no gradients to check");
     return;
   }
   Design design = starting_design(setup, pipeline.sequence(), command_line);
-  keep_off_the_bounds(design, pipeline.sequence().space(), setup.layer_variables);
+  keep_off_the_bounds(design, pipeline.sequence().space(), setup.layers->variables());
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
@@ -218,8 +215,8 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print(line + directory.path());
 }
 
-template GradientCheck check_gradients<2>(const Setup<2>&, Problem<2>&, Pipeline<2>&, const Design&);
-template GradientCheck check_gradients<3>(const Setup<3>&, Problem<3>&, Pipeline<3>&, const Design&);
+template GradientCheck check_gradients<2>(const Model<2>&, Problem<2>&, Pipeline<2>&, const Design&);
+template GradientCheck check_gradients<3>(const Model<3>&, Problem<3>&, Pipeline<3>&, const Design&);
 template void run_check_gradients<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
 template void run_check_gradients<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
 

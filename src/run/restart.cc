@@ -20,7 +20,7 @@ namespace {
 /// Changes with the layout of checkpoints.
 constexpr int format = 4;
 
-/// Of the densities and their places; a sum, so that it does not matter which rank has which elements.
+/// Covers the densities and their places; a sum, so that it does not matter which rank has which elements.
 template <int Dim>
 std::string part_checksum(const Part<Dim>& part) {
   const Grid<Dim>& grid = part.grid();

@@ -5,10 +5,14 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
+#include "fabseq/optimize/stages.h"
 #include "fabseq/process/residual_stress.h"
 #include "fabseq/run/layer_variable_output.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/run_clock.h"
+#include "fabseq/run/run_directory.h"
+#include "fabseq/run/sequence_report.h"
 #include "fabseq/run/tasks.h"
+#include "fabseq/run/terminal.h"
 
 #include <cmath>
 #include <optional>
@@ -18,7 +22,7 @@ namespace fabseq {
 
 namespace {
 
-/// sqrt of the sum over all nodes of |increment|^2, a layer each.
+/// sqrt of the sum over all nodes of |increment|^2, one per layer.
 template <int Dim>
 std::vector<double> increment_norms(const ProcessSimulation<Dim>& process, int layers, MPI_Comm comm) {
   std::vector<double> norms(layers, 0.0);
@@ -57,7 +61,8 @@ std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation
   std::vector<double> release;
   try {
     process.groups().run([&] {
-      Release<Dim> solver(process.model(), release_solver(setup.config, setup.config.solver.tolerance));
+      Release<Dim> solver(process.model(),
+                          release_solver(setup.config.solver, setup.config.solver.tolerance));
       release = solver.displacement(reactions);
     });
   } catch (const NumericalError& error) {
@@ -67,102 +72,139 @@ std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation
   return release;
 }
 
+/// Displacement and stress, before or after the release.
 template <int Dim>
-Json stress_record(const Part<Dim>& part, std::span<const double> stress) {
-  const StressExtremes<Dim> extremes = stress_extremes(part, stress);
+struct Distorted {
+  DisplacementSize displacement;
+  std::vector<double> stress;
+  StressExtremes<Dim> extremes;
+
+  Distorted(const Part<Dim>& part, const std::vector<double>& displacement_, std::vector<double> stress_)
+      : displacement(displacement_size(part, displacement_)),
+        stress(std::move(stress_)),
+        extremes(stress_extremes(part, stress)) {}
+};
+
+/// What a simulation found out.
+template <int Dim>
+struct Simulation {
+  Design design;
+  SequenceReport<Dim> report;
+  Distorted<Dim> finished;
+  std::vector<double> increment_norms;  ///< of each layer
+  std::vector<double> release;          ///< displacement by the release; empty: there is none
+  std::optional<Distorted<Dim>> released = std::nullopt;
+  std::string failure = "";  ///< why the release's solve failed
+};
+
+template <int Dim>
+Distorted<Dim> after_release(const ElasticModel<Dim>& model, const Part<Dim>& part,
+                             const Simulation<Dim>& simulation) {
+  std::vector<double> displacement = simulation.report.displacement;
+  std::vector<double> stress = finished_stress(model, simulation.release);
+  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += simulation.release[i];
+  for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.finished.stress[i];
+  return {part, displacement, std::move(stress)};
+}
+
+/// result.h5 and result.xdmf.
+template <int Dim>
+void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pipeline<Dim>& pipeline,
+                  const Simulation<Dim>& simulation) {
+  const bool has_design = pipeline.sequence().has_design();
+  const std::vector<double> design =
+      has_design ? setup.design_field(simulation.design.field) : std::vector<double>();
+  const std::vector<double> substrate = setup.substrate_field();
+  const auto& released = simulation.released;
+  FieldSet<Dim> fields;
+  fields.grid = &setup.grid;
+  fields.add_elements("density", setup.part.density());
+  if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
+  if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
+  simulation.report.add_fields(fields, "");
+  if (released) fields.add_nodes("release_displacement", simulation.release, Dim);
+  fields.add_elements("residual_stress", simulation.finished.stress, voigt_size<Dim>);
+  if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
+  Hdf5Writer file(setup.world(), directory.file("result.h5"));
+  file.template write_fields<Dim>(fields);
+  write_layer_variables(file, setup.layers->variables(), "", simulation.design);
+  file.write_array("layer_displacement_norms", simulation.increment_norms);
+  if (setup.config.output.stages)
+    write_stages(file, setup, pipeline.process(), static_cast<int>(simulation.increment_norms.size()));
+  file.write_attribute("name", setup.config.name);
+  for (const NamedValue& response : simulation.report.responses)
+    file.write_attribute(response.name, response.value);
+  file.close();
+  directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
+}
+
+template <int Dim>
+Json to_record(const StressExtremes<Dim>& extremes) {
   return Json::object({{"von_mises", extremes.von_mises},
                        {"lowest", std::vector<double>(extremes.lowest.begin(), extremes.lowest.end())},
                        {"highest", std::vector<double>(extremes.highest.begin(), extremes.highest.end())}});
 }
 
-/// Displacement and stress once the part is released.
+/// summary.json.
 template <int Dim>
-struct Released {
-  std::vector<double> displacement, stress;
+Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const Seconds& seconds) {
+  const bool failed = !simulation.failure.empty();
+  Json record = Json::object({{"name", setup.config.name},
+                              {"status", failed ? "failed" : "converged"},
+                              {"reason", failed ? simulation.failure : "simulated"}});
+  add_members(record, simulation.report);
+  set_layer_variables(record, setup.layers->variables(), simulation.design);
+  record["layer_displacement_norms"] = simulation.increment_norms;
+  record["residual_stress"] = to_record(simulation.finished.extremes);
+  if (const auto& released = simulation.released)
+    record["released"] = Json::object({{"displacement", to_record(released->displacement)},
+                                       {"residual_stress", to_record(released->extremes)}});
+  record["seconds"] = seconds_record(seconds);
+  record["peak_memory_bytes"] = peak_memory_bytes(setup.world());
+  return record;
+}
 
-  Released(const ElasticModel<Dim>& model, std::span<const double> before,
-           std::span<const double> stress_before, std::span<const double> release)
-      : displacement(before.begin(), before.end()), stress(finished_stress(model, release)) {
-    for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += release[i];
-    for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += stress_before[i];
-  }
-};
+template <int Dim>
+void print_numbers(const Simulation<Dim>& simulation) {
+  const auto text = [](double number) { return Json(number).dump(); };
+  const DisplacementSize& displacement = simulation.finished.displacement;
+  print("largest displacement " + text(displacement.largest) + ", rms " + text(displacement.rms));
+  if (const auto& released = simulation.released)
+    print("after the release: largest displacement " + text(released->displacement.largest) +
+          ", largest equivalent stress " + text(released->extremes.von_mises) +
+          " (before: " + text(simulation.finished.extremes.von_mises) + ")");
+  print_responses(simulation.report);
+}
 
 }  // namespace
 
 template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double start = MPI_Wtime();
-  const double tolerance = setup.config.solver.tolerance;
-  Pipeline<Dim> pipeline(setup, make_sequence(setup, tolerance), make_layers(setup, tolerance), tolerance,
-                         timer);
-  const Problem<Dim> problem(setup);
+  Pipeline<Dim> pipeline(setup, setup.config.solver.tolerance, timer);
+  const Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
-  const auto state = pipeline.run(design, setup.layer_count, setup.first_beta(), setup.binary());
-  const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
-  const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
-  std::string failure;
-  const std::vector<double> release = try_release(setup, pipeline.process(), state, failure);
-  std::optional<Released<Dim>> released;
-  if (!release.empty())
-    released.emplace(pipeline.process().model(), state.process.displacement, stress, release);
-  const std::vector<double> norms =
-      increment_norms(pipeline.process(), state.layers.count(), setup.grid.comm());
+  const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
+  const ProcessSimulation<Dim>& process = pipeline.process();
+  Simulation<Dim> simulation{design,
+                             report_sequence(setup, problem, pipeline, state),
+                             {setup.part, state.process.displacement, residual_stress(process, state.layers)},
+                             increment_norms(process, state.layers.count(), setup.grid.comm()),
+                             {}};
+  simulation.release = try_release(setup, process, state, simulation.failure);
+  if (!simulation.release.empty())
+    simulation.released = after_release(process.model(), setup.part, simulation);
 
-  const bool has_design = pipeline.sequence().has_design();
-  const std::vector<double> design_field =
-      has_design ? setup.design_field(design.field) : std::vector<double>();
-  const std::vector<double> substrate = setup.substrate_field();
-  FieldSet<Dim> fields;
-  fields.grid = &setup.grid;
-  fields.add_elements("density", setup.part.density());
-  if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
-  if (has_design) fields.add(setup.design_support.on_nodes(), "design", design_field);
-  report.add_fields(fields, "");
-  if (released) fields.add_nodes("release_displacement", release, Dim);
-  fields.add_elements("residual_stress", stress, voigt_size<Dim>);
-  if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
-  Hdf5Writer file(setup.world(), directory.file("result.h5"));
-  file.template write_fields<Dim>(fields);
-  write_layer_variables(file, setup.layer_variables, "", design);
-  file.write_array("layer_displacement_norms", norms);
-  if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), state.layers.count());
-  file.write_attribute("name", setup.config.name);
-  for (const Json& response : report.block.at("responses"))
-    file.write_attribute(response.at("name").get<std::string>(), response.at("value"));
-  file.close();
-  directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
-
-  Json record = Json::object({{"name", setup.config.name},
-                              {"status", failure.empty() ? "converged" : "failed"},
-                              {"reason", failure.empty() ? "simulated" : failure}});
-  for (const auto& [key, value] : report.block.items()) record[key] = value;
-  set_layer_variables(record, setup.layer_variables, design);
-  record["layer_displacement_norms"] = norms;
-  record["residual_stress"] = stress_record(setup.part, stress);
-  if (released)
-    record["released"] =
-        Json::object({{"displacement", displacement_size(setup.part, released->displacement)},
-                      {"residual_stress", stress_record(setup.part, released->stress)}});
-  record["seconds"] = seconds_record(timer.seconds(), MPI_Wtime() - start);
-  record["peak_memory_bytes"] = peak_memory_bytes(setup.world());
+  write_fields(setup, directory, pipeline, simulation);
+  const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
   directory.write("summary.json", to_text(record, 2) + "\n");
-  print(pipeline.process().solver_description());
-  print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +
-        report.block.at("displacement").at("rms").dump());
-  if (released)
-    print("after the release: largest displacement " +
-          record.at("released").at("displacement").at("max").dump() + ", largest equivalent stress " +
-          record.at("released").at("residual_stress").at("von_mises").dump() +
-          " (before: " + record.at("residual_stress").at("von_mises").dump() + ")");
-  for (const Json& response : report.block.at("responses"))
-    print(response.at("name").get<std::string>() + " (" + response.at("type").get<std::string>() +
-          "): " + response.at("value").dump());
+  print(process.solver_description());
+  print_numbers(simulation);
   print("results in " + directory.path());
-  if (!failure.empty()) throw NumericalError(failure);
+  if (!simulation.failure.empty()) throw NumericalError(simulation.failure);
 }
 
 template void run_simulate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);

@@ -79,7 +79,7 @@ std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::s
 template <int Dim>
 Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                        const CommandLine& command_line) {
-  const LayerVariables& variables = setup.layer_variables;
+  const LayerVariables& variables = setup.layers->variables();
   const auto has = [&](const char* dataset) {
     return command_line.design_file && has_values(setup.world(), *command_line.design_file, dataset);
   };
@@ -93,7 +93,7 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
     design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
   } else if (setup.config.layers.variable_time_points && command_line.sequence_file) {
     const std::vector<double> all =
-        resliced_time_points(setup.world(), setup.layer_count, *command_line.sequence_file);
+        resliced_time_points(setup.world(), setup.layers->count(), *command_line.sequence_file);
     design.layer_variables.assign(all.begin() + 1, all.end() - 1);
   }
   return design;

@@ -46,7 +46,7 @@ TEST(ConfigTest, DefaultsIn3d) {
   EXPECT_FALSE(config.projection.max);
   EXPECT_FALSE(config.projection.binary);
   EXPECT_EQ(config.constraints[0].tolerance, 0.1);
-  EXPECT_EQ(config.target_thickness(), 0.5);
+  EXPECT_EQ(config.layers.target.value().value, 0.5);
   EXPECT_FALSE(config.baseline.layers);
   EXPECT_TRUE(config.baseline.direction.empty());
   EXPECT_EQ(config.solver.tolerance, 1e-6);
@@ -84,10 +84,10 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   EXPECT_EQ(optimizer.change_tolerance, 0.0);
   EXPECT_EQ(optimizer.objective_tolerance, 0.0);
   EXPECT_EQ(optimizer.window, 5);
-  EXPECT_EQ(optimizer.asymptote_initial, 0.5);
-  EXPECT_EQ(optimizer.asymptote_increase, 1.2);
-  EXPECT_EQ(optimizer.asymptote_decrease, 0.7);
-  EXPECT_EQ(optimizer.asymptote_floor, 0.1);
+  EXPECT_EQ(optimizer.mma.asymptote_initial, 0.5);
+  EXPECT_EQ(optimizer.mma.asymptote_increase, 1.2);
+  EXPECT_EQ(optimizer.mma.asymptote_decrease, 0.7);
+  EXPECT_EQ(optimizer.mma.asymptote_floor, 0.1);
   EXPECT_EQ(optimizer.constraint_margin, 0.95);
 }
 
@@ -97,7 +97,7 @@ TEST(ConfigTest, DefaultsIn2d) {
   EXPECT_EQ(config.plate.axis, 1);
   EXPECT_FALSE(config.plate.upper);
   EXPECT_EQ(config.material.inherent_strain, (std::vector<double>{-0.01, -0.01, 0}));
-  EXPECT_FALSE(config.target_thickness());
+  EXPECT_FALSE(config.layers.target);
   const Domain<2> domain = config.domain<2>();
   EXPECT_EQ(domain.elements[0], 8);
   EXPECT_EQ(domain.size[1], 1.0);
@@ -158,7 +158,7 @@ TEST(ConfigTest, ValuesReachTheirPlace) {
   EXPECT_TRUE(config.objective[0].mean);
   EXPECT_EQ(config.constraints[0].slack, 1e-3);
   EXPECT_EQ(config.constraints[1].tolerance, 0.2);
-  EXPECT_EQ(config.target_thickness(), 1.0);
+  EXPECT_EQ(config.layers.target.value().value, 1.0);
 }
 
 TEST(ConfigTest, OtherSequences) {
@@ -204,7 +204,7 @@ TEST(ConfigTest, MultiPlanarLayers) {
   EXPECT_EQ(plain.layers.multi_planar->slab_sharpness, 100.0);
   EXPECT_EQ(plain.layers.multi_planar->lowest_angles, std::vector<double>(4, 0.0));
   for (const double angle : plain.layers.multi_planar->angles) EXPECT_NEAR(angle, std::acos(0.0), 1e-15);
-  EXPECT_FALSE(plain.has_fixed_time());
+  EXPECT_FALSE(plain.layers.multi_planar->fixed_time);
   EXPECT_FALSE(configure(plane).layers.multi_planar);
   // Away from the plate, whichever it is: elevation and azimuth in 3D.
   const std::vector<std::pair<std::string, std::vector<double>>> plates = {{"x-", {0.0, 0.0}},
@@ -346,7 +346,7 @@ TEST(ConfigTest, OverridesFollowPaths) {
   EXPECT_EQ(config.objective[0].weight, 2.0);
   EXPECT_TRUE(config.part.keep_connected);
   EXPECT_TRUE(config.projection.binary);
-  EXPECT_EQ(config.optimizer.asymptote_floor, 0.2);
+  EXPECT_EQ(config.optimizer.mma.asymptote_floor, 0.2);
   EXPECT_EQ(config.node_sets.at("top").shape.second[1], 0.5);
 }
 

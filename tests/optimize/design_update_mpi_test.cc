@@ -28,10 +28,7 @@ class Minimization {
     }
     design_.layer_variables = {0.25, 0.5, 0.75};
     target_.layer_variables = {0.1, 0.62, 0.9};
-    LayerSettings layers;
-    layers.variable_time_points = true;
-    update_.emplace(comm, space, false, make_layer_variables(layers, 4, 2, 1.0), design_,
-                    OptimizerSettings{});
+    update_.emplace(comm, space, false, time_point_variables(4), design_, MmaSettings{});
   }
 
   double step(double move_limit = 0.05) {
@@ -131,7 +128,7 @@ TEST(DesignUpdate, ResidualsAreLeastSquares) {
     return residual == 0 || (first + i) % 2 == 0 ? 1.0 : -1.0;
   };
   Design design{std::vector<double>(count, 0.5), {}};
-  DesignUpdate update(MPI_COMM_WORLD, {}, false, {}, design, OptimizerSettings{});
+  DesignUpdate update(MPI_COMM_WORLD, {}, false, {}, design, MmaSettings{});
   StepReport report;
   for (int step = 0; step < 80; ++step) {
     ProblemGradients gradients;
@@ -164,7 +161,7 @@ TEST(DesignUpdate, AResidualKnowsItsCurvature) {
   const std::size_t rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
   const std::size_t count = (rank + 1) * variables / ranks - rank * variables / ranks;
   Design design{std::vector<double>(count, 0.5), {}};
-  DesignUpdate update(MPI_COMM_WORLD, {}, false, {}, design, OptimizerSettings{});
+  DesignUpdate update(MPI_COMM_WORLD, {}, false, {}, design, MmaSettings{});
   ProblemGradients gradients;
   gradients.objective = {std::vector<double>(count, 0.0), {}};
   gradients.residual_values = {0.23};  // 0 where all variables are 0.01 smaller

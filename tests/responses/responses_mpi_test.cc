@@ -240,8 +240,8 @@ TYPED_TEST(ResponsesTest, ValuesFollowTheFormulas) {
 
 /// With far more layers than element heights some stay empty.
 TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasForEmptyLayers) {
-  test::PipelineCase<TypeParam::value> pipeline;
-  const auto state = pipeline.pipeline.run({pipeline.wavy_design(), {}}, 20, 1.0, true);
+  test::PipelineCase<TypeParam::value> pipeline(Settings{{"layers.count", "20"}});
+  const auto state = pipeline.pipeline.run({pipeline.wavy_design(), {}}, 1.0, true);
   int empty = 0;
   for (const auto& layer : state.layers.layer)
     empty += max(PETSC_COMM_WORLD, test::largest(layer)) == 0.0 ? 1 : 0;
@@ -421,9 +421,9 @@ TYPED_TEST(ResponsesTest, RowsAreWeightedSums) {
 TYPED_TEST(ResponsesTest, PlanarLayersAreEven) {
   // Planar time over the height: |grad t| = 1 / height everywhere, every layer height / N thick, no variance.
   constexpr int Dim = TypeParam::value;
-  test::PipelineCase<Dim> pipeline(Settings{{"sequence", R"({"type": "planar"})"}});
+  test::PipelineCase<Dim> pipeline(Settings{{"sequence", R"({"type": "planar"})"}, {"layers.count", "5"}});
   const double height = Dim == 2 ? 1.5 : 2.5;
-  const auto state = pipeline.pipeline.run({}, 5, 1.0, true);
+  const auto state = pipeline.pipeline.run({}, 1.0, true);
   const auto values = pipeline.pipeline.values(pipeline.problem.responses(), state);
   EXPECT_NEAR(values[4][0], 0.0, 1e-12);
   EXPECT_NEAR(values[5][0], 0.0, 1e-12);

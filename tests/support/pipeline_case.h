@@ -5,6 +5,7 @@
 
 #include "fabseq/optimize/pipeline.h"
 #include "fabseq/optimize/problem.h"
+#include "fabseq/run/setup.h"
 
 #include "support/process_case.h"
 #include "support/small_configs.h"
@@ -91,11 +92,11 @@ struct PipelineCase {
   explicit PipelineCase(const Settings& settings = {})
       : config(gallows_config<Dim>(settings)),
         setup(PETSC_COMM_WORLD, config),
-        pipeline(setup, make_sequence(setup, 1e-13), make_layers(setup, 1e-13), 1e-13, timer),
-        problem(setup) {}
+        pipeline(setup, 1e-13, timer),
+        problem(setup, config.optimizer.constraint_margin) {}
 
   PipelineState<Dim> run(const Design& design) {
-    return pipeline.run(design, setup.layer_count, setup.first_beta(), false);
+    return pipeline.run(design, setup.layers->traits().first_beta, false);
   }
   PipelineState<Dim> run(const std::vector<double>& field) { return run(Design{field, {}}); }
   std::vector<double> wavy_design() const {
@@ -115,7 +116,7 @@ struct PipelineCase {
   /// The same of all variables; time points near the uniform ones.
   Design wavy_point() const {
     Design result{wavy_design(), {}};
-    const std::size_t count = setup.layer_variables.count();
+    const std::size_t count = setup.layers->variables().count();
     for (std::size_t j = 1; j <= count; ++j)
       result.layer_variables.push_back(
           (static_cast<double>(j) + 0.4 * (noise(static_cast<std::int64_t>(j), 3) - 0.5)) /

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "fabseq/base/json.h"
+#include "fabseq/base/refusal.h"
 
 #include <optional>
 #include <span>
@@ -81,7 +82,6 @@ struct Interval {
 };
 
 std::vector<std::string> split(std::string_view text, char separator);
-std::string join(const std::vector<std::string>& words, const std::string& separator);
 /// Path of the section that a section key opens.
 std::string subsection(const ConfigKey& key);
 /// Path of the key for -set: "layers.count"; in lists by type: "objective.layer_uniformity.weight".
@@ -100,10 +100,6 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 /// Pointer with the member or list index appended (RFC 6901).
 std::string pointer_to(const std::string& pointer, const std::string& member);
 std::string pointer_to(const std::string& pointer, std::size_t index);
-/// A value as it stands in messages: one line, long ones cut.
-std::string shown(const Json& value);
-/// Throws InputError("POINTER: found FOUND; allowed: ALLOWED").
-[[noreturn]] void refuse(const std::string& pointer, const std::string& found, const std::string& allowed);
 
 /// Checks every key of `document` against the table and returns it complete: keys in the order of the table,
 /// defaults filled in, paths absolute (relative ones refer to `directory`), without the key "run". Relations

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -22,9 +23,16 @@ struct MultiPlanarSettings {
   bool fixed_angles = false, fixed_time = false;          ///< kept from the optimizer
 };
 
+/// How thick layers shall be, length unit, and the key of the constraint that says so.
+struct TargetThickness {
+  double value = 0.0;
+  std::string key;
+};
+
 struct LayerSettings {
-  std::optional<int> count;           ///< none: ceil(geodesic height / target thickness)
-  bool variable_time_points = false;  ///< T_1 ... T_{N-1} are design variables
+  std::optional<int> count;  ///< none: ceil(geodesic height / target thickness)
+  std::optional<TargetThickness> target = std::nullopt;
+  bool variable_time_points = false;                               ///< T_1 ... T_{N-1} are design variables
   std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers
 };
 

@@ -16,6 +16,7 @@ namespace fabseq {
 /// What these variables are. They are few and the same on all ranks; without any, all lists are empty.
 struct LayerVariables {
   std::string name;                  ///< in files: time_points, angles
+  std::string label;                 ///< in messages
   std::vector<double> start;         ///< the design to start from
   std::vector<double> lower, upper;  ///< bounds
   /// The optimizer's range of a variable: so far to either side of where it is, within the bounds.
@@ -25,13 +26,13 @@ struct LayerVariables {
   bool fixed = false;  ///< part of every design, but kept from the optimizer
 
   std::size_t count() const { return start.size(); }
-  /// Values as a list, or as a list of rows.
+  /// Values as a list, or per sub-part a list.
   Json record(std::span<const double> values) const;
 };
 
-/// T_1 ... T_{N-1} where they are variables (docs/formulation.md 3.1), the angles of multi-planar layers
-/// (3.2), or none. `longest_edge`: of the part.
-LayerVariables make_layer_variables(const LayerSettings& settings, int layers, int dimension,
-                                    double longest_edge);
+/// T_1 ... T_{N-1} of curved layers (docs/formulation.md 3.1); one layer has none.
+LayerVariables time_point_variables(int layers);
+/// Angles of the print directions of multi-planar layers (3.2). `longest_edge`: of the part.
+LayerVariables angle_variables(const MultiPlanarSettings& settings, int dimension, double longest_edge);
 
 }  // namespace fabseq

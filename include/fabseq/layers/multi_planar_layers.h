@@ -5,23 +5,13 @@
 
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/layers/negligible_layers.h"
 #include "fabseq/part/part.h"
 
 #include <span>
 #include <vector>
 
 namespace fabseq {
-
-/// Which layers are left out, because they cannot move the part by more than is asked for: those in which no
-/// element's load factor, density^exponent, exceeds `load` divided by the number of slabs
-/// (docs/formulation.md 3.2).
-struct NegligibleLayers {
-  double load = 0.0;  ///< 0: only empty layers
-  double exponent = 3.0;
-
-  /// The largest density that is left out.
-  double density(int slabs) const;
-};
 
 /// Layers (i, j): slab j, of equal thickness across n_i, of sub-part i,
 ///

@@ -3,6 +3,8 @@
 /// The method of moving asymptotes, distributed.
 #pragma once
 
+#include "fabseq/mma/mma_settings.h"
+
 #include <mpi.h>
 
 #include <span>
@@ -12,21 +14,12 @@ namespace fabseq {
 
 struct MmaBox;
 
-/// Asymptotes of Svanberg 1987; distances are fractions of a variable's range.
-struct MmaSettings {
-  double asymptote_initial = 0.5;
-  double asymptote_increase = 1.2;
-  double asymptote_decrease = 0.7;
-  double asymptote_floor = 0.1;     ///< least distance of an asymptote from the variable
-  double asymptote_ceiling = 10.0;  ///< largest
-};
-
 /// The general form min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), f_i - a_i z - y_i <= 0, y_i, z >= 0.
 /// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c
 /// = 0, d = 2.
 struct MmaRows {
   double a0 = 1.0;
-  std::vector<double> a, c, d;  ///< one entry a row
+  std::vector<double> a, c, d;  ///< one entry per row
   /// m ordinary constraints: a = 0, c = 1000, d = 1.
   static MmaRows constraints(int m);
   /// Adds the pairs of so many least-squares residuals: a = 0, c = 0, d = 2.
@@ -65,8 +58,8 @@ class Mma {
   /// Moves `x` to the solution of the convex subproblem.
   /// \param x                 variables, this rank's (in and out)
   /// \param objective_gradient df0/dx, this rank's
-  /// \param values            f_i, one a row, the same on all ranks
-  /// \param gradients         df_i/dx, one vector of this rank's entries a row
+  /// \param values            f_i, one per row, the same on all ranks
+  /// \param gradients         df_i/dx, per row one vector of this rank's entries
   /// \param lower,upper       bounds of each variable; their distance is its range; with lower = upper it
   /// stays \param move_limit        largest step, fraction of the range \param rows              the general
   /// form's coefficients of each row Throws NumericalError if values or gradients are not finite or the

@@ -10,7 +10,7 @@
 
 namespace fabseq {
 
-/// Multipliers and artificial variables of the rows, one a row, and z.
+/// Multipliers and artificial variables, one of each per row, and z.
 struct MmaMultipliers {
   std::vector<double> lambda, y;
   double z = 0.0;

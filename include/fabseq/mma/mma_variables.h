@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The distributed half of the MMA subproblem: everything that has an entry a variable.
+/// The distributed half of the MMA subproblem: everything that has an entry per variable.
 #pragma once
 
 #include "fabseq/mma/mma_block.h"
@@ -33,8 +33,8 @@ struct MmaBox {
 struct MmaSums {
   std::vector<double> schur;   ///< G D^-1 G^T = -dg/dlambda, m + 1 by m + 1 by columns, lower triangle; the
                                ///< last row is what moving v adds to dg/dbarrier
-  std::vector<double> change;  ///< g_i(v) - f_i, one a row
-  std::vector<double> wall;    ///< dg_i/dbarrier at constant v, one a row
+  std::vector<double> change;  ///< g_i(v) - f_i, one per row
+  std::vector<double> wall;    ///< dg_i/dbarrier at constant v, one per row
 };
 
 /// The variables of the subproblem as functions of the rows' multipliers.
@@ -90,8 +90,8 @@ class MmaVariables {
   MmaSums sums_;
 };
 
-/// How far above f_i each row's approximation may get anywhere in the box; one a row, the same on all ranks.
-/// Collective.
+/// How far above f_i each row's approximation may get anywhere in the box; one per row, the same on all
+/// ranks. Collective.
 std::vector<double> largest_changes(MPI_Comm comm, const MmaBox& box,
                                     std::span<const std::span<const double>> gradients);
 

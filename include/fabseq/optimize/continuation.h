@@ -4,8 +4,9 @@
 /// (docs/formulation.md 3.1, 9).
 #pragma once
 
-#include "fabseq/config/config.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/layers/layer_settings.h"
+#include "fabseq/optimize/optimizer_settings.h"
 
 namespace fabseq {
 

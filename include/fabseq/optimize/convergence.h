@@ -3,8 +3,8 @@
 /// When a run is done (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/config/config.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/optimize/optimizer_settings.h"
 
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ class Convergence {
   /// design it evaluated (ProblemValues::merit). Another `beta` starts over.
   void add(double beta, double change, double merit);
   /// Why the run could end, in words; empty while it should go on. `feasible`: whether there is a feasible
-  /// iterate at this sharpness; before that an objective at rest means nothing.
+  /// iterate at this sharpness; before that an objective that stays means nothing.
   std::string reason(bool feasible) const;
 
   void save(CheckpointState& state) const;

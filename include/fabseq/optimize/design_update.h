@@ -28,7 +28,7 @@ class DesignUpdate {
  public:
   /// `space`: of the field; `field_is_fixed`: it is kept from the optimizer; `design`: one of the same sizes.
   DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_is_fixed, LayerVariables layer_variables,
-               const Design& design, const OptimizerSettings& settings);
+               const Design& design, const MmaSettings& settings);
 
   /// `design` in and out; gradients with respect to the design.
   StepReport update(Design& design, const ProblemGradients& gradients, double move_limit);

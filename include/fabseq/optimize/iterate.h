@@ -15,7 +15,7 @@ namespace fabseq {
 /// constraints hold and theirs are missed by little.
 enum class Standing { satisfied, within_elements, violated };
 
-/// By how much, in the unit of `worst_constraint`.
+/// They may be missed by this much, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
 /// The same on all ranks.

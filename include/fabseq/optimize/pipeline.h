@@ -5,16 +5,13 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/files/checkpoint_state.h"
-#include "fabseq/layers/layers.h"
 #include "fabseq/optimize/design.h"
-#include "fabseq/optimize/setup.h"
-#include "fabseq/optimize/stages.h"
+#include "fabseq/optimize/model.h"
 #include "fabseq/process/inherent_strain.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/sequence.h"
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,7 +32,7 @@ struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
 };
 
-/// The chain of stages for one part. All calls are collective on the world of the setup's layer groups. The
+/// The chain of stages for one part. All calls are collective on the world of the model's layer groups. The
 /// fields of a design and of its gradients are this rank's share of them (LayerGroups::share), all other
 /// fields are on all copies.
 ///
@@ -45,19 +42,21 @@ struct SolverIterations {
 template <int Dim>
 class Pipeline {
  public:
-  /// \param sequence    where the pseudo-time comes from
-  /// \param make_layers which kind of layers it is cut into
-  /// \param tolerance   of the elastic solves; heat is solved a thousand times closer
-  /// The setup and the timer must outlive the pipeline.
-  Pipeline(const Setup<Dim>& setup, std::unique_ptr<Sequence<Dim>> sequence, LayerMaker make_layers,
+  /// \param sequence  where the pseudo-time comes from
+  /// \param layers    which kind of layers it is cut into
+  /// \param tolerance of the elastic solves; heat is solved a thousand times closer
+  /// The models and the timer must outlive the pipeline.
+  Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> sequence, const LayerModel<Dim>& layers,
            double tolerance, PhaseTimer& timer);
+  /// Takes sequence and layers that the model asks for.
+  Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
 
-  /// Evaluates the stages for a design; `layers`, `beta` and `binary` are handed to the maker of the layers.
-  /// The state refers to results that stay valid until the next run.
-  PipelineState<Dim> run(const Design& design, int layers, double beta, bool binary);
+  /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
+  /// to results that stay valid until the next run.
+  PipelineState<Dim> run(const Design& design, double beta, bool binary);
   /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get
   /// there.
   const PseudoTime<Dim>* last_time() const { return time_; }
@@ -97,14 +96,15 @@ class Pipeline {
   std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
                                                       const std::vector<Row>& rows);
   std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
-  bool is_own(const Row& row) const { return row.owner == setup_.groups.index(); }
+  bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
 
-  const Setup<Dim>& setup_;
+  const Model<Dim>& model_;
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
-  LayerMaker make_layers_;
+  const LayerModel<Dim>& layer_model_;
+  NegligibleLayers negligible_;
   InherentStrain<Dim> strain_;
-  ElasticModel<Dim> model_;
+  ElasticModel<Dim> elastic_;
   ProcessSimulation<Dim> process_;
   std::unique_ptr<Layers> layers_;
   LayerDensities densities_;

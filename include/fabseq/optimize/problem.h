@@ -3,7 +3,6 @@
 /// Responses scaled and stacked into an optimization problem (docs/formulation.md 9).
 #pragma once
 
-#include "fabseq/base/json.h"
 #include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/pipeline.h"
 #include "fabseq/responses/distortion_functionals.h"
@@ -18,7 +17,7 @@ namespace fabseq {
 /// What the optimizer is given at a design.
 struct ProblemGradients {
   Design objective;                       ///< gradient of the scaled objective less the residuals' squares
-  std::vector<double> constraint_values;  ///< f_i <= 0, one a row
+  std::vector<double> constraint_values;  ///< f_i <= 0, one per row
   std::vector<Design> constraints;        ///< gradient of each row
   std::vector<double>
       residual_values;            ///< s r_k of what counts: their squares are part of the scaled objective
@@ -37,12 +36,19 @@ struct ProblemValues {
       0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
 };
 
-/// The objective terms and constraints of a config. Knows weights, scaling and margins, and nothing of what
+/// A component of a response, by name, with the config's name of the response's type.
+struct NamedValue {
+  std::string name, type;
+  double value = 0.0;
+};
+
+/// The objective terms and constraints of a model. Knows weights, scaling and margins, and nothing of what
 /// is measured.
 template <int Dim>
 class Problem {
  public:
-  explicit Problem(const Setup<Dim>& setup);
+  /// `constraint_margin`: part of the width of each allowed range that the optimizer gets.
+  Problem(const Model<Dim>& model, double constraint_margin);
 
   /// What the config lists.
   std::span<const std::unique_ptr<Response<Dim>>> responses() const {
@@ -67,8 +73,8 @@ class Problem {
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
 
-  /// Name, type and value of every component, as in evaluation.json: objective_0, constraint_0_0, ...
-  Json describe(const std::vector<std::vector<double>>& values) const;
+  /// Every component of responses(), as in evaluation.json: objective_0, constraint_0_0, ...
+  std::vector<NamedValue> describe(const std::vector<std::vector<double>>& values) const;
   /// The same name for a component of responses_and_functionals(); functionals are objective_0_functional_0,
   /// ...
   std::string component_name(std::size_t response, std::size_t component) const;
@@ -78,7 +84,7 @@ class Problem {
   struct Squares {
     std::size_t term = 0;      ///< index in terms_
     std::size_t response = 0;  ///< of the functionals, index in responses_
-    bool complete = false;     ///< there is no rest
+    bool complete = false;     ///< the squares are all of the term
     bool always = false;       ///< residuals whatever their share of the term
   };
 

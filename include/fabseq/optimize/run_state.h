@@ -24,8 +24,9 @@ struct RunEnd {
 template <int Dim>
 class RunState {
  public:
-  /// Before the first iteration. `design`: to start from; the setup must outlive the state.
-  RunState(const Setup<Dim>& setup, const Sequence<Dim>& sequence, Design design);
+  /// Before the first iteration. `design`: to start from; model and settings must outlive the state.
+  RunState(const Model<Dim>& model, const OptimizerSettings& settings, const Sequence<Dim>& sequence,
+           Design design);
 
   Problem<Dim> problem;
   Continuation continuation;

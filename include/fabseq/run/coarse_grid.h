@@ -4,7 +4,7 @@
 #pragma once
 
 #include "fabseq/config/command_line.h"
-#include "fabseq/optimize/setup.h"
+#include "fabseq/run/setup.h"
 
 #include <memory>
 #include <optional>

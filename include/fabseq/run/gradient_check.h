@@ -16,8 +16,8 @@ struct GradientError {
   std::string variables;  ///< design (the sequence's), time_points or angles (the layers')
   double value = 0.0;
   double adjoint = 0.0;             ///< directional derivative by the adjoint
-  std::vector<double> differences;  ///< central differences, a step each
-  std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, a step each; 0 where both are 0
+  std::vector<double> differences;  ///< central differences, one per step
+  std::vector<double> relative;     ///< |difference - adjoint| / |adjoint|, one per step; 0 where both are 0
 
   /// Fourth-order differences (Richardson): of each step and the next shorter one, without the error in the
   /// square of the step. One less than steps.
@@ -40,7 +40,7 @@ struct GradientCheck {
 /// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
 /// Collective.
 template <int Dim>
-GradientCheck check_gradients(const Setup<Dim>& setup, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const Design& design);
 
 }  // namespace fabseq

@@ -21,14 +21,14 @@ struct ProgressLine {
   double seconds = 0.0;  ///< of this iteration
 };
 
-/// Text of a line, `mean_seconds` an iteration being the base of the time left.
+/// Text of a line. The time left follows from `mean_seconds` per iteration.
 std::string progress_text(const ProgressLine& line, double mean_seconds);
 
 /// Whether standard output ends on a terminal. Open MPI gives its processes a pseudo-terminal whatever
 /// mpirun's own output is: for a process that mpirun started, the answer is mpirun's.
 bool stdout_is_terminal();
 
-/// Prints a line an iteration on rank 0: on a terminal always the same line, rewritten; in a log file one
+/// Prints a line per iteration on rank 0: on a terminal always the same line, rewritten; in a log file one
 /// after the other.
 class Progress {
  public:

@@ -5,7 +5,7 @@
 
 #include "fabseq/config/command_line.h"
 #include "fabseq/files/checkpoint_state.h"
-#include "fabseq/optimize/setup.h"
+#include "fabseq/run/setup.h"
 
 #include <optional>
 #include <string>

@@ -1,42 +1,24 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Everything an optimization leaves in its output directory (docs/users-guide.md, output directory).
+/// Everything an optimization leaves behind: files (docs/users-guide.md, output directory) and lines on the
+/// terminal.
 #pragma once
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/files/history.h"
-#include "fabseq/files/output_directory.h"
-#include "fabseq/optimize/run_state.h"
-#include "fabseq/run/progress.h"
-#include "fabseq/run/restart.h"
-#include "fabseq/run/sequence_report.h"
+#include "fabseq/run/checkpoints.h"
+#include "fabseq/run/result.h"
+#include "fabseq/run/run_directory.h"
+#include "fabseq/run/terminal.h"
 
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace fabseq {
 
-/// Makes the directory of output_path(), writes config.json: the effective config with the key `run` (command
-/// line, versions, ranks). `continues`: a run that is there goes
-/// on. Collective.
-template <int Dim>
-OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
-                                      bool continues = false);
-/// Seconds of each phase and "total" as an object.
-Json seconds_record(const std::array<double, phase_count>& phases, double total);
-
-/// The three sequences a run ends with.
-template <int Dim>
-struct FinalReports {
-  SequenceReport<Dim> optimized, binary;
-  std::int64_t interior_minima = 0;
-};
-
-/// Writer of an optimization's files. All calls are collective; OutputError on all ranks if something cannot
-/// be written.
+/// Hands each event of a run to history, checkpoints, result and terminal. All calls are collective;
+/// OutputError on all ranks if something cannot be written.
 template <int Dim>
 class RunOutput {
  public:
@@ -52,14 +34,13 @@ class RunOutput {
   /// it.
   void iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
                  const PipelineState<Dim>& state, const Design& design);
-  /// Keeps the state of run and pipeline between two iterations for checkpoints, and writes one when it is
-  /// due, asked for, or the state is the last; returns whether it did.
+  /// Keeps the state between two iterations; returns whether a checkpoint was written (Checkpoints::keep()).
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
   void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
   /// A run that ended on its coarse grid, which has left a directory of its own, has a summary all the same.
   void end_before_the_first(const std::string& status, const std::string& reason) {
-    write_end({status, reason, 0});
+    write_summary(summary({status, reason, 0}));
   }
   /// What is left of a run that was stopped: a checkpoint of the state last kept, and summary.json.
   void stop(const Stopped& reason);
@@ -72,33 +53,19 @@ class RunOutput {
   /// File by which a user asks for fields and a checkpoint of the iteration under way.
   static constexpr const char* output_request = "output_now";
 
-  void continue_from(const Restart& restart);
-  void write_history(const Iterate& iterate, const StepReport& step, const Pipeline<Dim>& pipeline,
-                     const PipelineState<Dim>& state, const Design& design, double total);
-  void dump_fields(int iteration, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
-                   const Design& design);
-  void write_result(const FinalReports<Dim>& reports, const BestIterate& best);
-  void write_checkpoint();
-  void dump_failure(const Pipeline<Dim>& pipeline);
-  void write_end(const RunEnd& end);
-  double total_seconds() const { return earlier_seconds_ + MPI_Wtime() - start_; }
-  Json summary(const RunEnd& end) const;
-  void print_table(const FinalReports<Dim>& reports, const Json& summary) const;
+  Summary summary(const RunEnd& end) const;
+  void write_summary(const Summary& summary) const;
 
   const Setup<Dim>& setup_;
   PhaseTimer& timer_;
   OutputDirectory directory_;
   StopFile stop_file_;
   History history_;
-  Progress progress_;
-  SequenceReport<Dim> baseline_;
-  std::array<double, phase_count> phase_seconds_{};  ///< of the iterations so far
-  double start_, iteration_start_;
-  double earlier_seconds_ = 0.0;     ///< of the run that this one continues
-  CheckpointState kept_;             ///< the state between the last two iterations
-  std::optional<int> checkpointed_;  ///< iterations of the checkpoint in the directory, if it has one
-  bool asked_ = false;               ///< for fields and a checkpoint, by output_request
-  bool checkpoint_due_ = false;      ///< whatever the iteration
+  RunClock clock_;
+  Checkpoints<Dim> checkpoints_;
+  Terminal terminal_;
+  std::optional<SequenceReport<Dim>> baseline_;
+  bool asked_ = false;  ///< for fields and a checkpoint, by output_request
 };
 
 extern template class RunOutput<2>;

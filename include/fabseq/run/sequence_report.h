@@ -3,6 +3,7 @@
 /// What is reported of one evaluated sequence, be it optimized, binary or planar.
 #pragma once
 
+#include "fabseq/base/json.h"
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
 
@@ -11,32 +12,54 @@
 
 namespace fabseq {
 
+/// A layer's volume, thickness and its coefficient of variation.
+struct LayerNumbers {
+  double volume = 0.0, thickness = 0.0, variation = 0.0;
+  int sub_part = 0, slab = 0;  ///< of multi-planar layers, sub-parts from 1; 0: layers without sub-parts
+};
+
+/// Length of the displacement of the part's nodes.
+struct DisplacementSize {
+  double largest = 0.0, rms = 0.0;
+};
+
+/// The same on all ranks.
+struct SequenceNumbers {
+  std::vector<NamedValue> responses;
+  std::vector<LayerNumbers> layers;
+  DisplacementSize displacement_size;
+
+  /// First objective term.
+  double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
+  /// Number of layers that hold more than a trace of the part's volume.
+  int used_layers() const;
+};
+
+/// A member of summary.json; add_members() puts its members into another record.
+Json to_record(const SequenceNumbers& numbers);
+void add_members(Json& record, const SequenceNumbers& numbers);
+Json to_record(const DisplacementSize& size);
+
 /// Numbers and fields of a sequence, copied out of the pipeline.
 template <int Dim>
-struct SequenceReport {
-  std::vector<std::vector<double>> values;  ///< of each response
-  Json block;                               ///< responses, layers, displacement: the blocks of summary.json
-  std::vector<double> time, layer;          ///< on the owned elements, 0 outside the part
+struct SequenceReport : SequenceNumbers {
+  std::vector<std::vector<double>> values;        ///< of each response
+  std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
   std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
 
   /// Adds time, layer, displacement and, if there is one, temperature to a set, names prefixed. The report
   /// must outlive it.
   void add_fields(FieldSet<Dim>& fields, const std::string& prefix) const;
-  /// First objective term.
-  double first_objective() const { return values.empty() ? 0.0 : values[0][0]; }
 };
 
 /// Reports the state of a pipeline's last run. Collective.
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,
+SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
-/// Largest and rms displacement ([owned node][component]) of the part's nodes: `max`, `rms`. Collective.
+/// Size of a displacement, [owned node][component]. Collective.
 template <int Dim>
-Json displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
-
-/// Number of layers that hold more than a trace of the part's volume.
-int used_layers(const Json& block);
+DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
 
 extern template struct SequenceReport<2>;
 extern template struct SequenceReport<3>;

@@ -6,7 +6,7 @@
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/optimize/design.h"
-#include "fabseq/optimize/setup.h"
+#include "fabseq/run/setup.h"
 #include "fabseq/sequence/sequence.h"
 
 namespace fabseq {

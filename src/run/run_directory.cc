@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/run/run_directory.h"
+
 #include "fabseq/base/mpi.h"
-#include "fabseq/run/run_output.h"
+#include "fabseq/run/restart.h"
 
 #include <hdf5.h>
 #include <petscsys.h>
@@ -40,13 +42,6 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
   directory.write("config.json", to_text(config_record(setup.config, command_line, comm), 2) + "\n");
   return directory;
-}
-
-Json seconds_record(const std::array<double, phase_count>& phases, double total) {
-  Json record = Json::object();
-  for (int phase = 0; phase < phase_count; ++phase) record[std::string(phase_names[phase])] = phases[phase];
-  record["total"] = total;
-  return record;
 }
 
 template OutputDirectory make_output_directory<2>(const Setup<2>&, const CommandLine&, bool);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What does not change during a run: grid, part, kinds of layers, places of the design variables, node sets.
+#pragma once
+
+#include "fabseq/files/design_layout.h"
+#include "fabseq/layers/layer_model.h"
+#include "fabseq/optimize/group_choice.h"
+#include "fabseq/optimize/model_settings.h"
+#include "fabseq/optimize/run_cost.h"
+#include "fabseq/parallel/layer_groups.h"
+#include "fabseq/part/node_set.h"
+#include "fabseq/part/part.h"
+#include "fabseq/part/supports.h"
+#include "fabseq/responses/response.h"
+#include "fabseq/sequence/design_support.h"
+#include "fabseq/sequence/start_region.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Made of settings, with what "auto" stands for. Collective construction on the world of the run; every
+/// layer group has the same grid, part and node sets on its ranks. The settings must outlive the model, which
+/// cannot be copied or moved, since its members refer to each other. Throws InputError for anything wrong
+/// with part, plate, substrate, clamps, start region or node sets.
+template <int Dim>
+class Model {
+ public:
+  Model(MPI_Comm world, const ModelSettings& settings_);
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const ModelSettings& settings;
+  const GroupChoice group_choice;
+  const LayerGroups groups;
+  Grid<Dim> grid;
+  Part<Dim> part;
+  Supports<Dim> supports;
+  std::optional<StartRegion> start;   ///< of a direct sequence
+  DesignSupport<Dim> design_support;  ///< where the sequence has variables
+  std::map<std::string, NodeSet> node_sets;
+  std::unique_ptr<const LayerModel<Dim>> layers;    ///< of the design
+  std::unique_ptr<const LayerModel<Dim>> baseline;  ///< of the planar sequence it is compared with
+  int lanes;                                        ///< layers solved side by side at most
+  double characteristic_length;                     ///< l_c, length unit
+
+  /// All ranks of the run; the grid has a communicator of its own.
+  MPI_Comm world() const { return groups.world(); }
+  BlockSolver block_solver() const { return fabseq::block_solver(settings.solver.path); }
+  /// A design's field, or anything else of which this rank has its share, on the owned elements or nodes.
+  /// Collective.
+  std::vector<double> design_field(std::span<const double> share) const {
+    return design_support.expand(groups.gather(share));
+  }
+  /// The same, and back, for files.
+  DesignLayout<Dim> design_layout() const;
+  ResponseContext<Dim> context() const {
+    return {part, node_sets, characteristic_length,
+            start ? std::span<const char>(start->elements) : std::span<const char>{},
+            layers->traits().sub_parts};
+  }
+};
+
+extern template class Model<2>;
+extern template class Model<3>;
+
+}  // namespace fabseq

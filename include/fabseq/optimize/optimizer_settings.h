@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// How a design is optimized, and for how long (docs/formulation.md 9).
+#pragma once
+
+#include "fabseq/mma/mma_settings.h"
+
+namespace fabseq {
+
+struct OptimizerSettings {
+  int max_iterations = 400;
+  double change_tolerance = 0.0;
+  double objective_tolerance = 0.0;
+  int window = 5;  ///< iterations over which both are looked at
+  double move_limit = 0.05,
+         final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
+  MmaSettings mma;
+  double constraint_margin = 0.95;
+  int binary_iterations = 0;                         ///< the last ones, judged by binary layers
+  int coarse_iterations = 0;                         ///< before the others, at half the resolution
+  int coarse_grids = 1;                              ///< among which they are shared out
+  int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one
+};
+
+}  // namespace fabseq

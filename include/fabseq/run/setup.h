@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// A config and the model it asks for.
+#pragma once
+
+#include "fabseq/config/config.h"
+#include "fabseq/optimize/model.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// What all tasks start from. Collective construction on the world of the run. The config must outlive it.
+/// Throws InputError for what is wrong with the model, and for a release that there cannot be.
+template <int Dim>
+class Setup : public Model<Dim> {
+ public:
+  Setup(MPI_Comm world, const Config& config_);
+
+  const Config& config;
+
+  /// Whether layers are steps, not smooth: where that is asked for, and planar ones.
+  bool binary() const { return config.projection.binary || config.sequence.type == SequenceType::planar; }
+  /// 1 on the owned elements of the substrate, as a field for files.
+  std::vector<double> substrate_field() const {
+    const auto& elements = this->part.substrate().elements();
+    return {elements.begin(), elements.end()};
+  }
+  /// Throws InputError if the densities and displacements of all layers are more than the machines of this
+  /// run can hold. Collective.
+  void require_memory_of_layers() const;
+
+ private:
+  int most_layers_of_a_sequence() const;
+  void require_release() const;
+  void warn_about_method() const;
+};
+
+extern template class Setup<2>;
+extern template class Setup<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/optimize/group_choice.h"
+
+#include "fabseq/base/memory.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/layers/layer_model.h"
+#include "fabseq/optimize/run_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+/// Nodes between the ranks of a group, where the box is cut with the least surface.
+template <int Dim>
+double halo_nodes(const Index<Dim>& elements, int ranks) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Index<Dim>& processes : fitting_process_grids<Dim>(ranks, elements)) {
+    double nodes = 0.0;
+    for (int axis = 0; axis < Dim; ++axis) {
+      double cut = processes[axis] - 1;
+      for (int other = 0; other < Dim; ++other)
+        if (other != axis) cut *= elements[other] + 1;
+      nodes += cut;
+    }
+    least = std::min(least, nodes);
+  }
+  return std::isfinite(least) ? least : 0.0;
+}
+
+std::string groups_text(int groups, int ranks) {
+  return std::to_string(groups) + " x " + std::to_string(ranks / groups);
+}
+
+/// Divisors of the number of ranks, ascending.
+std::vector<int> possible_groups(int ranks) {
+  std::vector<int> result;
+  for (int groups = 1; groups <= ranks; ++groups)
+    if (ranks % groups == 0) result.push_back(groups);
+  return result;
+}
+
+template <int Dim>
+std::string explain(const ModelSettings& settings, const RunSize& size, int groups, double available,
+                    std::optional<int> fastest) {
+  const SolverPath path = settings.solver.path;
+  const int lanes = wanted_lanes(settings.solver);
+  RunSize alone = size;
+  alone.ranks = 1;
+  const double halo = halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks) -
+                      halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks / groups);
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f "
+                "times; memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all "
+                "layers' matrices",
+                groups_text(groups, size.ranks).c_str(),
+                relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, groups),
+                groups_text(1, size.ranks).c_str(),
+                relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, 1),
+                memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
+                2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
+  std::string result = text;
+  if (fastest && *fastest != groups) {
+    std::snprintf(text, sizeof text, "; %s ranks would be faster, but need %.2f GB",
+                  groups_text(*fastest, size.ranks).c_str(),
+                  memory_estimate(size, path, *fastest, lanes) / 1e9);
+    result += text;
+  }
+  return result;
+}
+
+/// The fastest choice that fits; without one that does, a single group, which needs least.
+template <int Dim>
+GroupChoice choose_automatically(const ModelSettings& settings, const RunSize& size, double available) {
+  std::optional<int> best, fastest;
+  const auto is_faster = [&](int groups, const std::optional<int>& other) {
+    return !other || relative_time_estimate(size, settings.solver.path, groups) <
+                         relative_time_estimate(size, settings.solver.path, *other);
+  };
+  for (const int groups : possible_groups(size.ranks)) {
+    if (groups > size.layers) break;
+    if (is_faster(groups, fastest)) fastest = groups;
+    const bool fits = memory_estimate(size, settings.solver.path, groups, wanted_lanes(settings.solver)) <=
+                      usable_memory * available;
+    if (fits && is_faster(groups, best)) best = groups;
+  }
+  const int groups = best.value_or(1);
+  return {groups, explain<Dim>(settings, size, groups, available, fastest)};
+}
+
+}  // namespace
+
+template <int Dim>
+GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings) {
+  const int ranks = size_of(world);
+  if (const std::optional<int> asked = settings.solver.layer_groups) {
+    if (ranks % *asked != 0) {
+      std::vector<std::string> allowed;
+      for (const int groups : possible_groups(ranks)) allowed.push_back(std::to_string(groups));
+      refuse("/solver/layer_groups",
+             std::to_string(*asked) + " on " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks"),
+             "\"auto\" or a divisor of the number of ranks (" + join(allowed, ", ") + ")");
+    }
+    return {*asked, ranks > 1 ? "layer groups: " + groups_text(*asked, ranks) + " ranks" : ""};
+  }
+  if (ranks == 1) return {};
+  // Number of layers and size of the systems are known once there is a part: this one is for that only.
+  PartDescription description = settings.part;
+  description.announce = false;
+  const Grid<Dim> grid = make_balanced_grid(world, settings.domain<Dim>(), description);
+  const Part<Dim> part(grid, description, settings.plate);
+  const RunSize size =
+      run_size(settings, part, make_layer_model(settings.layers, settings.projection, part)->count(), ranks);
+  return choose_automatically<Dim>(settings, size, static_cast<double>(available_memory_bytes(world)));
+}
+
+template GroupChoice choose_layer_groups<2>(MPI_Comm, const ModelSettings&);
+template GroupChoice choose_layer_groups<3>(MPI_Comm, const ModelSettings&);
+
+}  // namespace fabseq

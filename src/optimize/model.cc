@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/optimize/model.h"
+
+#include "fabseq/sequence/given_sequence.h"
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::optional<StartRegion> start_region(const Part<Dim>& part, const SequenceSettings& settings) {
+  if (settings.type != SequenceType::direct) return std::nullopt;
+  return make_start_region(part, settings);
+}
+
+template <int Dim>
+DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
+                                       const std::optional<StartRegion>& start) {
+  switch (settings.type) {
+    case SequenceType::heat:
+      return {part.grid(), false, part.elements()};
+    case SequenceType::direct:
+      return {part.grid(), settings.location == DesignLocation::nodes, start->free};
+    default:
+      return {part.grid(), false, {}};
+  }
+}
+
+template <int Dim>
+int baseline_count(const BaselineSettings& settings, const LayerModel<Dim>& layers, const Part<Dim>& part) {
+  return settings.layers ? *settings.layers : layers.planar_count(planar_height(part, settings.direction));
+}
+
+}  // namespace
+
+template <int Dim>
+Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
+    : settings(settings_),
+      group_choice(choose_layer_groups<Dim>(world, settings)),
+      groups(world, group_choice.groups),
+      grid(make_balanced_grid(groups.domain(), settings.domain<Dim>(), settings.part)),
+      part(grid, settings.part, settings.plate),
+      supports(part, settings.part),
+      start(start_region(part, settings.sequence)),
+      design_support(make_design_support(part, settings.sequence, start)),
+      layers(make_layer_model(settings.layers, settings.projection, part)),
+      baseline(make_uniform_layer_model(baseline_count(settings.baseline, *layers, part), part)),
+      lanes(resolved_lanes(world, settings.solver, run_size(settings, part, layers->count(), size_of(world)),
+                           groups.count())),
+      characteristic_length(settings.sequence.characteristic_length.value_or(part.longest_edge())) {
+  for (const auto& [name, description] : settings.node_sets)
+    node_sets.emplace(name, make_node_set(part, name, description));
+}
+
+template <int Dim>
+DesignLayout<Dim> Model<Dim>::design_layout() const {
+  return {grid, design_support.on_nodes(),
+          [this](std::span<const double> share) { return design_field(share); },
+          [this](std::span<const double> field) {
+            return groups.share(design_support.restrict_to_variables(field));
+          }};
+}
+
+template class Model<2>;
+template class Model<3>;
+
+}  // namespace fabseq

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/optimization.h"
+
+#include "fabseq/base/session.h"
+#include "fabseq/optimize/stages.h"
+#include "fabseq/run/tasks.h"
+#include "fabseq/sequence/given_sequence.h"
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::string iterations_on(const Setup<Dim>& setup) {
+  return std::to_string(setup.config.optimizer.max_iterations) + " iterations on " +
+         to_text<Dim>(setup.grid.domain().elements) + " elements";
+}
+
+}  // namespace
+
+template <int Dim>
+CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
+                                 const CommandLine& command_line, const Setup<Dim>& setup,
+                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
+  if (!coarse) return command_line;
+  print("begins with " + iterations_on(coarse->setup()));
+  PhaseTimer timer;
+  try {
+    optimize(coarse->command_line(command_line, output.path()), coarse->setup(), timer);
+  } catch (const Stopped& reason) {
+    output.end_before_the_first("stopped", reason.what());
+    throw;
+  } catch (const NumericalError& error) {
+    output.end_before_the_first("failed", error.what());
+    throw;
+  }
+  CommandLine others = command_line;
+  others.design_file = CoarseGrid<Dim>::refine(setup, output.path());
+  print("goes on with " + iterations_on(setup));
+  return others;
+}
+
+template <int Dim>
+RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command_line,
+                             const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
+                             Pipeline<Dim>& pipeline) {
+  RunState<Dim> run(setup, setup.config.optimizer, pipeline.sequence(),
+                    starting_design(setup, pipeline.sequence(), after_coarse_grid));
+  if (after_coarse_grid.design_file != command_line.design_file) {
+    const Design initial = starting_design(setup, pipeline.sequence(), command_line);
+    run.problem.evaluate(pipeline, pipeline.run(initial, setup.layers->traits().first_beta, false));
+    pipeline.start_cold();
+  }
+  if (restart) {
+    run.restore(restart->state);
+    pipeline.restore(restart->state);
+  }
+  return run;
+}
+
+template <int Dim>
+SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), *setup.baseline, setup.config.solver.tolerance,
+                         timer);
+  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+}
+
+template <int Dim>
+std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
+  if (!run.continuation.judges_binary(iteration)) return std::nullopt;
+  const double beta = run.continuation.beta(iteration);
+  return run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
+}
+
+template <int Dim>
+FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                                const BestIterate& best) {
+  FinalReports<Dim> reports;
+  for (const bool binary : {false, true}) {
+    const auto state = pipeline.run(best.design(), best.beta(), binary);
+    (binary ? reports.binary : reports.optimized) = report_sequence(setup, problem, pipeline, state);
+    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
+  }
+  return reports;
+}
+
+#define FABSEQ_INSTANTIATE(Dim)                                                                             \
+  template CommandLine begin_on_coarse_grid<Dim>(const std::optional<CoarseGrid<Dim>>&, const CommandLine&, \
+                                                 const Setup<Dim>&, RunOutput<Dim>&, const Optimize<Dim>&); \
+  template RunState<Dim> starting_state<Dim>(const Setup<Dim>&, const CommandLine&, const CommandLine&,     \
+                                             const std::optional<Restart>&, Pipeline<Dim>&);                \
+  template SequenceReport<Dim> planar_baseline<Dim>(const Setup<Dim>&, const Problem<Dim>&, PhaseTimer&);   \
+  template std::optional<ProblemValues> judge_binary<Dim>(Pipeline<Dim>&, RunState<Dim>&, int);             \
+  template FinalReports<Dim> final_reports<Dim>(const Setup<Dim>&, const Problem<Dim>&, Pipeline<Dim>&,     \
+                                                const BestIterate&);
+FABSEQ_INSTANTIATE(2)
+FABSEQ_INSTANTIATE(3)
+#undef FABSEQ_INSTANTIATE
+
+}  // namespace fabseq

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/setup.h"
+
+#include "fabseq/base/memory.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/base/session.h"
+#include "fabseq/process/release.h"
+#include "fabseq/solve/reference/interpolation.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+template <int Dim>
+Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, config_), config(config_) {
+  // Refuses a grid whose lane blocks are too large for the indices before anything is written.
+  (void)this->grid.node_dm(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
+  require_release();
+  warn_about_method();
+}
+
+/// The design's sequence and the planar baseline count.
+template <int Dim>
+int Setup<Dim>::most_layers_of_a_sequence() const {
+  return std::max(this->layers->count(), this->baseline->count());
+}
+
+/// Refuses terms after a release that there cannot be.
+template <int Dim>
+void Setup<Dim>::require_release() const {
+  for (std::size_t i = 0; i < config.objective.size(); ++i) {
+    if (!config.objective[i].after_release) continue;
+    const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
+    if (!reason.empty())
+      refuse("/objective/" + std::to_string(i) + "/after_release", "true, but " + reason,
+             "false for this part");
+  }
+}
+
+/// The solvers themselves say nothing: there are many of them.
+template <int Dim>
+void Setup<Dim>::warn_about_method() const {
+  if (config.solver.method != ReferenceMethod::multigrid) return;
+  const std::string obstacle = coarsening_obstacle(this->grid);
+  if (!obstacle.empty())
+    warn("/solver/reference_method: multigrid halves the grid, which has " + obstacle +
+         "; gamg is taken in its place");
+}
+
+template <int Dim>
+void Setup<Dim>::require_memory_of_layers() const {
+  const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
+  const double bytes = layer_count * sizeof(double) *
+                       (2.0 * group_count * static_cast<double>(this->part.count()) +
+                        Dim * static_cast<double>(this->grid.all_nodes().count()));
+  const LayerTraits& traits = this->layers->traits();
+  const bool planar = layer_count > traits.count;
+  require_memory(
+      this->world(), bytes,
+      (planar ? "/baseline/layers: " : traits.key + (traits.count_is_estimate ? ": about " : ": ")) +
+          std::to_string(layer_count) + " layers on " + to_text<Dim>(this->grid.domain().elements) +
+          " elements" + (group_count > 1 ? " in " + std::to_string(group_count) + " layer groups" : ""));
+}
+
+template class Setup<2>;
+template class Setup<3>;
+
+}  // namespace fabseq
