@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A small picture of a finished optimization for a table of results: layers and distorted shape, planar beside optimized.
+"""A small picture of a finished optimization: layers and distorted shape, planar beside optimized.
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/use/overview.py. As many colours
-and pixels as fit into the bytes. Without a display it draws in memory (virtual_display.py).
+Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/use/overview.py.
+The picture has as many colours and pixels as fit into the bytes. Without a display the script draws in memory
+(virtual_display.py).
 """
 
 import argparse
@@ -19,7 +20,6 @@ from PIL import Image
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
 import overview
-import render_part
 from read_run import Run, RunError
 from virtual_display import ensure_display
 
