@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
 /// Errors that end the program, each with the exit status users and job scripts rely on
-/// (docs/users-guide.md).
+/// (docs/reference.md).
 #pragma once
 
 #include <stdexcept>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Everything an optimization leaves in its output directory (docs/users-guide.md, output directory).
+/// Everything an optimization leaves in its output directory (docs/reference.md, output).
 #pragma once
 
 #include "fabseq/base/error.h"
