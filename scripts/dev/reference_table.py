@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Keeps the lists of keys in docs/reference.md equal to what the program says.
 
-    scripts/dev/reference_table.py [--write] [PROGRAM [GUIDE]]     default: build/release/fabseq docs/reference.md
+    scripts/dev/reference_table.py [--write] [PROGRAM [GUIDE]]
 
-Compares `fabseq -help_markdown` with the block between the two marker comments: exit status 1 and a diff if they
-differ; --write replaces the block.
+PROGRAM is build/release/fabseq and GUIDE docs/reference.md unless said otherwise.
+
+Compares `fabseq -help_markdown` with the block between the two marker comments: exit status 1 and a diff if
+they differ; --write replaces the block.
 """
 
 import argparse

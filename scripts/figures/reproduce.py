@@ -5,10 +5,11 @@
     scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- PROGRAM OPTIONS]
     scripts/figures/reproduce.py --list
 
-configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE; one that
-was interrupted goes on where it was, one that is done is only looked at again. Then the geometric thickness of its layers is
-measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other numbers of layers where the case
-asks for that, a small picture is drawn, and its page docs/results/CASE.md and its row in docs/results.md are written.
+configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE;
+one that was interrupted goes on where it was, one that is done is only looked at again. Then the geometric
+thickness of its layers is measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other
+numbers of layers where the case asks for that, a small picture is drawn, and its page docs/results/CASE.md
+and its row in docs/results.md are written.
 
 Options of the program, such as -max_iterations 10, are for trials: give --results none with them.
 """
@@ -157,8 +158,8 @@ def measure_thickness(directory, target=None):
 
 
 def reslice(arguments, ranks, directory, count):
-    """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary: summaries and
-    geometric thickness."""
+    """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary:
+    summaries and geometric thickness."""
     sequence = ["-sequence", os.path.join(directory, "result.h5")]
     source = Run(directory, with_fields=False)
     planar_sequence = {"type": "planar", "direction": source.config["baseline"]["direction"]}

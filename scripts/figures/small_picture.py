@@ -4,9 +4,9 @@
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/use/overview.py.
-The picture has as many colours and pixels as fit into the bytes. Without a display the script draws in memory
-(virtual_display.py).
+Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in
+scripts/use/overview.py. The picture has as many colours and pixels as fit into the bytes. Without a display
+the script draws in memory (virtual_display.py).
 """
 
 import argparse

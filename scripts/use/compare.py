@@ -4,12 +4,13 @@
 
     scripts/use/compare.py OUTPUT_DIRECTORY... [--table compare.csv] [--picture compare.png] [--against KEY]
 
-The table (CSV) has a line a run: the keys of the config in which the runs differ, how the run ended, values, thickness and
-evenness of the layers, displacements, time and memory. A run that is not done has a line without results, and is said so.
+The table (CSV) has a line per run: the keys of the config in which the runs differ, how the run ended, values,
+thickness and evenness of the layers, displacements, time and memory. A run that is not done has a line
+without results.
 
-The figure shows distortion, evenness within layers, and thickness and evenness of each layer, over the key in which the
-runs differ; over their names, if it is not one key with numbers. KEY chooses one of several. Marks are hollow where a
-constraint is violated.
+The figure shows distortion, evenness within layers, and thickness and evenness of each layer, over the key in
+which the runs differ; over their names, if it is not one key with numbers. KEY chooses one of several. Marks
+are hollow where a constraint is violated.
 """
 
 import argparse
@@ -57,7 +58,8 @@ class Result:
 
 
 def flat(value, path=""):
-    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if only one has it."""
+    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if
+    only one has it."""
     if isinstance(value, (dict, list)):
         for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
             yield from flat(entry, f"{path}.{key}" if path else str(key))
@@ -178,7 +180,7 @@ def draw_values(axis, abscissa, blocks, value):
 
 
 def draw_layers(axis, abscissa, quantity):
-    """A line a run over the layers' numbers; the thickness with the allowed range of the first run."""
+    """A line per run over the layers' numbers; the thickness with the allowed range of the first run."""
     colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, len(abscissa.results)))
     constraint = abscissa.results[0].run.thickness_constraint()
     if quantity == "thickness" and constraint:

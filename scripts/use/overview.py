@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it got there.
+"""One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it
+got there.
 
     scripts/use/overview.py OUTPUT_DIR [PICTURE.png] [--table]
 
-OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png unless said
-otherwise. `--table` also prints the main figures. Without a display it draws in memory (virtual_display.py).
+OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png
+unless said otherwise. `--table` also prints the main figures. Without a display it draws in memory
+(virtual_display.py).
 """
 
 import argparse
@@ -69,7 +71,8 @@ def draw(run, path):
 
 
 class Sheet:
-    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the width."""
+    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the
+    width."""
 
     def __init__(self, rows):
         self.rows = rows

@@ -4,10 +4,12 @@
 
     scripts/use/plot_history.py OUTPUT_DIRECTORY... [--labels NAME...] [--seconds] [--picture history.png]
 
-Over the iterations: the first objective term relative to the planar baseline (below 1: better than planar), the worst
-relative violation of a constraint (0 and below: all satisfied), the sharpness of the layers, and the largest change of a
-variable. With --seconds the first two, over the iterations and over the wall time. A dot marks the iteration that became the result, hollow where it violates a constraint. Reads history.jsonl and,
-where the run has ended, summary.json; a run without one has no baseline and is drawn relative to its first iteration.
+Over the iterations: the first objective term relative to the planar baseline (below 1: better than planar),
+the worst relative violation of a constraint (0 and below: all satisfied), the sharpness of the layers, and
+the largest change of a variable. With --seconds the first two, over the iterations and over the wall time. A
+dot marks the iteration that became the result, hollow where it violates a constraint. Reads history.jsonl
+and, where the run has ended, summary.json; a run without one has no baseline and is drawn relative to its
+first iteration.
 """
 
 import argparse
@@ -54,7 +56,8 @@ class Run:
         return [term / (planar or terms[0]) for term in terms], bool(planar)
 
     def best(self):
-        """(position in the history, whether all constraints hold there) of the iteration that became the result."""
+        """(position in the history, whether all constraints hold there) of the iteration that became the
+        result."""
         number = self.summary.get("best_iteration")
         if number not in self.iterations:
             return None
@@ -74,7 +77,8 @@ def read_history(path):
 
 
 def draw_seconds(runs):
-    """Objective and violation, over the iterations in the left column and over the wall time in the right one."""
+    """Objective and violation, over the iterations in the left column and over the wall time in the right
+    one."""
     figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.0), sharex="col", sharey="row",
                                 height_ratios=[3, 2], constrained_layout=True)
     for run, colour in zip(runs, COLOURS * len(runs)):

@@ -1,10 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or displaced.
+"""Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or
+displaced.
 
 As a module it gives render(); as a program it draws one picture of a result:
-    scripts/use/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
-(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it draws in memory (virtual_display.py).
+    scripts/use/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar]
+    [--exaggeration F]
+(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it
+draws in memory (virtual_display.py).
 """
 
 import argparse
@@ -28,7 +31,8 @@ VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
 
 @dataclass
 class VoxelPart:
-    """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in length units."""
+    """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in
+    length units."""
     density: np.ndarray
     size: tuple
     plate: str = "z-"
@@ -50,7 +54,8 @@ class VoxelPart:
 
 
 def surface(present):
-    """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element numbers (m,)).
+    """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element
+    numbers (m,)).
 
     In 2D the elements themselves.
     """
@@ -84,7 +89,8 @@ def surface(present):
 
 
 def layer_colours(part, layer, count):
-    """One colour a face (m, 3) bytes: from first to last layer along the colour map, every other layer a shade darker."""
+    """One colour a face (m, 3) bytes: from first to last layer along the colour map, every other layer a
+    shade darker."""
     index = np.asarray(layer).ravel()[part.face_element]
     colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
     colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
@@ -105,9 +111,10 @@ def node_vectors(part, displacement):
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
     """A picture (height, width, 3) bytes of `part` on its plate, white behind, in parallel projection.
 
-    `face_colours` (a face) or `node_colours` (a node): bytes (., 3). `offset` (n, 3): drawn displacement of the nodes.
-    `ghost`: the undisplaced part as a pale shell behind. `frame`: the points (k, 3) that have to fit in; pictures
-    with the same frame and pixels have the same view and scale. `marked`: node numbers drawn as dots.
+    `face_colours` (a face) or `node_colours` (a node): bytes (., 3). `offset` (n, 3): drawn displacement of
+    the nodes. `ghost`: the undisplaced part as a pale shell behind. `frame`: the points (k, 3) that have to
+    fit in; pictures with the same frame and pixels have the same view and scale. `marked`: node numbers drawn
+    as dots.
     """
     from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
     from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
@@ -262,7 +269,8 @@ def add_dots(renderer, part, points):
 
 
 def aim_camera(renderer, part, frame, pixels):
-    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the plate."""
+    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the
+    plate."""
     margin = 0.06 * max(part.size)
     box = np.array(np.meshgrid(*[(-margin, s + margin) for s in part.size])).reshape(part.dimension, -1).T
     points = np.vstack([frame, np.pad(box, ((0, 0), (0, 3 - part.dimension)))])

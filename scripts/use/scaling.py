@@ -4,8 +4,9 @@
 
     scripts/use/scaling.py OUTPUT_DIRECTORY... [--table scaling.csv] [--picture scaling.png] [--warm_up 2]
 
-A run is measured by the medians, over its iterations after the first `warm_up`, of the total and of each phase. The run with
-the fewest ranks, b, is the baseline of all others: with t the seconds on p ranks and q = p / b
+A run is measured by the medians, over its iterations after the first `warm_up`, of the total and of each
+phase. The run with the fewest ranks, b, is the baseline of all others: with t the seconds on p ranks and q =
+p / b
 
     speed-up t_b / t,    efficiency t_b / (t q),    serial fraction (Karp-Flatt) (t / t_b - 1/q) / (1 - 1/q)
 
@@ -33,7 +34,8 @@ INK, SOFT_INK, GRID = "#22262b", "#6b727b", "#e6e8eb"
 
 
 class Measurement:
-    """Ranks, number of iterations that were measured, and their median seconds: `seconds["total"]` and a phase each."""
+    """Ranks, number of iterations that were measured, and their median seconds: `seconds["total"]` and a
+    phase each."""
 
     def __init__(self, directory, warm_up):
         self.config = read_json(directory, "config.json")
@@ -74,7 +76,7 @@ def draw(rows):
         if rows[0][phase] >= least:
             time.plot(ranks, [row[phase] for row in rows], "o-", ms=3.5, lw=1.2, color=colour, label=phase)
     time.set_yscale("log")
-    time.set_ylabel("seconds an iteration, median")
+    time.set_ylabel("seconds per iteration, median")
     speed.plot(ranks, [row["speed_up"] for row in rows], "o-", color=INK, lw=2.0, label="iteration")
     speed.plot(ranks, ideal, "--", color=SOFT_INK, lw=1.0, label="ideal")
     speed.set_yscale("log")

@@ -4,9 +4,9 @@
 
     scripts/use/virtual_display.py COMMAND [ARGUMENTS]
 
-Other than with xvfb-run, any number of these may start at once, as the server picks its own number, and a command may close its last
-window and open another, as the server does not reset in between. Exit status: the command's, or 1 with a line where Xvfb is missing
-or does not start.
+Other than with xvfb-run, any number of these may start at once, as the server picks its own number, and a
+command may close its last window and open another, as the server does not reset in between. Exit status: the
+command's, or 1 with a line where Xvfb is missing or does not start.
 """
 
 import os
@@ -16,7 +16,8 @@ import sys
 
 
 def ensure_display():
-    """Where there is no display, starts this Python program again with one in memory; VTK would crash without."""
+    """Where there is no display, starts this Python program again with one in memory; VTK would crash
+    without."""
     if not os.environ.get("DISPLAY"):
         os.execv(sys.executable, [sys.executable, os.path.abspath(__file__), sys.executable, *sys.argv])
 
