@@ -12,8 +12,8 @@ import re
 import sys
 from pathlib import Path
 
-MODULES = ["base", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers", "process", "responses", "config",
-           "mma", "optimize", "run"]
+MODULES = ["base", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers", "process", "responses",
+           "config", "mma", "optimize", "run"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
 
 

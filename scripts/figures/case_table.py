@@ -12,7 +12,7 @@ import textwrap
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
-from read_run import Run, RunError, read_json
+from read_run import Run, RunError, duration, read_json
 
 OVERVIEW = "<!-- cases -->", "<!-- end of cases -->"
 PAGE = "<!-- case -->", "<!-- end of case -->"
@@ -160,7 +160,3 @@ def number(value):
 
 def factor(value):
     return f"{value:.1f}" if value < 9.95 else f"{value:.0f}" if value < 99950 else f"{value:.1e}".replace("e+0", "e")
-
-
-def duration(seconds):
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

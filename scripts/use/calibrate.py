@@ -150,7 +150,7 @@ class Model:
             self.together[a, b] = both - self.alone[a] - self.alone[b]
 
     def factors(self, of_groups):
-        """A factor an axis."""
+        """A factor per axis."""
         result = np.zeros(self.dimension)
         for group, value in zip(self.groups, of_groups):
             result[list(group)] = value

@@ -15,7 +15,6 @@ the outer boundary is not an isosurface but the end of the part, and one close t
 Prints a table and writes RUN_DIR/geometric_thickness.json.
 """
 
-import argparse
 import json
 import os
 import sys
@@ -28,6 +27,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStatic
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
+from drawing import parser_of
 from read_run import RunError, read_json
 
 FARTHEST = 1.3  # of the target
@@ -36,7 +36,7 @@ END = 1e-3  # of a layer's time: how far from the part's end its isosurface is t
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directory", metavar="RUN_DIR")
     parser.add_argument("--target", type=float, help="target thickness (default: the config's)")
     parser.add_argument("--points", type=int, default=1000, help="points per layer (default: %(default)s)")
@@ -80,8 +80,8 @@ def over_layers(rows):
 
 
 def measure_layers(time, time_points, farthest, points, seed):
-    """A dictionary per layer: `place` (first, inner, last, or empty), `mean`, `variance`, `least`, `largest` of
-    the distances, `points` they are of, `drawn_again`."""
+    """A dictionary per layer: `place` (first, inner, last, or empty), `mean`, `variance`, `least`, `largest`
+    of the distances, `points` they are of, `drawn_again`."""
     random = np.random.default_rng(seed)
     used = max(j for j in range(1, len(time_points)) if time.largest > time_points[j - 1])
     rows = []
@@ -95,11 +95,11 @@ def measure_layers(time, time_points, farthest, points, seed):
         row = {"layer": j, "place": place, "mean": None, "variance": None,
                "least": None, "largest": None, "points": 0, "drawn_again": 0}
         if place != "empty" and upper > lower:
-            distances, row["drawn_again"] = draw_distances(time.isosurface(
-                lower), time.isosurface(upper), farthest, points, random)
+            surfaces = time.isosurface(lower), time.isosurface(upper)
+            distances, row["drawn_again"] = draw_distances(*surfaces, farthest, points, random)
             if len(distances):
-                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(), "largest": distances.max(),
-                        "points": len(distances)}
+                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(),
+                        "largest": distances.max(), "points": len(distances)}
         rows.append(row)
     return rows
 
@@ -248,9 +248,10 @@ def table(record):
                      + f"{row['drawn_again']:>13}")
     inner = record["inner"]
     if inner:
-        lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} ({inner['least']:.4g} to {inner['largest']:.4g}), "
-                     f"mean variance {inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
-    lines.append(f"from {record['time']}, {record['points']} points a layer"
+        lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} "
+                     f"({inner['least']:.4g} to {inner['largest']:.4g}), mean variance "
+                     f"{inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
+    lines.append(f"from {record['time']}, {record['points']} points per layer"
                  + (f", target {record['target']:.4g}" if record["target"] else ", no target: none drawn again"))
     return "\n".join(lines)
 

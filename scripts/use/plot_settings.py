@@ -12,18 +12,16 @@ show the defaults. A panel each group and void model; the rows are in the order 
 the first.
 """
 
-import argparse
 import os
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+from drawing import INK, OPTIMIZED, SOFT_INK, parser_of, tidy  # before matplotlib
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullLocator
 
 from read_run import Run, RunError
 
-SMOOTH, BINARY, GRID, SOFT_INK = "#1f6f8b", "#22262b", "#e6e8eb", "#6b727b"
 VOIDS = ("absent", "quiet")
 
 
@@ -72,7 +70,7 @@ def widen(axis):
 
 
 def draw_panel(axis, panel, settings):
-    for block, colour, mark, label in (("optimized", SMOOTH, "o", "smooth layers"), ("binary", BINARY, "D", "binary layers")):
+    for block, colour, mark, label in (("optimized", OPTIMIZED, "o", "smooth layers"), ("binary", INK, "D", "binary layers")):
         if "defaults" in panel.runs:
             axis.axvline(panel.gain("defaults", block), color=colour, lw=1.0, ls="--" if block == "optimized" else "-", alpha=0.5)
         for row, setting in enumerate(settings):
@@ -88,13 +86,11 @@ def draw_panel(axis, panel, settings):
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set_title(panel.title, fontsize=9, loc="left")
     axis.set_xlabel("planar / optimized", color=SOFT_INK)
-    axis.grid(color=GRID)
-    axis.set_axisbelow(True)
-    axis.spines[["top", "right"]].set_visible(False)
+    tidy([axis])
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("groups", nargs="+", metavar="GROUP")
     parser.add_argument("--picture", default="settings.png", help="picture to write (default: %(default)s)")
     arguments = parser.parse_args()

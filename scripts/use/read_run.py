@@ -117,6 +117,10 @@ def open_result(directory):
         raise RunError(f"{path} cannot be read: {error}") from error
 
 
+def duration(seconds):
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
 def nodes_of(built):
     """Which nodes belong to an element of the part, flat, x fastest."""
     touched = np.zeros([n + 1 for n in built.shape], dtype=bool)
