@@ -61,7 +61,8 @@ class BenchmarkScriptTest(FabseqTest):
             self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
 
     def test_layers_by_phase(self):
-        lines, record = self.run_script("layers.sh", "--phases", "--layers", 2, 3, "--ranks", 1, "--iterations", 2, "--csv", "l.csv", "--plot",
+        lines, record = self.run_script("layers.sh", "--phases", "--layers", 2, 3, "--ranks", 1, "--iterations", 2,
+                                        "--csv", "l.csv", "--plot",
                                         "l.png")
         total = {row["layers"]: row for row in record["table"] if row["phase"] == "total"}
         self.assertEqual(sorted(total), [2, 3])
@@ -72,7 +73,8 @@ class BenchmarkScriptTest(FabseqTest):
         self.assert_picture("l.png")
 
     def test_strong_scaling_against_one_baseline(self):
-        _, record = self.run_script("strong_scaling.sh", "--ranks", 1, 2, "--baseline", "1x2", "--iterations", 3, "--warm-up", 2, "--csv",
+        _, record = self.run_script("strong_scaling.sh", "--ranks", 1, 2, "--baseline", "1x2", "--iterations", 3,
+                                    "--warm-up", 2, "--csv",
                                     "s.csv", "--plot", "s.png")
         self.assertEqual([(run["groups"], run["domain_ranks"]) for run in record["samples"]], [(1, 1), (1, 2), (2, 1)])
         self.assertEqual([len(run["iterations"]) for run in record["samples"]], [1, 1, 1])
@@ -121,7 +123,8 @@ class ScalingModelTest(FabseqTest):
         self.assertNotIn("NOT", printed)
 
     def test_what_an_iteration_is_made_of(self):
-        """A machine whose network takes no time spends none on messages; twice the ranks compute less each."""
+        """A machine whose network takes no time spends none on messages; twice the ranks compute less
+        each."""
         free = [word for name in ("latency", "overhead") for word in ("--" + name, "0")]
 
         def totals(*options):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its page and its row,
-leaving the others."""
+"""scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its page and
+its row, leaving the others."""
 
 import json
 import os
@@ -21,7 +21,8 @@ class ReproduceTest(FabseqTest):
         for config in (plate_2d(), direct_2d("elements"), hook_3d()):
             self.write_config(config, config["name"] + ".json")
         cases = {"wall": {"config": "plate.json", "source": "made up", "what": "a wall",
-                          "published": {"planar": 2.0, "optimized": 0.5}, "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
+                          "published": {"planar": 2.0, "optimized": 0.5},
+                          "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
                  "wall_free": {"config": "direct_elements.json", "source": "made up", "what": "a wall"},
                  "planar": {"config": "hook.json", "source": "made up", "what": "a hook", "task": "simulate",
                             "set": {"sequence": {"type": "planar"}}}}

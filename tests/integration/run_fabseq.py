@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Runs fabseq as users do, under mpirun, for the tests of this folder.
 
-Every optimization that a test runs is run once more in two halves, stopped and continued, and must come to the same
-bytes (FabseqTest.resumes).
+Every optimization that a test runs is run once more in two halves, stopped and continued, and must come to
+the same bytes (FabseqTest.resumes).
 
-FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow one,
-instrumented with sanitizers.
+FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow
+one, instrumented with sanitizers.
 """
 
 import contextlib
@@ -76,7 +76,8 @@ class Process:
     def __init__(self, command, directory, environment=None):
         self.command = command
         self.streams = [tempfile.TemporaryFile("w+") for _ in range(2)]
-        # Of its own: an mpirun that starts trips over the common folder that another, which ends, is removing.
+        # Of its own: an mpirun that starts trips over the common folder that another, which ends, is
+        # removing.
         self.sessions = tempfile.TemporaryDirectory(prefix="fabseq_mpirun_", ignore_cleanup_errors=True)
         variables = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": self.sessions.name,
                      **(environment or {})}
@@ -137,8 +138,8 @@ class NoSmallDisk(Exception):
 
 @contextlib.contextmanager
 def small_disk(path, size):
-    """A disk in memory of that size (as mount takes it), mounted at `path`, a folder that this makes, within a with
-    statement; raises NoSmallDisk."""
+    """A disk in memory of that size (as mount takes it), mounted at `path`, a folder that this makes, within
+    a with statement; raises NoSmallDisk."""
     os.mkdir(path)
     if os.geteuid() != 0:
         raise NoSmallDisk("only root can mount a small disk")
@@ -164,7 +165,8 @@ class FabseqTest(unittest.TestCase):
         self.runs = 0
 
     def small_disk(self, size):
-        """A small disk (see small_disk) in the working directory until the test ends; skips the test where it cannot be had."""
+        """A small disk (see small_disk) in the working directory until the test ends; skips the test where it
+        cannot be had."""
         stack = contextlib.ExitStack()
         self.addCleanup(stack.close)
         try:
@@ -234,7 +236,8 @@ class FabseqTest(unittest.TestCase):
     iterations = 4
 
     def optimize(self, config, ranks=1, iterations=None, *arguments):
-        """A short optimization, solved closely, with fields and checkpoints every second iteration; repeated in two halves."""
+        """A short optimization, solved closely, with fields and checkpoints every second iteration; repeated
+        in two halves."""
         iterations = iterations or self.iterations
         run = self.run_config(ranks, config, "-max_iterations", iterations, "-output_every", 2, "-checkpoint_every", 2,
                               "-tolerance", "1e-11", *arguments)

@@ -25,7 +25,8 @@ PATIENCE = 900  # seconds for a job to get to the point that a test waits for
 RANKS = 2
 SCRIPTS = os.path.join(ROOT, "scripts", "slurm")
 FORMS = {"mpirun": "mpirun", "srun": "srun --mpi=pmix"}
-# Some hundredths and about a tenth of a second an iteration: long enough for what happens here to happen on the way.
+# Some hundredths and about a tenth of a second an iteration: long enough for what happens here to happen on
+# the way.
 SMALL = ("-elements", "60,36")
 MEDIUM = ("-elements", "120,72", "-output_every", "0")
 ENDED = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
@@ -130,8 +131,8 @@ class RunTest(SlurmTest):
         assert_same_run(self, job.result(), expected, RANKS)
 
     def test_time_limit(self):
-        """The least that Slurm has, one minute, for a run that takes longer; it looks every 30 seconds whether the time is
-        near. The job comes back until it is done."""
+        """The least that Slurm has, one minute, for a run that takes longer; it looks every 30 seconds
+        whether the time is near. The job comes back until it is done."""
         iterations = self.iterations_in(75)
         for form in FORMS:
             with self.subTest(form=form):
@@ -154,7 +155,8 @@ class RunTest(SlurmTest):
         return int(seconds * 60 / sum(line["seconds"]["total"] for line in run.history()))
 
     def test_warned_then_requeued(self):
-        """First as at the end of the job's time, only when it suits; then as by an administrator, without a warning."""
+        """First as at the end of the job's time, only when it suits; then as by an administrator, without a
+        warning."""
         for form in FORMS:
             with self.subTest(form=form):
                 arguments = (*SMALL, "-max_iterations", 600)
@@ -248,7 +250,8 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
         self.check_compare(output)
 
     def check_compare(self, output):
-        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "use", "compare.py"), os.path.join(output, "even"),
+        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "use", "compare.py"),
+                               os.path.join(output, "even"),
                                os.path.join(output, "uneven")], cwd=self.directory, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(os.path.join(self.directory, "compare.csv"), encoding="utf-8", newline="") as file:
@@ -279,7 +282,8 @@ class CleanUpTest(SlurmTest):
     def test_nothing_is_left_when_the_owner_is_killed(self):
         """Of a second cluster, with a job under way."""
         here = os.path.dirname(os.path.abspath(__file__))
-        command = "sbatch --wrap='sleep 600'; until squeue --noheader --states=R | grep -q .; do sleep 0.1; done; echo $SLURM_CONF; sleep 600"
+        command = ("sbatch --wrap='sleep 600'; until squeue --noheader --states=R | grep -q .; do sleep 0.1; done; "
+                   "echo $SLURM_CONF; sleep 600")
         owner = subprocess.Popen([sys.executable, os.path.join(here, "slurm_cluster.py"), "bash", "-c", command],
                                  stdout=subprocess.PIPE, text=True)
         with owner:
@@ -298,7 +302,8 @@ class CleanUpTest(SlurmTest):
 
 
 def processes_with(word):
-    """Numbers of the processes that have it in their environment or command line, but for those that have ended."""
+    """Numbers of the processes that have it in their environment or command line, but for those that have
+    ended."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):
         try:
