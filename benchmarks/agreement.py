@@ -1,15 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Whether lanes and reference path find the same displacements, layer by layer, the same temperatures and the same gradients:
+"""Whether lanes and reference path find the same displacements, layer by layer, temperatures and gradients:
 
-    benchmarks/agreement.sh configs/v_shape_coarse.json --ranks 1 2 3 4 [-- OPTIONS OF THE PROGRAM]
-    benchmarks/agreement.sh configs/v_shape_coarse.json --wavy 0.3 -- -beta 200
+    benchmarks/agreement.py configs/v_shape_coarse.json --ranks 1 2 3 4 [-- OPTIONS OF THE PROGRAM]
+    benchmarks/agreement.py configs/v_shape_coarse.json --wavy 0.3 -- -beta 200
 
-Largest relative differences over all layers, of fields in the maximum norm, of layers' displacements in the 2-norm over all nodes.
-The reference is solved once, on two ranks. With --wavy A the layers are not those of the config's first design but cut from a height
-with waves of that amplitude, rescaled to 0 to 1.
+Largest relative differences over all layers, of fields in the maximum norm, of layers' displacements in the
+2-norm over all nodes. The reference is solved once, on two ranks. With --wavy A the layers are not those of
+the config's first design but cut from a height with waves of that amplitude, rescaled to 0 to 1.
 """
-import argparse
 import json
 import os
 import tempfile
@@ -53,8 +52,8 @@ def simulate(options, method, ranks, directory, extra):
 
 
 def evaluate(options, method, ranks, directory):
-    program_run.run(options, ranks, directory, ["-task", "evaluate", "-layer_groups",
-                    1, *program_run.method_options(method, options.tolerance)])
+    method_options = program_run.method_options(method, options.tolerance)
+    program_run.run(options, ranks, directory, ["-task", "evaluate", "-layer_groups", 1, *method_options])
     gradients = {}
     with h5py.File(os.path.join(directory, "gradients.h5"), "r") as file:
         file.visititems(lambda name, item: gradients.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
@@ -77,8 +76,7 @@ def compare(found, correct, gradients, correct_gradients):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    program_run.add_common_options(parser)
+    parser = program_run.common_parser(__doc__)
     parser.add_argument("--ranks", type=int, nargs="+", default=[2], metavar="P", help="of the lanes (default: 2)")
     parser.add_argument("--tolerance", type=float, default=1e-9, metavar="T", help="of both (default: %(default)s)")
     parser.add_argument("--reference", choices=REFERENCES, default="multigrid",
@@ -95,8 +93,9 @@ def main():
             found = simulate(options, LANES, ranks, output, extra)
             gradients = {} if extra else evaluate(options, LANES, ranks, output)
             results[ranks] = compare(found, correct, gradients, correct_gradients)
-            print(f"{os.path.basename(options.config)}, {len(correct['norms'])} layers, {options.reference} at {options.tolerance:g}, "
-                  f"lanes on {ranks}: " + ", ".join(f"{key} {value:.1e}" for key, value in results[ranks].items()), flush=True)
+            print(f"{os.path.basename(options.config)}, {len(correct['norms'])} layers, {options.reference} at "
+                  f"{options.tolerance:g}, lanes on {ranks}: "
+                  + ", ".join(f"{key} {value:.1e}" for key, value in results[ranks].items()), flush=True)
     if options.json:
         program_run.write_json(options.json, results)
 

@@ -1,20 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Draws an objective over the print angle of one sub-part, with the number of layers and the adjoint's derivative: that nothing
-jumps where slabs come and go.
+"""Draws an objective over the print angle of one sub-part, with the number of layers and the adjoint's
+derivative: that nothing jumps where slabs come and go.
 
-    benchmarks/angle_scan.py [--config configs/multi_planar_2d.json] [--subpart 2] [--points 181] [--range 0 90]
-                             [--picture docs/multi_planar_angle.svg] [--program build/release/fabseq] [-- arguments of fabseq]
+    benchmarks/angle_scan.py [--config configs/multi_planar_2d.json] [--subpart 2] [--points 181] [--range 0
+    90]
+        [--picture docs/multi_planar_angle.svg] [--program build/release/fabseq] [-- OPTIONS OF THE PROGRAM]
 
-Every point is a run of -task evaluate at the start of the config, whose first objective term is drawn. Where the number of
-layers changes between two neighbours, the place is found by halving, and the step of the objective across it is printed.
+Every point is a run of -task evaluate at the start of the config, whose first objective term is drawn. Where
+the number of layers changes between two neighbours, the place is found by halving, and the step of the
+objective across it is printed.
 """
-import argparse
 import json
 import math
 import os
 import shutil
-import subprocess
 import tempfile
 
 import h5py
@@ -22,9 +22,11 @@ import matplotlib
 import numpy as np
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402 (the backend comes first)
+import matplotlib.pyplot as plt
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+import program_run
+from program_run import ROOT
+
 HALVINGS = 26
 
 
@@ -34,18 +36,13 @@ class Scan:
     def __init__(self, arguments, folder):
         self.arguments, self.folder = arguments, folder
         self.output = os.path.join(folder, "evaluation")
-        self.angles = self.start()
+        self.angles = self.run()["angles"]
 
     def run(self, *more):
         shutil.rmtree(self.output, ignore_errors=True)
-        command = [self.arguments.program, "-config", self.arguments.config, "-task", "evaluate", "-output", self.output,
-                   *self.arguments.rest, *more]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
-        with open(os.path.join(self.output, "evaluation.json"), encoding="utf-8") as file:
-            return json.load(file)
-
-    def start(self):
-        return self.run()["angles"]
+        program_run.run_command([self.arguments.program, "-config", self.arguments.config, "-task", "evaluate",
+                                 "-output", self.output, *self.arguments.rest, *more])
+        return program_run.read_json(self.output, "evaluation.json")
 
     def at(self, angle):
         """Objective, its derivative by the angle, and the number of layers."""
@@ -58,7 +55,8 @@ class Scan:
         return evaluation["responses"][0]["value"], slope, len(evaluation["layers"])
 
     def step(self, low, high, layers):
-        """Where between two angles the number of layers leaves `layers`, and the relative step of the objective there."""
+        """Where between two angles the number of layers leaves `layers`, and the relative step of the
+        objective there."""
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self.at(middle)[2] == layers else (low, middle)
@@ -90,17 +88,15 @@ def draw(path, angles, values, slopes, layers, steps):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = program_run.make_parser(__doc__)
     parser.add_argument("--config", default=os.path.join(ROOT, "configs", "multi_planar_2d.json"))
     parser.add_argument("--subpart", type=int, default=2, help="whose angle is turned, from 1")
     parser.add_argument("--points", type=int, default=181)
     parser.add_argument("--range", nargs=2, type=float, default=(0.0, 90.0), help="degrees")
     parser.add_argument("--picture", default=os.path.join(ROOT, "docs", "multi_planar_angle.svg"))
-    parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "fabseq"))
-    parser.add_argument("rest", nargs="*", help="further arguments of fabseq, after --")
-    arguments = parser.parse_args()
-    folder = tempfile.mkdtemp(prefix="fabseq_angles_")
-    try:
+    program_run.add_program_option(parser)
+    arguments = program_run.parse(parser)
+    with tempfile.TemporaryDirectory() as folder:
         scan = Scan(arguments, folder)
         angles = np.radians(np.linspace(*arguments.range, arguments.points))
         values, slopes, layers = (np.array(column) for column in zip(*(scan.at(angle) for angle in angles)))
@@ -111,8 +107,6 @@ def main():
         print(f"{len(steps)} changes of the number of layers, largest step {max((abs(s) for _, s in steps), default=0.0):.1e}; "
               f"slopes: rms {np.sqrt(np.mean(slopes**2)):.3e}, of differences {np.sqrt(np.mean(differences**2)):.3e}")
         draw(arguments.picture, angles, values, slopes, layers, steps)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""True error, residual and preconditioned residual of lane solves against iteration (docs/formulation.md 4.1):
+"""True error, residual and preconditioned residual of lane solves against iteration (docs/formulation.md
+4.1), for the lane of each case that takes longest, at half resolution (40 x 20 x 40 elements):
 
     benchmarks/convergence.py build/release/benchmarks/hard_cases convergence.png [CASE...]
-
-Of the lane of each case that takes longest, at half resolution (40 x 20 x 40 elements).
 """
 import csv
 import subprocess
@@ -35,9 +34,9 @@ def main():
     figure, all_axes = plt.subplots(2, -(-len(cases) // 2), figsize=(11, 7), sharey=True, squeeze=False)
     for case, axes in zip(cases, all_axes.flat):
         lines = history(program, case)
+        steps = [int(line["iteration"]) for line in lines]
         for key, (label, color) in CURVES.items():
-            axes.semilogy([int(line["iteration"]) for line in lines], [float(line[key])
-                          for line in lines], color=color, label=label)
+            axes.semilogy(steps, [float(line[key]) for line in lines], color=color, label=label)
         axes.set_ylim(1e-9, 1e3)
         axes.set_title(case)
         axes.set_xlabel("iteration")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """True errors of the displacement, and the tolerance that gives a reference method the lanes' error.
 
-The relative residual at which a solver stops is measured by its own preconditioner, so that the same tolerance means different errors
-with different solvers. Compared are displacements after the last layer, of `-task simulate`, with those of a tight solve:
-|u - u_exact| / |u_exact| over all nodes.
+The relative residual at which a solver stops is measured by its own preconditioner, so that the same
+tolerance means different errors with different solvers. Compared are displacements after the last layer, of
+`-task simulate`, with those of a tight solve: |u - u_exact| / |u_exact| over all nodes.
 """
 
 import math
@@ -35,7 +35,8 @@ class DisplacementErrors:
         output = os.path.join(self.directory, "simulate")
         layers = ["-layers", self.options.error_layers] if self.options.error_layers else []
         arguments = ["-task", "simulate", *layers, *method_options(method, tolerance)]
-        # The release from the plate, which comes last, may fail at a tight tolerance; the displacement is there by then.
+        # The release from the plate, which comes last, may fail at a tight tolerance; the displacement is
+        # there by then.
         program_run.run(self.options, self.options.ranks, output, arguments, partial="result.h5")
         with h5py.File(os.path.join(output, "result.h5")) as file:
             result = np.array(file["displacement"], dtype=float)

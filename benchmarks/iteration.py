@@ -2,38 +2,35 @@
 # SPDX-License-Identifier: MIT
 """Seconds of a design iteration by phase, of one config with several solvers in one go:
 
-    benchmarks/iteration.sh configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE PROGRAM]
+    benchmarks/iteration.py configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE
+    PROGRAM]
 
-The tolerance of each reference method is the one that gives its displacement the same true error as the lanes' unless
---reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over the iterations but the
-first (unless there is only one). A solve's seconds hold its share of set-up, assembly and loads. The last column is the faster reference
-method by the lanes. Memory bandwidth (a triad, one core) stands beside them, before and after: compare figures of one run only.
+The tolerance of each reference method is the one that gives its displacement the same true error as the
+lanes' unless --reference-tolerance names one. Figures are medians over the repetitions, which run by turns,
+of medians over the iterations but the first (unless there is only one). A solve's seconds hold its share of
+set-up, assembly and loads. The last column is the faster reference method by the lanes. Memory bandwidth (a
+triad, one core) stands beside them, before and after: compare figures of one run only.
 """
-import argparse
 import os
 import statistics
-import sys
 import tempfile
 
 import program_run
 from displacement_error import TIGHT, DisplacementErrors
 from program_run import LANES, METHODS, PHASES, REFERENCES, method_options
 
-COMPARED = [*PHASES, "seconds_a_solve", "peak_memory_gigabytes"]
+COMPARED = [*PHASES, "seconds_per_solve", "peak_memory_gigabytes"]
 
 
 def measure(options, method, tolerance, directory):
     """Figures of one run, medians over its iterations."""
-    arguments = ["-max_iterations", options.iterations, "-output_every",
-                 0, "-checkpoint_every", 0, *method_options(method, tolerance)]
-    program_run.run(options, options.ranks, directory, arguments)
-    lines = program_run.read_lines(directory, "history.jsonl")
+    lines = program_run.iterate(options, options.ranks, directory, method_options(method, tolerance))
     peak = lines[-1]["peak_memory_bytes"] / 1e9
     lines = lines[1:] or lines
     iterations = [line["solver_iterations"] for line in lines]
     solves = [len(i["primal"]) + len(i["adjoint"]) for i in iterations]
     record = {phase: statistics.median(line["seconds"][phase] for line in lines) for phase in PHASES}
-    record["seconds_a_solve"] = statistics.median(
+    record["seconds_per_solve"] = statistics.median(
         (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves))
     for kind in ("primal", "adjoint"):
         record["iterations_" + kind] = statistics.median(i for lists in iterations for i in lists[kind])
@@ -44,12 +41,12 @@ def measure(options, method, tolerance, directory):
 
 
 def solver_settings(options, method, tolerance, directory):
-    """What the solver is, all its options: those of the config, and for a reference method what PETSc says of it."""
+    """What the solver is and its options: those of the config, and for a reference method what PETSc says."""
     view = os.path.join(directory, "view.txt")
     petsc = [] if method == LANES else ["-elasticity_ksp_view", ":" + view]
     output = os.path.join(directory, "settings")
     arguments = ["-task", "simulate", "-layers", 1, *method_options(method, tolerance), *petsc]
-    _, printed = program_run.run(options, options.ranks, output, arguments)
+    printed = program_run.run(options, options.ranks, output, arguments)
     record = {"description": printed.splitlines()[0], "config": program_run.read_json(output, "config.json")["solver"]}
     if petsc:
         with open(view, encoding="utf-8") as file:
@@ -59,21 +56,18 @@ def solver_settings(options, method, tolerance, directory):
 
 
 def first_solver(lines):
-    """Of what PETSc says of one solver a layer, all with the same options."""
+    """Of what PETSc says of one solver per layer, all with the same options."""
     starts = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")]
     return lines[:starts[1]] if len(starts) > 1 else lines
 
 
 def choose_tolerances(options, errors):
-    tolerances = {LANES: options.tolerance}
-    for method in options.methods:
+    def choose(method):
         if method == LANES:
-            continue
-        if options.reference_tolerance is None:
-            tolerances[method] = errors.matching_tolerance(method, options.tolerance)
-        else:
-            tolerances[method] = options.reference_tolerance
-    return tolerances
+            return options.tolerance
+        return options.reference_tolerance or errors.matching_tolerance(method, options.tolerance)
+
+    return {method: choose(method) for method in options.methods}
 
 
 def print_settings(settings):
@@ -103,8 +97,7 @@ def print_table(methods, tolerances, results, found):
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    program_run.add_common_options(parser)
+    parser = program_run.common_parser(__doc__)
     parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
     parser.add_argument("--iterations", type=int, default=2, metavar="I",
                         help="design iterations of a run (default: %(default)s)")
@@ -137,22 +130,16 @@ def main():
                 errors.error(method, tolerances[method])
             errors.error(LANES if errors.exact != LANES else "multigrid", TIGHT)  # whether the exact one is
         settings = {m: solver_settings(options, m, tolerances[m], directory) for m in options.methods}
-        bandwidth = [program_run.triad_bandwidth()]
-        samples = {method: [] for method in options.methods}
-        for _ in range(options.repetitions):
-            for method in options.methods:
-                samples[method].append(measure(options, method, tolerances[method], os.path.join(directory, method)))
-        bandwidth.append(program_run.triad_bandwidth())
+        samples, triad = program_run.by_turns(options, options.methods, lambda method: [
+            measure(options, method, tolerances[method], os.path.join(directory, method))])
     results = {method: program_run.medians(of_method) for method, of_method in samples.items()}
     print_settings(settings)
     print(f"\n{os.path.basename(options.config)}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
-          f"repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
+          f"repetitions, {program_run.machine_text(triad)}")
     print_table(options.methods, tolerances, results, errors.found if errors else {})
-    if options.json:
-        program_run.write_json(options.json, {
-            "config": options.config, "arguments": sys.argv[1:], "ranks": options.ranks, "triad": bandwidth,
-            "tolerances": {m: tolerances[m] for m in options.methods}, "errors": errors.record() if errors else None,
-            "medians": results, "samples": samples, "settings": settings})
+    program_run.write_results(options, {
+        "ranks": options.ranks, "triad": triad, "tolerances": tolerances, "errors": errors.record() if errors else None,
+        "medians": results, "samples": samples, "settings": settings})
 
 
 if __name__ == "__main__":

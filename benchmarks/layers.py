@@ -2,23 +2,23 @@
 # SPDX-License-Identifier: MIT
 """Seconds of a layer over the number of layers: of its elastic solve on one and two ranks, or by phase.
 
-    benchmarks/layers.sh configs/voxel_part.json [--layers 8 16 9 12] [--ranks 1 2] [-- OPTIONS OF THE PROGRAM]
-    benchmarks/layers.sh benchmarks/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot FILE]
+    benchmarks/layers.py configs/voxel_part.json [--layers 8 16 9 12] [--ranks 1 2] [-- OPTIONS]
+    benchmarks/layers.py benchmarks/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot
+    FILE]
 
-Layers are solved in batches of eight lanes; what is left over, in narrower ones. Without --phases each run is a `-task simulate`
-from a cold start; measured is its phase `primal`: loads, set-up and solve of every layer.
+Layers are solved in batches of eight lanes; what is left over, in narrower ones. Without --phases each run is
+a `-task simulate` from a cold start; measured is its phase `primal`: loads, set-up and solve of every layer.
 
-With --phases each run is an optimization of a few iterations: seconds of each phase of an iteration, over the number of layers, as in
-figure 37 of Di Girolamo 2024, which is printed as a picture only; beside it stand the figures of its table 4 (N = 25, 16 cores). What
-figure 37 is said to show: heat adjoint and elasticity a layer about constant, MMA a layer growing. Thickness constraints have as
-target the config's times its number of layers by N, so that the layers fit into the part.
+With --phases each run is an optimization of a few iterations: seconds of each phase of an iteration, over the
+number of layers, as in figure 37 of Di Girolamo 2024, which is printed as a picture only; beside it stand the
+figures of its table 4 (N = 25, 16 cores). What figure 37 is said to show: heat adjoint and elasticity per
+layer about constant, MMA per layer growing. Thickness constraints have as target the config's times its
+number of layers by N, so that the layers fit into the part.
 
 Medians over the repetitions, which run by turns, and over the iterations after the warm-up.
 """
-import argparse
 import os
 import statistics
-import sys
 import tempfile
 
 import program_run
@@ -26,8 +26,8 @@ from program_run import LANES, METHODS, PHASES, method_options
 
 LAYERS = [8, 16, 24, 32, 48, 9, 12, 17, 25]
 LAYERS_BY_PHASE = [5, 8, 10, 15, 16, 20, 24, 25, 30, 32, 40, 48]
-# Seconds of an iteration of the V-shape, 80 x 40 x 80, N = 25, on 16 cores (Di Girolamo 2024, table 4); heat: primal and adjoint;
-# responses: layer thickness control.
+# Seconds of an iteration of the V-shape, 80 x 40 x 80, N = 25, on 16 cores (Di Girolamo 2024, table 4); heat:
+# primal and adjoint; responses: layer thickness control.
 PUBLISHED_LAYERS = 25
 PUBLISHED = {"heat": 0.078 + 2.482, "primal": 28.508, "adjoint": 63.006, "responses": 0.135, "optimizer": 37.117}
 
@@ -39,11 +39,13 @@ def measure_primal(options, layers, ranks, directory):
 
 
 def fitting_targets(options, directory):
-    """Options of the program that keep N times the thickness target what it is in the config, for a number of layers."""
+    """For a number of layers N, options of the program that keep N times the thickness target what it is in
+    the config."""
     count = program_run.problem_size(options, directory)["layer_count"]
     constraints = program_run.resolved_config(options, os.path.join(directory, "settings")).get("constraints", [])
     targets = {i: c["target"] * count for i, c in enumerate(constraints) if c["type"] == "layer_thickness"}
-    return lambda layers: [word for i, height in targets.items() for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
+    return lambda layers: [word for i, height in targets.items()
+                           for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
 
 
 def measure_phases(options, layers, ranks, targets, directory):
@@ -53,7 +55,7 @@ def measure_phases(options, layers, ranks, targets, directory):
 
 
 def print_primal(options, seconds):
-    print(f"{'layers':>6s}" + "".join(f"{f'{r} rank' + ('s' if r > 1 else ''):>11s}{'a layer':>10s}" for r in options.ranks)
+    print(f"{'layers':>6s}" + "".join(f"{f'{r} rank' + ('s' if r > 1 else ''):>11s}{'per layer':>10s}" for r in options.ranks)
           + (f"{'speed-up':>10s}" if len(options.ranks) > 1 else ""))
     for layers in options.layers:
         of_ranks = [statistics.median(seconds[layers, ranks]) for ranks in options.ranks]
@@ -62,44 +64,34 @@ def print_primal(options, seconds):
 
 
 def print_phases(rows):
-    print("seconds a layer")
+    print("seconds per layer")
     print(f"{'layers':>9s}{'ranks':>6s}" + "".join(f"{phase:>11s}" for phase in PHASES))
     for layers, ranks in dict.fromkeys((row["layers"], row["ranks"]) for row in rows):
-        of_run = {row["phase"]: row["seconds_a_layer"] for row in rows if (row["layers"], row["ranks"]) == (layers, ranks)}
+        of_run = {row["phase"]: row["seconds_per_layer"] for row in rows if (row["layers"], row["ranks"]) == (layers, ranks)}
         print(f"{layers:9d}{ranks:6d}" + "".join(f"{of_run[phase]:11.5f}" for phase in PHASES))
     print(f"{'[D24] ' + str(PUBLISHED_LAYERS):>9s}{16:6d}" + "".join(
         f"{PUBLISHED[phase] / PUBLISHED_LAYERS:11.5f}" if phase in PUBLISHED else f"{'-':>11s}" for phase in PHASES))
 
 
 def plot(path, title, rows):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(figsize=(8, 5))
     ranks = max(row["ranks"] for row in rows)
-    for phase in PHASES:
-        points = sorted((row["layers"], row["seconds_a_layer"]) for row in rows
-                        if row["phase"] == phase and row["ranks"] == ranks and row["seconds_a_layer"] > 0)
-        if not points or phase in ("output", "total"):
-            continue
-        line, = axes.semilogy(*zip(*points), "-o", label=f"{phase}, {ranks} rank{'s' if ranks > 1 else ''}", markersize=4)
-        if phase in PUBLISHED:
-            axes.semilogy([PUBLISHED_LAYERS], [PUBLISHED[phase] / PUBLISHED_LAYERS], "*", color=line.get_color(), markersize=11)
-    axes.semilogy([], [], "k*", markersize=11, label="Di Girolamo 2024, table 4: V-shape, 16 cores")
-    axes.set_xlabel("number of layers N")
-    axes.set_ylabel("seconds of an iteration, a layer")
-    axes.set_title(title, fontsize=10)
-    axes.grid(alpha=0.3, which="both")
-    axes.legend(fontsize=8)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    with program_run.figure(path, title, figsize=(8, 5)) as axes:
+        for phase in PHASES:
+            points = sorted((row["layers"], row["seconds_per_layer"]) for row in rows
+                            if row["phase"] == phase and row["ranks"] == ranks and row["seconds_per_layer"] > 0)
+            if not points or phase in ("output", "total"):
+                continue
+            line, = axes.semilogy(*zip(*points), "-o", label=f"{phase}, {ranks} rank{'s' if ranks > 1 else ''}", markersize=4)
+            if phase in PUBLISHED:
+                published = PUBLISHED[phase] / PUBLISHED_LAYERS
+                axes.semilogy([PUBLISHED_LAYERS], [published], "*", color=line.get_color(), markersize=11)
+        axes.semilogy([], [], "k*", markersize=11, label="Di Girolamo 2024, table 4: V-shape, 16 cores")
+        axes.set(xlabel="number of layers N", ylabel="seconds of an iteration, per layer")
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    program_run.add_common_options(parser)
-    parser.add_argument("--phases", action="store_true", help="all phases of an iteration, a layer")
+    parser = program_run.common_parser(__doc__)
+    parser.add_argument("--phases", action="store_true", help="all phases of an iteration, per layer")
     parser.add_argument("--layers", type=int, nargs="+", metavar="N",
                         help=f"default: {' '.join(map(str, LAYERS))}; with --phases: {' '.join(map(str, LAYERS_BY_PHASE))}")
     parser.add_argument("--ranks", type=int, nargs="+", metavar="P", help="default: 1 2; with --phases: 2")
@@ -115,38 +107,27 @@ def parse_arguments():
 
 def main():
     options = parse_arguments()
-    samples = {(layers, ranks): [] for layers in options.layers for ranks in options.ranks}
-    bandwidth = [program_run.triad_bandwidth()]
     with tempfile.TemporaryDirectory() as directory:
+        output = os.path.join(directory, "output")
         targets = fitting_targets(options, directory) if options.phases else None
-        for _ in range(options.repetitions):
-            for (layers, ranks), values in samples.items():
-                output = os.path.join(directory, "output")
-                if options.phases:
-                    values += measure_phases(options, layers, ranks, targets, output)
-                else:
-                    values.append(measure_primal(options, layers, ranks, output))
-    bandwidth.append(program_run.triad_bandwidth())
+        samples, triad = program_run.by_turns(
+            options, [(layers, ranks) for layers in options.layers for ranks in options.ranks],
+            lambda run: measure_phases(options, *run, targets, output) if targets else [measure_primal(options, *run, output)])
     title = f"{os.path.basename(options.config)}, {options.method}, tolerance {options.tolerance:g}"
-    print(f"{title}, {options.repetitions} repetitions, "
-          f"{os.cpu_count()} cores, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
-    record = {"config": options.config, "arguments": sys.argv[1:], "method": options.method, "tolerance": options.tolerance,
-              "triad": bandwidth}
+    print(f"{title}, {options.repetitions} repetitions, {program_run.machine_text(triad)}")
+    record = {"method": options.method, "tolerance": options.tolerance, "triad": triad}
+    rows = []
     if options.phases:
-        rows = [{"layers": layers, "ranks": ranks, "phase": phase, "seconds": seconds[phase], "seconds_a_layer": seconds[phase] / layers}
+        rows = [{"layers": layers, "ranks": ranks, "phase": phase, "seconds": seconds[phase],
+                 "seconds_per_layer": seconds[phase] / layers}
                 for (layers, ranks), values in samples.items() for seconds in [program_run.medians(values)] for phase in PHASES]
         print_phases(rows)
         record["table"] = rows
-        if options.csv:
-            program_run.write_csv(options.csv, rows)
-        if options.plot:
-            plot(options.plot, title, rows)
     else:
         print_primal(options, samples)
         record["runs"] = [{"layers": layers, "ranks": ranks, "primal_seconds": values}
                           for (layers, ranks), values in samples.items()]
-    if options.json:
-        program_run.write_json(options.json, record)
+    program_run.write_results(options, record, rows, lambda path: plot(path, title, rows))
 
 
 if __name__ == "__main__":

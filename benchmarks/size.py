@@ -2,15 +2,17 @@
 # SPDX-License-Identifier: MIT
 """Time and memory over the number of elements, up to the largest box that fits:
 
-    benchmarks/size.sh benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [-- OPTIONS OF THE PROGRAM]
+    benchmarks/size.py benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [--
+    OPTIONS]
 
-The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many; parts read from voxels cannot
-be. The next size is run if the peak memory of all ranks, grown in proportion to the elements from the last one, stays within --memory
-(GB); the last size is as large as that allows. Each run is an optimization of a few iterations; memory is its peak, of all ranks
-together, as the system reports it, set-up and planar baseline included; seconds are medians over the iterations after the warm-up, of
-all repetitions.
+The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many;
+parts read from voxels cannot be. The next size is run if the peak memory of all ranks, grown in proportion to
+the elements from the last one, stays within --memory (GB); the last size is as large as that allows. Each run
+is an optimization of a few iterations; memory is its peak, of all ranks together, as the system reports it,
+set-up and planar baseline included; seconds are medians over the iterations after the warm-up, of all
+repetitions.
 """
-import argparse
+import math
 import os
 import sys
 import tempfile
@@ -26,18 +28,15 @@ LEAST_GROWTH = 1.2
 
 def refined(elements, total):
     """Element counts in the same proportions, even ones, of about `total` elements."""
-    product = 1
-    for count in elements:
-        product *= count
-    factor = (total / product)**(1.0 / len(elements))
+    factor = (total / math.prod(elements))**(1.0 / len(elements))
     return [max(2, 2 * round(count * factor / 2)) for count in elements]
 
 
 def measure(options, elements, directory):
     setting = "domain.elements=[" + ",".join(map(str, elements)) + "]"
-    arguments = ["-set", setting, "-layer_groups", options.groups, *(["-layers", options.layers] if options.layers else [])]
-    size = program_run.problem_size(options, directory, arguments[:2] + arguments[4:])
-    lines = program_run.iterate(options, options.ranks, directory, arguments)
+    arguments = ["-set", setting, *(["-layers", options.layers] if options.layers else [])]
+    size = program_run.problem_size(options, directory, arguments)
+    lines = program_run.iterate(options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])
     record = program_run.medians([line["seconds"] for line in lines[options.warm_up:]])
     counts = [sum(line["solver_iterations"][kind]) / size["layer_count"]
               for line in lines[options.warm_up:] for kind in ("primal", "adjoint")]
@@ -61,8 +60,7 @@ def run_all(options, directory):
     while total and (options.largest is None or total <= options.largest):
         box = refined(elements, total)
         samples = [measure(options, box, os.path.join(directory, "optimize")) for _ in range(options.repetitions)]
-        record = {**samples[0],
-                  ** program_run.medians([{key: value for key, value in s.items() if key != "box"} for s in samples])}
+        record = {**samples[0], **program_run.medians([{**sample, "box": 0} for sample in samples]), "box": samples[0]["box"]}
         print_line(record)
         if record["gigabytes"] > options.memory:
             print(f"more than {options.memory:g} GB: not what was expected of it")
@@ -73,8 +71,8 @@ def run_all(options, directory):
 
 
 def print_header():
-    print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}" + "".join(f"{phase:>10s}" for phase in PHASES)
-          + f"{'us/unknown,layer':>18s}")
+    print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}"
+          + "".join(f"{phase:>10s}" for phase in PHASES) + f"{'us/unknown,layer':>18s}")
 
 
 def print_line(record):
@@ -85,32 +83,21 @@ def print_line(record):
 
 
 def plot(path, title, records):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5))
     elements = [record["elements"] for record in records]
-    for phase in PHASES:
-        values = [record[phase] for record in records]
-        if min(values) > 0 and phase != "output":
-            left.loglog(elements, values, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
-    right.loglog(elements, [record["gigabytes"] for record in records], "k-o", label="peak, all ranks", markersize=4)
-    for axes, first in ((left, records[0]["total"]), (right, records[0]["gigabytes"])):
-        axes.loglog(elements, [first * count / elements[0] for count in elements], "k:", label="in proportion")
-        axes.set_xlabel("elements of the box")
-        axes.grid(alpha=0.3, which="both")
-        axes.legend(fontsize=8)
-    left.set_ylabel("seconds an iteration")
-    right.set_ylabel("GB")
-    figure.suptitle(title)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    with program_run.figure(path, title, 2, figsize=(11, 4.5)) as (left, right):
+        for phase in PHASES:
+            values = [record[phase] for record in records]
+            if min(values) > 0 and phase != "output":
+                left.loglog(elements, values, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
+        right.loglog(elements, [record["gigabytes"] for record in records], "k-o", label="peak, all ranks", markersize=4)
+        for axes, key, label in ((left, "total", "seconds per iteration"), (right, "gigabytes", "GB")):
+            first = records[0][key]
+            axes.loglog(elements, [first * count / elements[0] for count in elements], "k:", label="in proportion")
+            axes.set(xlabel="elements of the box", ylabel=label)
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    program_run.add_common_options(parser)
+    parser = program_run.common_parser(__doc__)
     parser.set_defaults(repetitions=1)
     parser.add_argument("--ranks", type=int, default=2, metavar="P", help="default: %(default)s")
     parser.add_argument("--groups", type=int, default=1, metavar="G",
@@ -120,30 +107,23 @@ def parse_arguments():
     parser.add_argument("--smallest", type=int, default=32000, metavar="E",
                         help="elements of the first box (default: %(default)s)")
     parser.add_argument("--largest", type=int, metavar="E", help="end there, whatever the memory")
-    options = program_run.parse_iterations(parser, "", "size", iterations=3)
-    return options
+    return program_run.parse_iterations(parser, "", "size", iterations=3)
 
 
 def main():
     options = parse_arguments()
     title = f"{os.path.basename(options.config)}, {options.groups} x {options.ranks // options.groups} ranks"
-    bandwidth = [program_run.triad_bandwidth()]
-    print(
-        f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions, {os.cpu_count()} cores, triad {bandwidth[0]:.1f} GB/s a core before")
+    before = program_run.triad_bandwidth()
+    print(f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions")
     print_header()
     with tempfile.TemporaryDirectory() as directory:
         records = run_all(options, directory)
-    bandwidth.append(program_run.triad_bandwidth())
-    print(f"triad {bandwidth[1]:.1f} GB/s a core after")
+    triad = [before, program_run.triad_bandwidth()]
+    print(program_run.machine_text(triad))
     if not records:
         sys.exit(f"not even {options.smallest} elements fit into {options.memory:g} GB")
-    if options.csv:
-        program_run.write_csv(options.csv, records)
-    if options.plot:
-        plot(options.plot, title, records)
-    if options.json:
-        program_run.write_json(options.json, {"config": options.config, "arguments": sys.argv[1:], "ranks": options.ranks,
-                                              "groups": options.groups, "memory": options.memory, "triad": bandwidth, "runs": records})
+    record = {"ranks": options.ranks, "groups": options.groups, "memory": options.memory, "triad": triad, "runs": records}
+    program_run.write_results(options, record, records, lambda path: plot(path, title, records))
 
 
 if __name__ == "__main__":

@@ -2,43 +2,30 @@
 # SPDX-License-Identifier: MIT
 """Strong scaling: seconds of a design iteration by phase, over groups x domain ranks, against one baseline:
 
-    benchmarks/strong_scaling.sh benchmarks/v_shape.json --ranks 1 2 4 --csv v_shape.csv --plot v_shape.png [-- OPTIONS OF THE PROGRAM]
-    benchmarks/strong_scaling.sh benchmarks/v_shape.json --splits 1x1 2x1 1x2 4x16 --baseline 1x1
+    benchmarks/strong_scaling.py benchmarks/v_shape.json --ranks 1 2 4 --csv v.csv --plot v.png [-- OPTIONS]
+    benchmarks/strong_scaling.py benchmarks/v_shape.json --splits 1x1 2x1 1x2 4x16 --baseline 1x1
 
-A split GxD is G layer groups of D domain ranks each, on G D ranks. --ranks takes all splits of each number of ranks, with no more
-groups than layers. Figures are medians over the iterations after the warm-up, of all repetitions; these run by turns.
+A split GxD is G layer groups of D domain ranks each, on G D ranks. --ranks takes all splits of each number of
+ranks, with no more groups than layers. Figures are medians over the iterations after the warm-up, of all
+repetitions; these run by turns.
 
-Against the baseline, of P0 ranks and T0 seconds (the first split unless --baseline names one), with s = P / P0:
+Against the baseline, of P0 ranks and T0 seconds (the first split unless --baseline names one), with s = P /
+P0:
     speed-up          S = T0 / T
     efficiency        S / s
-    serial fraction   (1/S - 1/s) / (1 - 1/s), Karp and Flatt 1990: of the baseline's time; what grows with P is no serial part,
-                      but overhead or unequal load
-P0 and P are both in ranks: a baseline of 4 ranks has an efficiency of 1, and so would 16 ranks in a quarter of its time.
+    serial fraction   (1/S - 1/s) / (1 - 1/s), Karp and Flatt 1990: of the baseline's time; what grows with P
+                      is no serial part, but overhead or unequal load
+P0 and P are both in ranks: a baseline of 4 ranks has an efficiency of 1, and so would 16 ranks in a quarter
+of its time.
 """
-import argparse
 import os
-import statistics
 import sys
 import tempfile
 
 import program_run
-from program_run import PHASES
+from program_run import PHASES, parse_split, split_text
 
 COLUMNS = ["seconds", "speed_up", "efficiency", "serial_fraction"]
-
-
-def parse_split(text):
-    try:
-        groups, domain = (int(word) for word in text.split("x"))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not GROUPSxRANKS, such as 2x4") from None
-    if groups < 1 or domain < 1:
-        raise argparse.ArgumentTypeError(f"'{text}': both at least 1")
-    return groups, domain
-
-
-def split_text(split):
-    return f"{split[0]}x{split[1]}"
 
 
 def splits_of(ranks, layers):
@@ -56,7 +43,7 @@ def metrics(seconds, split, baseline_seconds, baseline):
 
 
 def table(seconds, baseline):
-    """A record a split and phase."""
+    """A record per split and phase."""
     return [{"groups": split[0], "domain_ranks": split[1], "ranks": split[0] * split[1], "phase": phase,
              "seconds": of_split[phase], **metrics(of_split[phase], split, seconds[baseline][phase], baseline)}
             for split, of_split in seconds.items() for phase in PHASES]
@@ -65,7 +52,8 @@ def table(seconds, baseline):
 def measure(options, split, directory):
     """Seconds by phase and CG iterations of all layers, of each iteration after the warm-up."""
     lines = program_run.iterate(options, split[0] * split[1], directory, ["-layer_groups", split[0]])[options.warm_up:]
-    return [{**line["seconds"], "cg": sum(sum(line["solver_iterations"][kind]) for kind in ("primal", "adjoint"))} for line in lines]
+    return [{**line["seconds"], "cg": sum(sum(line["solver_iterations"][kind]) for kind in ("primal", "adjoint"))}
+            for line in lines]
 
 
 def print_table(seconds, rows, baseline):
@@ -83,42 +71,29 @@ def print_table(seconds, rows, baseline):
 
 
 def plot(path, title, rows, baseline):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5))
     ranks = sorted({row["ranks"] for row in rows})
-    fastest = {count: min((row for row in rows if row["ranks"] == count and row["phase"] == "total"), key=lambda row: row["seconds"])
-               for count in ranks}
-    for phase in PHASES:
-        of_phase = {(row["groups"], row["domain_ranks"]): row for row in rows if row["phase"] == phase}
-        best = [of_phase[fastest[count]["groups"], fastest[count]["domain_ranks"]]["seconds"] for count in ranks]
-        if max(best) > 0:
-            left.loglog(ranks, best, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
     total = [row for row in rows if row["phase"] == "total"]
-    for groups in sorted({row["groups"] for row in total}):
-        points = sorted((row["ranks"], row["speed_up"]) for row in total if row["groups"] == groups)
-        right.loglog(*zip(*points), "-o", label=f"{groups} group{'s' if groups > 1 else ''}", markersize=4)
+    fastest = [min((row for row in total if row["ranks"] == count), key=lambda row: row["seconds"]) for count in ranks]
     start = baseline[0] * baseline[1]
-    right.loglog(ranks, [count / start for count in ranks], "k:", label="ideal")
-    left.set_ylabel("seconds an iteration, fastest split")
-    right.set_ylabel(f"speed-up over {split_text(baseline)}")
-    for axes in (left, right):
-        axes.set_xlabel("ranks")
-        axes.set_xticks(ranks, [str(count) for count in ranks])
-        axes.minorticks_off()
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
-    right.set_yticks([count / start for count in ranks], [f"{count / start:g}" for count in ranks])
-    figure.suptitle(title)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    with program_run.figure(path, title, 2, figsize=(11, 4.5)) as (left, right):
+        for phase in PHASES:
+            of_phase = {(row["groups"], row["domain_ranks"]): row["seconds"] for row in rows if row["phase"] == phase}
+            best = [of_phase[row["groups"], row["domain_ranks"]] for row in fastest]
+            if max(best) > 0:
+                left.loglog(ranks, best, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
+        for groups in sorted({row["groups"] for row in total}):
+            points = sorted((row["ranks"], row["speed_up"]) for row in total if row["groups"] == groups)
+            right.loglog(*zip(*points), "-o", label=f"{groups} group{'s' if groups > 1 else ''}", markersize=4)
+        right.loglog(ranks, [count / start for count in ranks], "k:", label="ideal")
+        for axes, label in ((left, "seconds per iteration, fastest split"), (right, f"speed-up over {split_text(baseline)}")):
+            axes.set(xlabel="ranks", ylabel=label)
+            axes.set_xticks(ranks, [str(count) for count in ranks])
+            axes.minorticks_off()
+        right.set_yticks([count / start for count in ranks], [f"{count / start:g}" for count in ranks])
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    program_run.add_common_options(parser)
+    parser = program_run.common_parser(__doc__)
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--splits", nargs="+", type=parse_split, metavar="GxD", help="groups x domain ranks")
     which.add_argument("--ranks", nargs="+", type=int, default=[1, 2],
@@ -140,26 +115,17 @@ def main():
         baseline = options.baseline or splits[0]
         if baseline not in splits:
             sys.exit(f"--baseline {split_text(baseline)} is not among the splits: {' '.join(map(split_text, splits))}")
-        samples = {split: [] for split in splits}
-        bandwidth = [program_run.triad_bandwidth()]
-        for _ in range(options.repetitions):
-            for split in splits:
-                samples[split] += measure(options, split, os.path.join(directory, "optimize"))
-        bandwidth.append(program_run.triad_bandwidth())
+        samples, triad = program_run.by_turns(options, splits,
+                                              lambda split: measure(options, split, os.path.join(directory, "optimize")))
     seconds = {split: program_run.medians(of_split) for split, of_split in samples.items()}
     rows = table(seconds, baseline)
-    title = f"{os.path.basename(options.config)}, {layers} layers, {os.cpu_count()} cores, baseline {split_text(baseline)}"
-    print(
-        f"{title}, medians of {len(samples[baseline])} iterations, triad {bandwidth[0]:.1f} and {bandwidth[1]:.1f} GB/s a core before and after")
+    title = f"{os.path.basename(options.config)}, {layers} layers, baseline {split_text(baseline)}"
+    print(f"{title}, medians of {len(samples[baseline])} iterations, {program_run.machine_text(triad)}")
     print_table(seconds, rows, baseline)
-    if options.csv:
-        program_run.write_csv(options.csv, rows)
-    if options.plot:
-        plot(options.plot, title, rows, baseline)
-    if options.json:
-        program_run.write_json(options.json, {
-            "config": options.config, "arguments": sys.argv[1:], "layers": layers, "baseline": baseline, "triad": bandwidth, "table": rows,
-            "samples": [{"groups": split[0], "domain_ranks": split[1], "iterations": of_split} for split, of_split in samples.items()]})
+    record = {"layers": layers, "baseline": baseline, "triad": triad, "table": rows,
+              "samples": [{"groups": split[0], "domain_ranks": split[1], "iterations": of_split}
+                          for split, of_split in samples.items()]}
+    program_run.write_results(options, record, rows, lambda path: plot(path, title, rows, baseline))
 
 
 if __name__ == "__main__":

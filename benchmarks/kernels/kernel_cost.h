@@ -7,9 +7,16 @@
 #include "fabseq/lanes/lane_mesh.h"
 #include "fabseq/lanes/lane_problem.h"
 
-#include "kernels/measure.h"
-
 namespace benchmarks {
+
+/// Of one call. Whatever is 0 is not reported.
+struct Cost {
+  double unknowns = 0.0;  ///< node x component x lane
+  /// Least traffic that the algorithm needs if every array is too large for the caches: what it reads once,
+  /// what it writes once, without write-allocate, like the triad.
+  double bytes = 0.0;
+  double flops = 0.0;  ///< additions and multiplications as the source has them; a multiply-add is two
+};
 
 /// Flops that the blocks of an element matrix take, a lane: an element of ElasticKernel without its
 /// transforms.

@@ -5,20 +5,12 @@
 
 #include <mpi.h>
 
+#include "kernels/kernel_cost.h"
 #include <benchmark/benchmark.h>
 #include <functional>
 #include <string>
 
 namespace benchmarks {
-
-/// Of one call. Whatever is 0 is not reported.
-struct Cost {
-  double unknowns = 0.0;  ///< node x component x lane
-  /// Least traffic that the algorithm needs if every array is too large for the caches: what it reads once,
-  /// what it writes once, without write-allocate, like the triad.
-  double bytes = 0.0;
-  double flops = 0.0;  ///< additions and multiplications as the source has them; a multiply-add is two
-};
 
 /// Adds a benchmark whose loop runs `calls` times. The number is fixed, since all ranks do the same at once.
 inline void add(const std::string& name, int calls, const std::function<void(benchmark::State&)>& body) {

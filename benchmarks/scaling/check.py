@@ -8,23 +8,24 @@ import subprocess
 import tempfile
 from collections import Counter, defaultdict
 
-import h5py
-
 import program_run
-from scaling.counts import Iteration, count_iteration, hierarchies
+from scaling.counts import Iteration, count_iteration
+from scaling.machine import PHASES
+from scaling.plan import Plan
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer"]
 FIGURES = ["messages", "message_bytes", "collectives", "collective_bytes"]
-# Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt: what is set up at first
-# use is sent only once.
+# Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt:
+# what is set up at first use is sent only once.
 ITERATIONS = 6
 # On two boxes: one all of material, which the model knows to the last byte, and one with a void.
 BLOCK = {
-    "name": "block", "domain": {"size": [2.0, 1.0, 2.0], "elements": [32, 16, 32]}, "part": {"box": {"min": [0, 0, 0], "max": [2, 1, 2]}},
-    "node_sets": {"edge": {"box": {"min": [2, 0, 2], "max": [2, 1, 2]}}}, "sequence": {"type": "heat", "characteristic_length": 2.0},
-    "layers": {"count": 11},
-    "objective": [{"type": "distortion", "nodes": "edge", "scaling": "current", "least_squares": False}, {"type": "layer_uniformity"}],
+    "name": "block", "domain": {"size": [2.0, 1.0, 2.0], "elements": [32, 16, 32]},
+    "part": {"box": {"min": [0, 0, 0], "max": [2, 1, 2]}},
+    "node_sets": {"edge": {"box": {"min": [2, 0, 2], "max": [2, 1, 2]}}},
+    "sequence": {"type": "heat", "characteristic_length": 2.0}, "layers": {"count": 11},
+    "objective": [{"type": "distortion", "nodes": "edge", "scaling": "current", "least_squares": False},
+                  {"type": "layer_uniformity"}],
     "constraints": [{"type": "layer_thickness", "target": 0.18}]}
 V_SHAPE = {**BLOCK, "name": "v_shape", "part": {"difference": [
     {"union": [{"box": {"min": [0, 0, 0], "max": [2, 1, 0.6]}}, {"box": {"min": [1.2, 0, 0], "max": [2, 1, 2]}}]},
@@ -41,7 +42,8 @@ def build_library(directory):
 
 
 def read_counts(directory, iteration):
-    """By phase: messages and bytes of all ranks; collective calls and bytes of a rank, the mean. And messages and calls of the whole run."""
+    """By phase: messages and bytes of all ranks; collective calls and bytes of a rank, the mean. And those of
+    the whole run."""
     by_phase, whole = defaultdict(Counter), Counter()
     files = [name for name in os.listdir(directory) if name.endswith(".csv")]
     for name in files:
@@ -76,54 +78,54 @@ def read_log(path):
 
 def model_counts(tallies, elastic, heat):
     result = {phase: Counter() for phase in PHASES}
+
+    def add(phase, times, number, size, what="message"):
+        result[phase][what + "s"] += times * number
+        result[phase][what + "_bytes"] += times * size
+
     for tally in tallies:
         for (phase, level, size), times in tally.halos.items():
-            geometry = (heat if phase == "heat" else elastic).levels[level]
-            result[phase]["messages"] += times * geometry.halo_messages
-            result[phase]["message_bytes"] += times * geometry.halo_nodes * size
+            counts = (heat if phase == "heat" else elastic).levels[level]
+            add(phase, times, counts.halo_messages, counts.halo_nodes * size)
         for (phase, size), times in tally.exchanges.items():
-            result[phase]["messages"] += times * elastic.exchange_messages()
-            result[phase]["message_bytes"] += times * elastic.exchange_nodes() * size
+            add(phase, times, elastic.exchange_messages(), elastic.exchange_nodes() * size)
         for (phase, _, _, size), times in tally.collectives.items():
-            result[phase]["collectives"] += times / len(tallies)
-            result[phase]["collective_bytes"] += times * size / len(tallies)
+            add(phase, times / len(tallies), 1, size, "collective")
     return result
 
 
-def iteration_of(lines, part_elements):
-    """What the model needs, of the last iteration of a history."""
-    last = lines[-1]["solver_iterations"]
-    before = lines[-2]["solver_iterations"]
-    return Iteration(primal=last["primal"], adjoint=last["adjoint"], heat=last["heat"], newton_steps=lines[-1]["optimizer"]["newton_steps"],
-                     rows=2 * len(last["primal"]), part_elements=part_elements,
-                     expected_work=[1 + a + b for a, b in zip(before["primal"], before["adjoint"])])
+def model_of(plan_program, config, lines, groups, ranks):
+    """The model's counts of the last iteration of a history."""
+    before, last = (line["solver_iterations"] for line in lines[-2:])
+    iteration = Iteration(last["primal"], last["adjoint"], last["heat"], lines[-1]["optimizer"]["newton_steps"],
+                          rows=2 * len(last["primal"]), part_elements=0,
+                          expected_work=[1 + a + b for a, b in zip(before["primal"], before["adjoint"])])
+    plan = Plan(plan_program, {"config": config}, [ranks], [(work, groups) for work in iteration.deals()])
+    iteration.part_elements = plan.part_elements
+    systems = plan.systems(ranks)
+    return model_counts(count_iteration(plan, *systems, groups, iteration), *systems)
 
 
-def run_counted(options, case, groups, ranks, library):
-    """Counts of the last iteration and of the whole run, the log's counts, and the model's."""
+def compare(options, name, groups, ranks, library):
+    """Prints counts of the last iteration of a run beside the model's; whether they differ."""
     with tempfile.TemporaryDirectory() as directory:
         options.config = os.path.join(directory, "case.json")
-        program_run.write_json(options.config, case)
-        counts = os.path.join(directory, "counts")
+        program_run.write_json(options.config, CASES[name])
+        counts, log = os.path.join(directory, "counts"), os.path.join(directory, "log.txt")
         os.mkdir(counts)
         options.launcher = f"mpirun -np {{ranks}} -x LD_PRELOAD={library} -x MESSAGE_COUNT_DIRECTORY={counts}"
-        log = os.path.join(directory, "log.txt")
-        output = os.path.join(directory, "output")
         options.iterations = ITERATIONS
-        lines = program_run.iterate(options, groups * ranks, output, ["-layer_groups", groups, "-log_view", ":" + log])
+        lines = program_run.iterate(options, groups * ranks, os.path.join(directory, "output"),
+                                    ["-layer_groups", groups, "-log_view", ":" + log])
         by_phase, whole = read_counts(counts, ITERATIONS)
-        logged = read_log(log)
-        with h5py.File(os.path.join(output, "result.h5")) as file:
-            part = file["density"][()].T > 0
-    elastic, heat = hierarchies(case["domain"]["elements"], part, ranks)
-    tallies = count_iteration(elastic, heat, groups, iteration_of(lines, int(part.sum())))
-    return by_phase, whole, logged, model_counts(tallies, elastic, heat)
+        model = model_of(options.plan, options.config, lines, groups, ranks)
+        return print_comparison(f"{name}, {groups}x{ranks}", by_phase, model, compare_log(whole, read_log(log)))
 
 
 def compare_log(whole, logged, phases=("heat", "primal", "adjoint")):
-    """Largest relative differences of messages, of their bytes, and of reductions, over the phases of the whole run. PETSc counts neither
-    MPI_Reduce nor barriers, and half the bytes of gathers, scatters and MPI_Alltoallv with those of messages; gathers
-    and scatters also where a rank is alone."""
+    """Largest relative differences of messages, of their bytes, and of reductions, over the phases of the
+    whole run. PETSc counts neither MPI_Reduce nor barriers, and half the bytes of gathers, scatters and
+    MPI_Alltoallv with those of messages; gathers and scatters also where a rank is alone."""
     worst = Counter()
     for phase in phases:
         ours = {"messages": whole[phase, "messages"],
@@ -136,8 +138,9 @@ def compare_log(whole, logged, phases=("heat", "primal", "adjoint")):
 
 
 def print_comparison(title, counted, model, log):
-    """Prints a table; whether messages differ at all, or collectives by more than how parts are rounded. The optimizer leaves out rows
-    that cannot bind, so that the bytes of its sums are at most the model's; and a cut step takes a sum more."""
+    """Prints a table; whether messages differ at all, or collectives by more than how parts are rounded. The
+    optimizer leaves out rows that cannot bind, so that the bytes of its sums are at most the model's; and a
+    cut step takes a sum more."""
     print(f"\n{title}: -log_view and the library differ by at most "
           + ", ".join(f"{100 * value:.2f} % ({key.replace('_', ' ')})" for key, value in log.items()))
     print(f"{'phase':>10s}" + "".join(f"{figure.replace('_', ' '):>28s}" for figure in FIGURES))

@@ -139,29 +139,26 @@ int MPI_Finalize() {
   return PMPI_Finalize();
 }
 
-int MPI_Send(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm) {
-  count_message(to, n, type, comm);
-  return PMPI_Send(data, n, type, to, tag, comm);
-}
+/// A call of MPI that is counted first.
+#define COUNTED(name, parameters, arguments, counting) \
+  int MPI_##name parameters {                          \
+    counting;                                          \
+    return PMPI_##name arguments;                      \
+  }
 
-int MPI_Isend(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
-              MPI_Request* request) {
-  count_message(to, n, type, comm);
-  return PMPI_Isend(data, n, type, to, tag, comm, request);
-}
-
-int MPI_Issend(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
-               MPI_Request* request) {
-  count_message(to, n, type, comm);
-  return PMPI_Issend(data, n, type, to, tag, comm, request);
-}
-
-int MPI_Sendrecv(const void* data, int n, MPI_Datatype type, int to, int tag, void* received, int received_n,
-                 MPI_Datatype received_type, int from, int received_tag, MPI_Comm comm, MPI_Status* status) {
-  count_message(to, n, type, comm);
-  return PMPI_Sendrecv(data, n, type, to, tag, received, received_n, received_type, from, received_tag, comm,
-                       status);
-}
+COUNTED(Send, (const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm),
+        (data, n, type, to, tag, comm), count_message(to, n, type, comm))
+COUNTED(Isend,
+        (const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm, MPI_Request* request),
+        (data, n, type, to, tag, comm, request), count_message(to, n, type, comm))
+COUNTED(Issend,
+        (const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm, MPI_Request* request),
+        (data, n, type, to, tag, comm, request), count_message(to, n, type, comm))
+COUNTED(Sendrecv,
+        (const void* data, int n, MPI_Datatype type, int to, int tag, void* out, int m, MPI_Datatype out_type,
+         int from, int out_tag, MPI_Comm comm, MPI_Status* status),
+        (data, n, type, to, tag, out, m, out_type, from, out_tag, comm, status),
+        count_message(to, n, type, comm))
 
 int MPI_Send_init(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm,
                   MPI_Request* request) {
@@ -186,89 +183,53 @@ int MPI_Startall(int n, MPI_Request requests[]) {
   return PMPI_Startall(n, requests);
 }
 
-int MPI_Allreduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
-  count_collective("allreduce", n, type, comm);
-  return PMPI_Allreduce(in, out, n, type, operation, comm);
-}
-
-int MPI_Reduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, int root,
-               MPI_Comm comm) {
-  count_collective("reduce", n, type, comm);
-  return PMPI_Reduce(in, out, n, type, operation, root, comm);
-}
-
-int MPI_Bcast(void* data, int n, MPI_Datatype type, int root, MPI_Comm comm) {
-  count_collective("bcast", n, type, comm);
-  return PMPI_Bcast(data, n, type, root, comm);
-}
-
-int MPI_Gather(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type, int root,
-               MPI_Comm comm) {
-  count_collective("gather", n, type, comm);
-  return PMPI_Gather(in, n, type, out, m, out_type, root, comm);
-}
-
-int MPI_Gatherv(const void* in, int n, MPI_Datatype type, void* out, const int counts[], const int starts[],
-                MPI_Datatype out_type, int root, MPI_Comm comm) {
-  count_collective("gather", n, type, comm);
-  return PMPI_Gatherv(in, n, type, out, counts, starts, out_type, root, comm);
-}
-
-int MPI_Scatterv(const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out, int n,
-                 MPI_Datatype out_type, int root, MPI_Comm comm) {
-  count_collective("scatter", n, out_type, comm);
-  return PMPI_Scatterv(in, counts, starts, type, out, n, out_type, root, comm);
-}
-
-int MPI_Allgather(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type,
-                  MPI_Comm comm) {
-  count_collective("allgather", n, type, comm);
-  return PMPI_Allgather(in, n, type, out, m, out_type, comm);
-}
-
-int MPI_Allgatherv(const void* in, int n, MPI_Datatype type, void* out, const int counts[],
-                   const int starts[], MPI_Datatype out_type, MPI_Comm comm) {
-  count_collective("allgather", n, type, comm);
-  return PMPI_Allgatherv(in, n, type, out, counts, starts, out_type, comm);
-}
-
-int MPI_Alltoall(const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type,
-                 MPI_Comm comm) {
-  count_collective("alltoall", static_cast<long>(n) * size_of(comm), type, comm);
-  return PMPI_Alltoall(in, n, type, out, m, out_type, comm);
-}
-
-int MPI_Alltoallv(const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out,
-                  const int out_counts[], const int out_starts[], MPI_Datatype out_type, MPI_Comm comm) {
-  count_collective("alltoall", total(counts, comm), type, comm);
-  return PMPI_Alltoallv(in, counts, starts, type, out, out_counts, out_starts, out_type, comm);
-}
-
-int MPI_Reduce_scatter_block(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation,
-                             MPI_Comm comm) {
-  count_collective("reduce_scatter", n, type, comm);
-  return PMPI_Reduce_scatter_block(in, out, n, type, operation, comm);
-}
-
-int MPI_Scan(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
-  count_collective("scan", n, type, comm);
-  return PMPI_Scan(in, out, n, type, operation, comm);
-}
-
-int MPI_Exscan(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm) {
-  count_collective("scan", n, type, comm);
-  return PMPI_Exscan(in, out, n, type, operation, comm);
-}
-
-int MPI_Barrier(MPI_Comm comm) {
-  count_collective("barrier", 0, MPI_CHAR, comm);
-  return PMPI_Barrier(comm);
-}
-
-int MPI_Iallreduce(const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm,
-                   MPI_Request* request) {
-  count_collective("allreduce", n, type, comm);
-  return PMPI_Iallreduce(in, out, n, type, operation, comm, request);
-}
+COUNTED(Allreduce, (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm),
+        (in, out, n, type, operation, comm), count_collective("allreduce", n, type, comm))
+COUNTED(Iallreduce,
+        (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm,
+         MPI_Request* request),
+        (in, out, n, type, operation, comm, request), count_collective("allreduce", n, type, comm))
+COUNTED(Reduce,
+        (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, int root, MPI_Comm comm),
+        (in, out, n, type, operation, root, comm), count_collective("reduce", n, type, comm))
+COUNTED(Reduce_scatter_block,
+        (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm),
+        (in, out, n, type, operation, comm), count_collective("reduce_scatter", n, type, comm))
+COUNTED(Scan, (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm),
+        (in, out, n, type, operation, comm), count_collective("scan", n, type, comm))
+COUNTED(Exscan, (const void* in, void* out, int n, MPI_Datatype type, MPI_Op operation, MPI_Comm comm),
+        (in, out, n, type, operation, comm), count_collective("scan", n, type, comm))
+COUNTED(Bcast, (void* data, int n, MPI_Datatype type, int root, MPI_Comm comm), (data, n, type, root, comm),
+        count_collective("bcast", n, type, comm))
+COUNTED(Barrier, (MPI_Comm comm), (comm), count_collective("barrier", 0, MPI_CHAR, comm))
+COUNTED(Gather,
+        (const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type, int root,
+         MPI_Comm comm),
+        (in, n, type, out, m, out_type, root, comm), count_collective("gather", n, type, comm))
+COUNTED(Gatherv,
+        (const void* in, int n, MPI_Datatype type, void* out, const int counts[], const int starts[],
+         MPI_Datatype out_type, int root, MPI_Comm comm),
+        (in, n, type, out, counts, starts, out_type, root, comm), count_collective("gather", n, type, comm))
+COUNTED(Scatterv,
+        (const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out, int n,
+         MPI_Datatype out_type, int root, MPI_Comm comm),
+        (in, counts, starts, type, out, n, out_type, root, comm),
+        count_collective("scatter", n, out_type, comm))
+COUNTED(Allgather,
+        (const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type, MPI_Comm comm),
+        (in, n, type, out, m, out_type, comm), count_collective("allgather", n, type, comm))
+COUNTED(Allgatherv,
+        (const void* in, int n, MPI_Datatype type, void* out, const int counts[], const int starts[],
+         MPI_Datatype out_type, MPI_Comm comm),
+        (in, n, type, out, counts, starts, out_type, comm), count_collective("allgather", n, type, comm))
+COUNTED(Alltoall,
+        (const void* in, int n, MPI_Datatype type, void* out, int m, MPI_Datatype out_type, MPI_Comm comm),
+        (in, n, type, out, m, out_type, comm),
+        count_collective("alltoall", static_cast<long>(n) * size_of(comm), type, comm))
+COUNTED(Alltoallv,
+        (const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out,
+         const int out_counts[], const int out_starts[], MPI_Datatype out_type, MPI_Comm comm),
+        (in, counts, starts, type, out, out_counts, out_starts, out_type, comm),
+        count_collective("alltoall", total(counts, comm), type, comm))
 
 }  // extern "C"

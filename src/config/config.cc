@@ -54,7 +54,7 @@ BuildPlate make_plate(const std::string& face) { return {face[0] - 'x', face[1] 
 
 std::map<std::string, NodeSetDescription> make_node_sets(const Json& value) {
   std::map<std::string, NodeSetDescription> result;
-  for (const auto& [name, member] : value) {
+  for (const auto& [name, member] : value.items()) {
     result[name] = {make_shape(member, pointer_to("/node_sets", name)), integer(member, "samples"),
                     member.at("within").get<double>()};
   }

@@ -36,11 +36,11 @@ std::string change(const std::string& pointer, const Json* then, const Json* now
 std::string difference(const Json* then, const Json* now, const std::string& pointer);
 
 std::string difference_of_members(const Json& then, const Json& now, const std::string& pointer) {
-  for (const auto& [key, value] : then) {
+  for (const auto& [key, value] : then.items()) {
     std::string found = difference(&value, find_member(now, key), pointer_to(pointer, key));
     if (!found.empty()) return found;
   }
-  for (const auto& [key, value] : now) {
+  for (const auto& [key, value] : now.items()) {
     if (find_member(then, key) != nullptr) continue;
     std::string found = difference(nullptr, &value, pointer_to(pointer, key));
     if (!found.empty()) return found;

@@ -74,7 +74,7 @@ class Completion {
   /// Refuses members that are none of `keys`, those of the section `path` in this dimension and maybe others.
   void refuse_strangers(const Json& value, const std::string& pointer, std::string_view path,
                         const std::string& variant, const Keys& keys) const {
-    for (const auto& [name, found] : value) {
+    for (const auto& [name, found] : value.items()) {
       const auto same = [&name = name](const ConfigKey* key) { return key->name == name; };
       const auto place = std::find_if(keys.begin(), keys.end(), same);
       if (place == keys.end()) {
@@ -154,7 +154,7 @@ class Completion {
   Json node_set_map(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     if (!value.is_object()) refuse_value(key, value, pointer, context_);
     Json result = Json::object();
-    for (const auto& [name, member] : value) {
+    for (const auto& [name, member] : value.items()) {
       result[name] = shape(member, pointer_to(pointer, name), "node_sets.NAME");
     }
     return result;
@@ -205,7 +205,7 @@ int find_dimension(const Json& document) {
 Json complete_config(const Json& document, const std::string& directory) {
   if (!document.is_object()) refuse("", shown(document), "an object");
   Json input = Json::object();
-  for (const auto& [name, value] : document) {
+  for (const auto& [name, value] : document.items()) {
     if (name != "run") input[name] = value;  // a record of the run that wrote the file
   }
   return Completion(find_dimension(input), directory).section(input, "", "");

@@ -103,8 +103,8 @@ Json broadcast_description(MPI_Comm comm, const std::string& path) {
 
 CheckpointState without_fields(const Json& description) {
   CheckpointState state;
-  for (const auto& [name, value] : description.at("scalars")) state.set_scalar(name, value);
-  for (const auto& [name, values] : description.at("arrays"))
+  for (const auto& [name, value] : description.at("scalars").items()) state.set_scalar(name, value);
+  for (const auto& [name, values] : description.at("arrays").items())
     state.set_array(name, values.get<std::vector<double>>());
   return state;
 }

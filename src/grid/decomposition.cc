@@ -81,8 +81,7 @@ class SlabWeights {
     // Empty slabs too: the function may be collective (a parallel read).
     if (weights) weights_ = weights(slab_);
     // Nothing to go by: all elements alike.
-    const double total = sum(comm, std::accumulate(weights_.begin(), weights_.end(), 0.0));
-    if (!(total > 0.0)) weights_.assign(static_cast<std::size_t>(slab_.count()), 1.0);
+    alike_ = !(sum(comm, std::accumulate(weights_.begin(), weights_.end(), 0.0)) > 0.0);
     sum_marginals(elements);
   }
 
@@ -91,6 +90,7 @@ class SlabWeights {
 
   /// Weight of the heaviest rank. Collective.
   double heaviest_rank(const Decomposition<Dim>& decomposition) const {
+    if (alike_) return largest_box(decomposition);
     std::array<std::vector<int>, Dim> process_of;  // of each index along each axis
     for (int axis = 0; axis < Dim; ++axis) {
       const std::vector<int>& starts = decomposition.range_starts[axis];
@@ -98,7 +98,8 @@ class SlabWeights {
         process_of[axis].insert(process_of[axis].end(),
                                 static_cast<std::size_t>(starts[process + 1] - starts[process]), process);
     }
-    std::vector<double> load(static_cast<std::size_t>(size_of(comm_)));
+    std::vector<double> load(
+        static_cast<std::size_t>(IndexBox<Dim>{Index<Dim>{}, decomposition.processes}.count()));
     slab_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
       Index<Dim> position;
       for (int axis = 0; axis < Dim; ++axis) position[axis] = process_of[axis][element[axis]];
@@ -109,9 +110,21 @@ class SlabWeights {
   }
 
  private:
+  static double largest_box(const Decomposition<Dim>& decomposition) {
+    double result = 1.0;
+    for (const std::vector<int>& starts : decomposition.range_starts) {
+      int longest = 0;
+      for (std::size_t i = 1; i < starts.size(); ++i) longest = std::max(longest, starts[i] - starts[i - 1]);
+      result *= longest;
+    }
+    return result;
+  }
+
   void sum_marginals(const Index<Dim>& elements) {
+    const auto all = static_cast<double>(IndexBox<Dim>{Index<Dim>{}, elements}.count());
     for (int axis = 0; axis < Dim; ++axis)
-      marginals_[axis].assign(static_cast<std::size_t>(elements[axis]), 0.0);
+      marginals_[axis].assign(static_cast<std::size_t>(elements[axis]), alike_ ? all / elements[axis] : 0.0);
+    if (alike_) return;
     slab_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
       for (int axis = 0; axis < Dim; ++axis) marginals_[axis][element[axis]] += weights_[offset];
     });
@@ -121,6 +134,7 @@ class SlabWeights {
   MPI_Comm comm_;
   IndexBox<Dim> slab_;
   std::vector<double> weights_;
+  bool alike_ = false;
   std::array<std::vector<double>, Dim> marginals_;
 };
 
@@ -244,7 +258,12 @@ std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& eleme
 template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights) {
-  const int ranks = size_of(comm);
+  return choose_decomposition<Dim>(comm, size_of(comm), elements, weights);
+}
+
+template <int Dim>
+Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Dim>& elements,
+                                        const ElementWeights<Dim>& weights) {
   const std::vector<Index<Dim>> grids = fitting_process_grids<Dim>(ranks, elements);
   if (grids.empty())
     throw InputError(
@@ -279,5 +298,6 @@ template std::vector<Index<2>> fitting_process_grids<2>(int, const Index<2>&);
 template std::vector<Index<3>> fitting_process_grids<3>(int, const Index<3>&);
 template Decomposition<2> choose_decomposition<2>(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
 template Decomposition<3> choose_decomposition<3>(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
+template Decomposition<3> choose_decomposition<3>(MPI_Comm, int, const Index<3>&, const ElementWeights<3>&);
 
 }  // namespace fabseq

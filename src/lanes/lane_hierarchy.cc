@@ -78,36 +78,40 @@ std::int64_t LaneHierarchy<Dim>::total_elements(const LaneLevel<Dim>& level) con
 }
 
 template <int Dim>
-Index<Dim> LaneHierarchy<Dim>::choose_factors(const LaneLevel<Dim>& fine) const {
+Index<Dim> LaneHierarchy<Dim>::choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
+                                              std::int64_t active) {
+  Index<Dim> factors;
+  factors.fill(1);
+  if (active <= coarsest_elements) return factors;
   double shortest = std::numeric_limits<double>::max();
   for (int axis = 0; axis < Dim; ++axis)
-    if (fine.elements[axis] > 1) shortest = std::min(shortest, fine.spacing[axis]);
-  Index<Dim> factors;
+    if (elements[axis] > 1) shortest = std::min(shortest, spacing[axis]);
   for (int axis = 0; axis < Dim; ++axis)
-    factors[axis] = fine.elements[axis] > 1 && fine.spacing[axis] < 1.5 * shortest ? 2 : 1;
+    if (elements[axis] > 1 && spacing[axis] < 1.5 * shortest) factors[axis] = 2;
   return factors;
+}
+
+template <int Dim>
+bool LaneHierarchy<Dim>::begins_on_next(const Index<Dim>& start, const Index<Dim>& factors) {
+  bool aligned = true;
+  for (int axis = 0; axis < Dim; ++axis) aligned = aligned && start[axis] % factors[axis] == 0;
+  return aligned;
 }
 
 /// Distributed levels need every rank's first element on the coarse grid, and enough to do.
 template <int Dim>
 bool LaneHierarchy<Dim>::keep_distributed(const LaneLevel<Dim>& fine, std::int64_t coarse_elements) const {
   const MPI_Comm comm = grid_.comm();
-  if (!fine.distributed || coarse_elements < agglomeration_limit * size_of(comm)) return false;
-  bool aligned = true;
-  for (int axis = 0; axis < Dim; ++axis)
-    aligned = aligned && fine.mesh.element_box().start[axis] % fine.factors[axis] == 0;
-  return !any(comm, !aligned);
+  if (!fine.distributed || !enough_for(size_of(comm), coarse_elements)) return false;
+  return !any(comm, !begins_on_next(fine.mesh.element_box().start, fine.factors));
 }
 
 template <int Dim>
 bool LaneHierarchy<Dim>::coarsen() {
   LaneLevel<Dim>& fine = levels_.back();
-  fine.factors = choose_factors(fine);
-  if (total_elements(fine) <= coarsest_elements ||
-      *std::max_element(fine.factors.begin(), fine.factors.end()) == 1) {
-    if (!fine.distributed) return false;
-    fine.factors.fill(1);  // the last level is whole on every rank: a copy of this one
-  }
+  fine.factors = choose_factors(fine.elements, fine.spacing, total_elements(fine));
+  // The last level is whole on every rank: a copy of this one if that is distributed.
+  if (*std::max_element(fine.factors.begin(), fine.factors.end()) == 1 && !fine.distributed) return false;
   LaneLevel<Dim>& coarse = levels_.emplace_back();
   make_coarse_mesh(fine, coarse);
   set_up_sums(coarse);

@@ -139,8 +139,9 @@ std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const
 }
 
 template <int Dim>
-Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description) {
-  return Grid<Dim>(comm, domain, [&](const IndexBox<Dim>& box) {
+ElementWeights<Dim> element_weights(MPI_Comm comm, const Domain<Dim>& domain,
+                                    const PartDescription& description) {
+  return [comm, domain, &description](const IndexBox<Dim>& box) {
     std::vector<double> weights = read_density<Dim>(comm, domain, description, box);
     if (description.substrate) {
       const std::vector<double> substrate = evaluate_shape<Dim>(domain, *description.substrate, box);
@@ -148,13 +149,19 @@ Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const Par
     }
     for (double& value : weights) value = value > 0.0 ? 1.0 : void_weight;
     return weights;
-  });
+  };
+}
+
+template <int Dim>
+Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description) {
+  return Grid<Dim>(comm, domain, element_weights<Dim>(comm, domain, description));
 }
 
 template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
                                              const IndexBox<2>&);
 template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
                                              const IndexBox<3>&);
+template ElementWeights<3> element_weights<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
 template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
 template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
 

@@ -62,7 +62,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                    gradients[row], pipeline.sequence().has_design());
   file.close();
   Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
-  for (const auto& [key, value] : report.block) record[key] = value;
+  for (const auto& [key, value] : report.block.items()) record[key] = value;
   set_layer_variables(record, setup.layer_variables, design);
   const SolverIterations& solves = pipeline.iterations();
   record["solver_iterations"] =

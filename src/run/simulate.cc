@@ -139,7 +139,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Json record = Json::object({{"name", setup.config.name},
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
-  for (const auto& [key, value] : report.block) record[key] = value;
+  for (const auto& [key, value] : report.block.items()) record[key] = value;
   set_layer_variables(record, setup.layer_variables, design);
   record["layer_displacement_norms"] = norms;
   record["residual_stress"] = stress_record(setup.part, stress);

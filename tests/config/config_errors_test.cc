@@ -12,7 +12,7 @@ namespace {
 std::string error_without(const std::string& key) {
   const Json full = parse_json(solid, "test");
   Json document = Json::object();
-  for (const auto& [name, value] : full) {
+  for (const auto& [name, value] : full.items()) {
     if (name != key) document[name] = value;
   }
   return error_of(document.dump().c_str(), {});

@@ -149,6 +149,16 @@ TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {
   EXPECT_EQ(decomposition.processes, (Index<2>{2, 2}));
 }
 
+TEST(Decomposition, OneRankFindsWhatAllWouldChoose) {
+  const Index<3> elements{20, 12, 20};
+  for (const ElementWeights<3>& weights : {ElementWeights<3>(l_shape<3>), ElementWeights<3>()}) {
+    const auto chosen = choose_decomposition<3>(PETSC_COMM_WORLD, elements, weights);
+    const auto found = choose_decomposition<3>(PETSC_COMM_SELF, size_of(PETSC_COMM_WORLD), elements, weights);
+    EXPECT_EQ(found.processes, chosen.processes);
+    EXPECT_EQ(found.range_starts, chosen.range_starts);
+  }
+}
+
 TEST(Decomposition, RefusesTooManyRanks) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   if (size_of(comm) == 1) GTEST_SKIP() << "needs several ranks";

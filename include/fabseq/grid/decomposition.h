@@ -49,6 +49,10 @@ std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& eleme
 template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights);
+/// The same choice for `ranks` ranks that need not be there: the ranks of `comm` only share the work.
+template <int Dim>
+Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Dim>& elements,
+                                        const ElementWeights<Dim>& weights);
 
 extern template struct Decomposition<2>;
 extern template struct Decomposition<3>;

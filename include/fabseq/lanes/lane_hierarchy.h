@@ -59,10 +59,17 @@ class LaneHierarchy {
   const LaneLevel<Dim>& level(int index) const { return levels_[index]; }
   int components() const { return components_; }
 
+  /// Factors from a level of `active` elements to the next; all 1 if it is small enough to be the last.
+  static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
+                                   std::int64_t active);
+  /// Whether a level of so many elements is worth distributing.
+  static bool enough_for(int ranks, std::int64_t active) { return active >= agglomeration_limit * ranks; }
+  /// Whether a rank's first element begins one of the next level, which is distributed only if all ranks' do.
+  static bool begins_on_next(const Index<Dim>& start, const Index<Dim>& factors);
+
  private:
   void make_finest(const SystemDomain& domain);
   bool coarsen();
-  Index<Dim> choose_factors(const LaneLevel<Dim>& fine) const;
   bool keep_distributed(const LaneLevel<Dim>& fine, std::int64_t coarse_elements) const;
   void make_coarse_mesh(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
   void find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);

@@ -43,8 +43,13 @@ template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box);
 
-/// A grid whose decomposition balances the elements of part and substrate; others count a tenth (they are
-/// in the heat problem only). Collective on `comm`; throws what Grid and read_density throw.
+/// What a decomposition balances: elements of part and substrate count 1, others a tenth (they are in the
+/// heat problem only). `description` must outlive the function, whose calls are collective on `comm`.
+template <int Dim>
+ElementWeights<Dim> element_weights(MPI_Comm comm, const Domain<Dim>& domain,
+                                    const PartDescription& description);
+
+/// A grid decomposed by element_weights(). Collective on `comm`; throws what Grid and read_density throw.
 template <int Dim>
 Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description);
 

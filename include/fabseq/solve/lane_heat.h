@@ -34,9 +34,9 @@ class LaneHeat : public HeatSolver<Dim> {
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void start_cold() override;
   void rest() override;
+  static LaneCycle cycle();
 
  private:
-  static LaneCycle cycle();
   std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);
   void solve_again(std::span<const LaneVector> loads, std::span<LaneVector> solutions,
                    std::vector<SolveReport>& reports);

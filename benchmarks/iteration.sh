@@ -1,8 +1,0 @@
-#!/usr/bin/env bash
-# SPDX-License-Identifier: MIT
-# Seconds of a design iteration, lanes beside the reference path: benchmarks/iteration.sh configs/demo.json; --help says more.
-set -euo pipefail
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-source "$here/../scripts/environment.sh"
-allow_more_ranks_than_cores
-exec /usr/bin/python3 "$here/iteration.py" "$@"
