@@ -90,7 +90,7 @@ void run_task(const CommandLine& command_line, const Config& config) {
   }
 }
 
-/// What docs/users-guide.md holds between its marks; print() ends the last line.
+/// What docs/reference.md holds between its marks; print() ends the last line.
 std::string reference_text() { return reference_table().substr(0, reference_table().size() - 1); }
 
 }  // namespace

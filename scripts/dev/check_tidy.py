@@ -4,9 +4,10 @@
 
     scripts/dev/check_tidy.py [--jobs N] [FILE.cc...]     with files: these only
 
-Most of its time goes into the headers of PETSc and the standard library, so the files of a folder are looked at together, as
-one source that includes them. Where that finds something, or names of two files clash, each of them is looked at alone, and
-only this counts. (The program is what is checked; the tests would double the time.)
+Most of its time goes into the headers of PETSc and the standard library, so the files of a folder are looked
+at together, as one source that includes them. Where that finds something, or names of two files clash, each
+of them is looked at alone, and only this counts. (The program is what is checked; the tests would double the
+time.)
 """
 
 import argparse
@@ -50,7 +51,8 @@ def program_sources():
 
 
 def folders(sources):
-    """Groups of files in one folder with the same flags. Neighbours, which may be parts of one class, go into different ones."""
+    """Groups of files in one folder with the same flags. Neighbours, which may be parts of one class, go into
+    different ones."""
     def kind(name):
         return os.path.dirname(name), flags(sources[name])
     for _, names in itertools.groupby(sorted(sources, key=kind), kind):

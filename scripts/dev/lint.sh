@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Checks that need no run: format, clang-tidy, include graph, scripts, reference table. Needs the release build
+# Checks that need no run: format, clang-tidy, include graph, scripts, Doxygen, lists of keys. Needs the release build
 # (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
 #
 #   scripts/dev/lint.sh [FILE.cc...]     with files: clang-tidy looks at these only
@@ -22,15 +22,21 @@ python_scripts() { find scripts tests benchmarks -name '*.py' -print0 2>/dev/nul
 
 format() { sources | xargs -0 clang-format --dry-run -Werror; }
 bash_syntax() { shell_scripts | xargs -0 -n 1 bash -n; }
-python_syntax() {
-  python_scripts | xargs -0 /usr/bin/python3 -c 'import ast, sys; [ast.parse(open(n, encoding="utf-8").read(), n) for n in sys.argv[1:]]'
+python_format() {
+  python_scripts | xargs -0 autopep8 --diff --exit-code --max-line-length 130 --ignore E402,E741,W503,W505
+}
+doxygen_pages() {
+  mkdir -p build
+  doxygen docs/Doxyfile
 }
 
 step "clang-format" format
 step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
 step "shell syntax" bash_syntax
-step "Python syntax" python_syntax
-step "reference table of the user's guide" /usr/bin/python3 scripts/dev/reference_table.py
+step "Python format" python_format
+step "flake8" flake8 scripts tests benchmarks
+step "Doxygen" doxygen_pages
+step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
 step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
 
 if ((${#failed[@]})); then

@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Keeps the reference table of docs/users-guide.md equal to what the program says.
+"""Keeps the lists of keys in docs/reference.md equal to what the program says.
 
-    scripts/dev/reference_table.py [--write] [PROGRAM [GUIDE]]     default: build/release/fabseq docs/users-guide.md
+    scripts/dev/reference_table.py [--write] [PROGRAM [GUIDE]]
 
-Compares `fabseq -help_markdown` with the block between the two marker comments: exit status 1 and a diff if they differ;
---write replaces the block.
+PROGRAM is build/release/fabseq and GUIDE docs/reference.md unless said otherwise.
+
+Compares `fabseq -help_markdown` with the block between the two marker comments: exit status 1 and a diff if
+they differ; --write replaces the block.
 """
 
 import argparse
@@ -31,7 +33,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("program", nargs="?", default=root / "build/release/fabseq")
-    parser.add_argument("guide", nargs="?", type=Path, default=root / "docs/users-guide.md")
+    parser.add_argument("guide", nargs="?", type=Path, default=root / "docs/reference.md")
     arguments = parser.parse_args()
     done = subprocess.run([arguments.program, "-help_markdown"], stdout=subprocess.PIPE, text=True)
     if done.returncode != 0:
@@ -43,8 +45,7 @@ def main():
     elif block.strip() != table:
         sys.stdout.writelines(line + "\n" for line in difflib.unified_diff(
             block.strip().splitlines(), table.splitlines(), str(arguments.guide), "fabseq -help_markdown", lineterm=""))
-        sys.exit(
-            f"reference_table.py: the table in {arguments.guide} is out of date; scripts/dev/reference_table.py --write mends it")
+        sys.exit(f"reference_table.py: {arguments.guide} is out of date; scripts/dev/reference_table.py --write mends it")
 
 
 if __name__ == "__main__":

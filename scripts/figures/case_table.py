@@ -1,55 +1,76 @@
 # SPDX-License-Identifier: MIT
-"""The table of cases in docs/results.md: a row a case, rewritten one by one (scripts/figures/reproduce.py)."""
+"""Figures of the published cases: a page per case, docs/results/CASE.md, and its row in docs/results.md.
+
+scripts/figures/reproduce.py writes both. What stands outside the marks stays as it is.
+"""
 
 import fcntl
 import math
 import os
 import sys
+import textwrap
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
-from read_run import Run, RunError, read_json
+from read_run import Run, RunError, duration, read_json
 
-BEGIN, END = "<!-- cases -->", "<!-- end of cases -->"
-HEAD = ("| case | what, source | published: planar → optimized | planar | smooth | binary | worst constraint | thickness / target, last layer apart; or print angles | "
-        "minima | run | picture |")
-RULE = "| --- " * (HEAD.count("|") - 1) + "|"
+OVERVIEW = "<!-- cases -->", "<!-- end of cases -->"
+PAGE = "<!-- case -->", "<!-- end of case -->"
+HEAD = "| case | published | smooth | binary | constraints |\n| --- | --- | --- | --- | --- |"
+WIDTH = 110
 
 
-def rewrite(path, order, name, row):
-    """Puts a case's row into the document, in place of the one that is there; `order`: names of all cases. Several programs
-    may do so at a time."""
+def record(overview, order, name, case, figures, picture):
+    """Writes a case's page, beside its picture, and its row in the overview; `order`: names of all cases."""
+    page = page_of(overview, name)
+    if not os.path.exists(page):
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(f"# {name}\n\n{PAGE[0]}\n{PAGE[1]}\n")
+    rewrite(page, PAGE, lambda _: page_text(case, figures, picture))
+    rewrite(overview, OVERVIEW, lambda table: with_row(table, order, name, figures))
+
+
+def page_of(overview, name):
+    return os.path.join(os.path.dirname(os.path.abspath(overview)), "results", f"{name}.md")
+
+
+def rewrite(path, marks, change):
+    """Puts `change(text)` in place of the text between two marks. Several programs may do so at a time."""
     with open(path, "r+", encoding="utf-8") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        text = with_row(path, file.read(), order, name, row)
+        text = file.read()
+        if any(text.count(mark) != 1 for mark in marks):
+            raise RunError(f"{path}: needs one line '{marks[0]}' and one '{marks[1]}'")
+        before, rest = text.split(marks[0])
+        middle, after = rest.split(marks[1])
         file.seek(0)
-        file.write(text)
+        file.write(f"{before}{marks[0]}\n{change(middle)}\n{marks[1]}{after}")
         file.truncate()
 
 
-def with_row(path, text, order, name, row):
-    if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise RunError(f"{path}: needs one line '{BEGIN}' and one '{END}', with the table between them")
-    before, rest = text.split(BEGIN)
-    table, after = rest.split(END)
-    rows = {name_of(line): line for line in table.splitlines() if line.startswith("| `")}
-    rows[name] = row
+def with_row(table, order, name, figures):
+    """The table with the row of a case, and the links behind it, in the order of the cases."""
+    rows = {line.split("]")[0][3:]: line for line in table.splitlines() if line.startswith("| [")}
+    firsts = [figures[key].split("; ")[0] for key in ("published", "smooth", "binary")]
+    factors = [text.split(": ")[1] if ": " in text else "–" for text in firsts]
+    rows[name] = f"| [{name}] | " + " | ".join([*factors, figures["worst constraint"]]) + " |"
     known = {key: number for number, key in enumerate(order)}
-    lines = sorted(rows.items(), key=lambda item: known.get(item[0], len(known)))
-    table = "\n".join([HEAD, RULE, *(line for _, line in lines)])
-    return f"{before}{BEGIN}\n{table}\n{END}{after}"
+    names = sorted(rows, key=lambda key: known.get(key, len(known)))
+    return "\n".join([HEAD, *(rows[key] for key in names), "", *(f"[{key}]: results/{key}.md" for key in names)])
 
 
-def name_of(row):
-    return row.split("`")[1]
-
-
-def row(name, case, directory, thickness, resliced, picture):
-    """A line of the table, from the output directory of a run."""
-    words = simulated(directory) if case.get("task") == "simulate" else optimized(case, directory, thickness, resliced)
-    image = f"[picture]({picture})" if picture else ""
+def page_text(case, figures, picture):
     note = f"; {case['note']}" if "note" in case else ""
-    return "| " + " | ".join([f"`{name}`", f"{case['what']} [{case['source']}]{note}", published(case), *words, image]) + " |"
+    lines = textwrap.wrap(f"{case['what']} [{case['source']}]{note}.", WIDTH, break_on_hyphens=False)
+    lines += ["", "| | |", "| --- | --- |", *(f"| {label} | {text} |" for label, text in figures.items())]
+    image = ["", f"![layers and distorted shapes, planar and optimized]({picture})"] if picture else []
+    return "\n".join(lines + image)
+
+
+def figures_of(case, directory, thickness, resliced):
+    """Everything that is said of a case, as text by label, from the output directory of a run."""
+    figures = {"published": published(case)}
+    return figures | (simulated(directory) if case.get("task") == "simulate" else optimized(directory, thickness, resliced))
 
 
 def published(case):
@@ -64,22 +85,25 @@ def published(case):
 def simulated(directory):
     summary = read_json(directory, "summary.json")
     values = ", ".join(number(r["value"]) for r in summary["responses"] if r["type"] == "distortion")
-    return [values, "–", "–", "–", "–", "–", f"simulated, largest displacement {number(summary['displacement']['max'])}"]
+    return {"planar": values, "smooth": "–", "binary": "–", "worst constraint": "–",
+            "run": f"simulated, largest displacement {number(summary['displacement']['max'])}"}
 
 
-def optimized(case, directory, thickness, resliced):
+def optimized(directory, thickness, resliced):
     run = Run(directory, with_fields=False)
     summary = run.summary
     planar, smooth, binary = (distortion(summary[block]["responses"]) for block in ("baseline", "optimized", "binary"))
-    cells = [number(planar), f"{number(smooth)}: {factor(planar / smooth)}", f"{number(binary)}: {factor(planar / binary)}"]
+    cells = {"planar": number(planar), "smooth": f"{number(smooth)}: {factor(planar / smooth)}",
+             "binary": f"{number(binary)}: {factor(planar / binary)}"}
     for count, found in resliced.items():
-        values = [distortion(found[kind]["responses"]) for kind in ("planar", "smooth", "binary")]
-        for place, value in enumerate(values):
-            cells[place] += f"; in {count} layers {number(value)}" + (f": {factor(values[0] / value)}" if place else "")
+        values = {kind: distortion(found[kind]["responses"]) for kind in cells}
+        for kind, value in values.items():
+            gain = "" if kind == "planar" else f": {factor(values['planar'] / value)}"
+            cells[kind] += f"; in {count} layers {number(value)}{gain}"
     ranks = run.config.get("run", {}).get("ranks")
-    layers = angles_text(summary["angles"]) if "angles" in summary else thickness_text(run, thickness, resliced)
-    return [*cells, violation(run), layers, str(summary["interior_minima"]),
-            f"{iterations(summary)}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"]
+    layers = {"print angles": angles_text(summary["angles"])} if "angles" in summary else thicknesses(run, thickness, resliced)
+    return {**cells, "worst constraint": violation(run), **layers, "interior minima": str(summary["interior_minima"]),
+            "run": f"{iterations(summary)}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"}
 
 
 def iterations(summary):
@@ -104,29 +128,27 @@ def angles_text(angles):
     return ", ".join("/".join(f"{math.degrees(angle):.0f}°" for angle in of_part) for of_part in angles)
 
 
-def thickness_text(run, geometric, resliced):
+def thicknesses(run, geometric, resliced):
     """By the gradient, smooth and binary, and geometric, each relative to the target where there is one."""
     constraint = run.thickness_constraint()
     target = constraint["target"] if constraint else None
-    texts = [f"{kind} {span(run.layers(block), target)}" for kind, block in (("smooth", "optimized"), ("binary", "binary"))
-             if all(layer["thickness"] is not None for layer in run.layers(block))]
-    texts.append(geometric_text("geometric", geometric, target))
-    texts += [geometric_text(f"geometric in {count}", found["thickness"], None) for count, found in resliced.items()]
-    return "; ".join(texts)
+    unit = "thickness / target" if target else "thickness"
+    texts = {f"{unit}, {kind}": span(run.layers(block), target) for kind, block in (("smooth", "optimized"), ("binary", "binary"))
+             if all(layer["thickness"] is not None for layer in run.layers(block))}
+    texts[f"{unit}, geometric"] = geometric_text(geometric, target)
+    return texts | {f"thickness, geometric, in {count} layers": geometric_text(found["thickness"], None)
+                    for count, found in resliced.items()}
 
 
 def span(layers, target):
     values = [layer["thickness"] / (target or 1.0) for layer in layers]
     inner = values[:-1] or values
-    return f"{min(inner):.3g} to {max(inner):.3g}, {values[-1]:.3g}"
+    return f"{min(inner):.3g} to {max(inner):.3g}; last layer {values[-1]:.3g}"
 
 
-def geometric_text(label, record, target):
-    inner = record["inner"]
-    if not inner:
-        return f"{label} –"
-    least, largest, unit = inner["least"], inner["largest"], target or 1.0
-    return f"{label} {least / unit:.3g} to {largest / unit:.3g}" + ("" if target else " (length)")
+def geometric_text(record, target):
+    inner, unit = record["inner"], target or 1.0
+    return f"{inner['least'] / unit:.3g} to {inner['largest'] / unit:.3g}" if inner else "–"
 
 
 def number(value):
@@ -138,7 +160,3 @@ def number(value):
 
 def factor(value):
     return f"{value:.1f}" if value < 9.95 else f"{value:.0f}" if value < 99950 else f"{value:.1e}".replace("e+0", "e")
-
-
-def duration(seconds):
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs published cases and puts what comes out into docs/results.md.
+"""Runs published cases and puts their figures into docs/results.
 
-    scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- OPTIONS OF THE PROGRAM]
+    scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- PROGRAM OPTIONS]
     scripts/figures/reproduce.py --list
 
-configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE; one that was
-interrupted goes on where it was, one that is done is only looked at again. Afterwards the geometric thickness of its layers is
-measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other numbers of layers where the case asks for that, a
-small picture is drawn, and its row in the table of docs/results.md is written; all other rows stay.
+configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE;
+one that was interrupted goes on where it was, one that is done is only looked at again. Then the geometric
+thickness of its layers is measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other
+numbers of layers where the case asks for that, a small picture is drawn, and its page docs/results/CASE.md
+and its row in docs/results.md are written.
 
 Options of the program, such as -max_iterations 10, are for trials: give --results none with them.
 """
@@ -28,7 +29,8 @@ from read_run import Run, RunError, read_json
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # As in scripts/environment.sh; several mpirun side by side shall not share a core.
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
 
@@ -41,7 +43,7 @@ def main():
     parser.add_argument("--output", default=os.path.join("output", "cases"), help="default: %(default)s")
     parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "cases.json"), help="default: configs/cases.json")
     parser.add_argument("--results", default=os.path.join(ROOT, "docs", "results.md"),
-                        help="the document with the table, or none (default: docs/results.md)")
+                        help="the overview, or none (default: docs/results.md)")
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", os.path.join(ROOT, "build", "release", "fabseq")))
     arguments, options = parser.parse_known_args(own_words())
     arguments.options = program_options(options, parser)
@@ -131,9 +133,10 @@ def reproduce(cases, name, arguments):
         thickness = None if planes else measure_thickness(directory)  # of planes it is given
         resliced = {count: reslice(arguments, ranks, directory, count) for count in case.get("reslice", [])}
         if arguments.results != "none":
-            picture = None if simulates else draw(directory, name, arguments.results)
-            row = case_table.row(name, case, directory, thickness, resliced, picture)
-            case_table.rewrite(arguments.results, list(cases.table), name, row)
+            figures = case_table.figures_of(case, directory, thickness, resliced)
+            os.makedirs(os.path.dirname(case_table.page_of(arguments.results, name)), exist_ok=True)
+            picture = None if simulates else draw(directory, case_table.page_of(arguments.results, name))
+            case_table.record(arguments.results, list(cases.table), name, case, figures, picture)
     except (RunError, OSError, subprocess.CalledProcessError) as error:
         print(f"reproduce.py: {name}: {error}", file=sys.stderr)
         return False
@@ -155,7 +158,8 @@ def measure_thickness(directory, target=None):
 
 
 def reslice(arguments, ranks, directory, count):
-    """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary: summaries and geometric thickness."""
+    """As many planar layers, and the pseudo-time of a run cut into `count` layers, smooth and binary:
+    summaries and geometric thickness."""
     sequence = ["-sequence", os.path.join(directory, "result.h5")]
     source = Run(directory, with_fields=False)
     planar_sequence = {"type": "planar", "direction": source.config["baseline"]["direction"]}
@@ -174,16 +178,14 @@ def reslice(arguments, ranks, directory, count):
     return result
 
 
-def draw(directory, name, results):
-    """A small picture beside the document with the table; its path relative to that."""
-    folder = os.path.join(os.path.dirname(os.path.abspath(results)), "results")
-    os.makedirs(folder, exist_ok=True)
-    script = os.path.join(ROOT, "scripts", "figures", "small_picture.py")
+def draw(directory, page):
+    """A small picture beside the page of the case; its path relative to that."""
     if not os.environ.get("DISPLAY") and not shutil.which("Xvfb"):
         print("reproduce.py: no picture: it needs a display, or Xvfb", file=sys.stderr)
         return None
-    subprocess.run([sys.executable, script, directory, os.path.join(folder, name + ".png")], check=True)
-    return f"results/{name}.png"
+    picture = page.removesuffix(".md") + ".png"
+    subprocess.run([sys.executable, os.path.join(ROOT, "scripts", "figures", "small_picture.py"), directory, picture], check=True)
+    return os.path.basename(picture)
 
 
 if __name__ == "__main__":

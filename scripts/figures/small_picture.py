@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A small picture of a finished optimization for a table of results: layers and distorted shape, planar beside optimized.
+"""A small picture of a finished optimization: layers and distorted shape, planar beside optimized.
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in scripts/use/overview.py. As many colours
-and pixels as fit into the bytes. Without a display it draws in memory (virtual_display.py).
+Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in
+scripts/use/overview.py. The picture has as many colours and pixels as fit into the bytes. Without a display
+the script draws in memory (virtual_display.py).
 """
 
-import argparse
 import io
 import os
 import sys
@@ -19,7 +19,7 @@ from PIL import Image
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
 import overview
-import render_part
+from drawing import parser_of
 from read_run import Run, RunError
 from virtual_display import ensure_display
 
@@ -28,7 +28,7 @@ GAP = 12  # pixels of the drawn pictures between two of them
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directory", metavar="RUN_DIR")
     parser.add_argument("picture", metavar="PICTURE.png")
     parser.add_argument("--width", type=int, default=960, help="pixels (default: %(default)s)")

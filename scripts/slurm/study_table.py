@@ -3,12 +3,13 @@
 """The table of a parameter study (CSV): one run a line.
 
     scripts/slurm/study_table.py TABLE.csv          prints how many runs it has
-    scripts/slurm/study_table.py TABLE.csv NUMBER   prints the words of run NUMBER, from 1, a line each: its name, and -set
-                                              KEY=VALUE for every other column
+    scripts/slurm/study_table.py TABLE.csv NUMBER   prints the words of run NUMBER, from 1, a line each:
+                                                    its name, -set KEY=VALUE for every other column
 
-The first line names the columns: the first is `name`, for the run's directory; the others are keys as of -set, which takes
-JSON or else a string. What contains a comma is put in quotation marks, in which a quotation mark is doubled. An empty
-value leaves the key as it is in the config. Empty lines and lines that begin with # do not count.
+The first line names the columns: the first is `name`, for the run's directory; the others are keys as of
+-set, which takes JSON or else a string. What contains a comma is put in quotation marks, in which a quotation
+mark is doubled. An empty value leaves the key as it is in the config. Empty lines and lines that begin with #
+do not count.
 """
 
 import csv

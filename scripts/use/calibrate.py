@@ -1,17 +1,18 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Fits material.strain_scale of a config to measured displacements, by least squares (docs/formulation.md 4.5).
+"""Fits material.strain_scale of a config to measured displacements, by least squares (docs/formulation.md
+4.5).
 
     scripts/use/calibrate.py CONFIG.json MEASURED.csv --output DIR [--released] [--rigid] [--isotropic]
                          [--program build/release/fabseq] [--ranks N] [-- OPTIONS OF THE PROGRAM]
 
-MEASURED.csv names its columns in the first line: x, y, z, the points in the part as drawn or in the substrate, and ux, uy,
-uz, their displacements (2D without z and uz), in the config's unit of length. A displacement that was not measured is left
-empty. Lines that begin with # do not count.
+MEASURED.csv names its columns in the first line: x, y, z, the points in the part as drawn or in the
+substrate, and ux, uy, uz, their displacements (2D without z and uz), in the config's unit of length. A
+displacement that was not measured is left empty. Lines that begin with # do not count.
 
-The process is simulated (-task simulate) with a few scales; displacements are linear in the strain, so any other scale
-follows from these. Into DIR go the simulations, calibration.json (factors, what is left of the differences) and
-config.json, the effective config with the factors found.
+The process is simulated (-task simulate) with a few scales; displacements are linear in the strain, so any
+other scale follows from these. Into DIR go the simulations, calibration.json (factors, what is left of the
+differences) and config.json, the effective config with the factors found.
 
     --released    what was measured is the part after its release from plate or clamps
     --rigid       the points were measured in a frame of their own: rigid motions do not count
@@ -149,7 +150,7 @@ class Model:
             self.together[a, b] = both - self.alone[a] - self.alone[b]
 
     def factors(self, of_groups):
-        """A factor an axis."""
+        """A factor per axis."""
         result = np.zeros(self.dimension)
         for group, value in zip(self.groups, of_groups):
             result[list(group)] = value

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Coarsens a voxel part: mean over blocks of voxels, threshold, largest piece.
 
-Reads dataset `density_grey` (or `density`, where there is none) with axes [z][y][x] from INPUT, takes the mean over blocks
-of FACTOR^3 voxels, keeps the blocks at or above THRESHOLD, and of those the largest face-connected piece. Writes it as
-dataset `density` (0 or 1, uint8, axes [z][y][x]) to OUTPUT, the form that `"part": {"voxels": ...}` of a config reads.
+Reads dataset `density_grey` (or `density`, where there is none) with axes [z][y][x] from INPUT, takes the
+mean over blocks of FACTOR^3 voxels, keeps the blocks at or above THRESHOLD, and of those the largest
+face-connected piece. Writes it as dataset `density` (0 or 1, uint8, axes [z][y][x]) to OUTPUT, the form that
+`"part": {"voxels": ...}` of a config reads.
 
-    scripts/use/coarsen_part.py configs/parts/topopt_cantilever_40x40x60.h5 configs/parts/demo_part_20x20x30.h5 2 0.5
+    scripts/use/coarsen_part.py configs/parts/topopt_cantilever_40x40x60.h5 \\
+        configs/parts/demo_part_20x20x30.h5 2 0.5
 """
 
 import argparse

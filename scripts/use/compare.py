@@ -4,20 +4,19 @@
 
     scripts/use/compare.py OUTPUT_DIRECTORY... [--table compare.csv] [--picture compare.png] [--against KEY]
 
-The table (CSV) has a line a run: the keys of the config in which the runs differ, how the run ended, values, thickness and
-evenness of the layers, displacements, time and memory. A run that is not done has a line without results, and is said so.
+The table (CSV) has a line per run: the keys of the config in which the runs differ, how the run ended,
+values, thickness and evenness of the layers, displacements, time and memory. A run that is not done has a
+line without results.
 
-The figure shows distortion, evenness within layers, and thickness and evenness of each layer, over the key in which the
-runs differ; over their names, if it is not one key with numbers. KEY chooses one of several. Marks are hollow where a
-constraint is violated.
+The figure shows distortion, evenness within layers, and thickness and evenness of each layer, over the key in
+which the runs differ; over their names, if it is not one key with numbers. KEY chooses one of several. Marks
+are hollow where a constraint is violated.
 """
 
-import argparse
-import csv
 import os
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of, tidy, write_rows  # before matplotlib
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -26,9 +25,8 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 from read_run import Run, RunError, read_json
 
 BLOCKS = ("optimized", "binary", "baseline")
-COLOURS = {"optimized": "#1f6f8b", "binary": "#22262b", "baseline": "#b0762b"}
+COLOURS = {"optimized": OPTIMIZED, "binary": INK, "baseline": PLANAR}
 LEGENDS = {"optimized": "smooth layers", "binary": "binary layers", "baseline": "planar layers"}
-SOFT_INK, ALLOWED, GRID = "#6b727b", "#e3f0ea", "#e6e8eb"
 NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
 SPAN_FOR_LOG = 20.0
 
@@ -57,7 +55,8 @@ class Result:
 
 
 def flat(value, path=""):
-    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if only one has it."""
+    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if
+    only one has it."""
     if isinstance(value, (dict, list)):
         for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
             yield from flat(entry, f"{path}.{key}" if path else str(key))
@@ -106,10 +105,7 @@ def write_table(path, rows):
     columns = list(dict.fromkeys(column for row in rows for column in row))
     # Those of the run itself last, also where the first line has no results.
     columns.sort(key=lambda column: column in ("ranks", "seconds", "peak_memory_bytes"))
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(path, rows, columns)
 
 
 class Abscissa:
@@ -154,10 +150,7 @@ def draw(abscissa):
     draw_layers(axes[1][1], abscissa, "cv")
     axes[1][1].set_ylabel("variation of the thickness within it (cv)")
     axes[1][1].set_ylim(bottom=0.0)
-    for axis in axes.flat:
-        axis.grid(color=GRID)
-        axis.set_axisbelow(True)
-        axis.spines[["top", "right"]].set_visible(False)
+    tidy(axes.flat)
     for axis in axes[0]:
         axis.legend(frameon=False, fontsize=9)
     for axis in axes[1]:
@@ -178,7 +171,7 @@ def draw_values(axis, abscissa, blocks, value):
 
 
 def draw_layers(axis, abscissa, quantity):
-    """A line a run over the layers' numbers; the thickness with the allowed range of the first run."""
+    """A line per run over the layers' numbers; the thickness with the allowed range of the first run."""
     colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, len(abscissa.results)))
     constraint = abscissa.results[0].run.thickness_constraint()
     if quantity == "thickness" and constraint:
@@ -187,14 +180,14 @@ def draw_layers(axis, abscissa, quantity):
         axis.axhline(target, color=SOFT_INK, lw=1.0, ls="--")
     for result, label, colour in zip(abscissa.results, abscissa.labels, colours):
         layers = [layer for layer in result.run.layers("binary") if layer[quantity] is not None]
-        axis.plot([layer["number"] for layer in layers], [layer[quantity] for layer in layers], "o-", ms=3.5, lw=1.3, color=colour,
-                  label=label)
+        axis.plot([layer["number"] for layer in layers], [layer[quantity] for layer in layers], "o-", ms=3.5, lw=1.3,
+                  color=colour, label=label)
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
     axis.set_xlabel("layer")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIRECTORY")
     parser.add_argument("--table", default="compare.csv", help="table to write (default: %(default)s)")
     parser.add_argument("--picture", default="compare.png", help="picture to write (default: %(default)s)")

@@ -1,19 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""How thick the layers of a result are, measured between their boundaries (docs/formulation.md 6), beside the program's thickness.
+"""How thick the layers of a result are, measured between their boundaries (docs/formulation.md 6), beside the
+program's thickness.
 
     scripts/use/geometric_thickness.py RUN_DIR [--target LENGTH] [--points 1000] [--seed 1]
 
-RUN_DIR is the output directory of an optimization or a simulation. The boundaries of layer j are the isosurfaces (2D: isolines) of
-the pseudo-time at T_{j-1} and T_j, inside the part. Points are drawn on the first, evenly over its area, and the thickness is their
-distance to the second; a point farther away than 1.3 times the target is drawn again, for it faces no part of the second. The target
-is that of the config's layer_thickness; without one nothing is drawn again. The first and the last layer are reported apart: of
-these the outer boundary is not an isosurface but the end of the part, and one close to it is taken.
+RUN_DIR is the output directory of an optimization or a simulation. The boundaries of layer j are the
+isosurfaces (2D: isolines) of the pseudo-time at T_{j-1} and T_j, inside the part. Points are drawn on the
+first, evenly over its area, and the thickness is their distance to the second; a point farther away than 1.3
+times the target is drawn again, for it faces no part of the second. The target is that of the config's
+layer_thickness; without one nothing is drawn again. The first and the last layer are reported apart: of these
+the outer boundary is not an isosurface but the end of the part, and one close to it is taken.
 
 Prints a table and writes RUN_DIR/geometric_thickness.json.
 """
 
-import argparse
 import json
 import os
 import sys
@@ -26,6 +27,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStatic
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
+from drawing import parser_of
 from read_run import RunError, read_json
 
 FARTHEST = 1.3  # of the target
@@ -34,10 +36,10 @@ END = 1e-3  # of a layer's time: how far from the part's end its isosurface is t
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directory", metavar="RUN_DIR")
     parser.add_argument("--target", type=float, help="target thickness (default: the config's)")
-    parser.add_argument("--points", type=int, default=1000, help="points a layer (default: %(default)s)")
+    parser.add_argument("--points", type=int, default=1000, help="points per layer (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the random numbers (default: %(default)s)")
     arguments = parser.parse_args()
     try:
@@ -52,7 +54,8 @@ def main():
 
 
 def measure(directory, target=None, points=1000, seed=1):
-    """What goes to geometric_thickness.json, for the result in an output directory. Raises RunError if there is none."""
+    """What goes to geometric_thickness.json, for the result in an output directory. Raises RunError if there
+    is none."""
     config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
     layers = summary.get("optimized", summary).get("layers")
     if layers is None:
@@ -77,8 +80,8 @@ def over_layers(rows):
 
 
 def measure_layers(time, time_points, farthest, points, seed):
-    """A dictionary a layer: `place` (first, inner, last, or empty), `mean`, `variance`, `least`, `largest` of the distances,
-    `points` they are of, `drawn_again`."""
+    """A dictionary per layer: `place` (first, inner, last, or empty), `mean`, `variance`, `least`, `largest`
+    of the distances, `points` they are of, `drawn_again`."""
     random = np.random.default_rng(seed)
     used = max(j for j in range(1, len(time_points)) if time.largest > time_points[j - 1])
     rows = []
@@ -92,11 +95,11 @@ def measure_layers(time, time_points, farthest, points, seed):
         row = {"layer": j, "place": place, "mean": None, "variance": None,
                "least": None, "largest": None, "points": 0, "drawn_again": 0}
         if place != "empty" and upper > lower:
-            distances, row["drawn_again"] = draw_distances(time.isosurface(
-                lower), time.isosurface(upper), farthest, points, random)
+            surfaces = time.isosurface(lower), time.isosurface(upper)
+            distances, row["drawn_again"] = draw_distances(*surfaces, farthest, points, random)
             if len(distances):
-                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(), "largest": distances.max(),
-                        "points": len(distances)}
+                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(),
+                        "largest": distances.max(), "points": len(distances)}
         rows.append(row)
     return rows
 
@@ -151,8 +154,9 @@ class Surface:
 
 
 class NodalTime:
-    """Pseudo-time on the nodes of the part's elements, as VTK takes it. `values`: [z][y][x] on the nodes; `built`: which elements
-    there are; `size`: edge lengths of the box, x first; `origin`: where the values come from, for the record."""
+    """Pseudo-time on the nodes of the part's elements, as VTK takes it. `values`: [z][y][x] on the nodes;
+    `built`: which elements there are; `size`: edge lengths of the box, x first; `origin`: where the values
+    come from, for the record."""
 
     def __init__(self, values, built, size, origin):
         self.origin = origin
@@ -205,8 +209,9 @@ def read_times(directory, config, count):
 
 
 def times_of_nodes(time, built):
-    """Times of nodes from those of elements: the mean of what the elements around a node say there, each continued from its centre
-    with the slope towards its neighbours in the part. Right for linear fields, on the part's surface, too."""
+    """Times of nodes from those of elements: the mean of what the elements around a node say there, each
+    continued from its centre with the slope towards its neighbours in the part. Right for linear fields, on
+    the part's surface, too."""
     time = np.where(built, time, 0.0)
     slopes = [half_slopes(time, built, axis) for axis in range(time.ndim)]
     shape = [n + 1 for n in time.shape]
@@ -220,7 +225,8 @@ def times_of_nodes(time, built):
 
 
 def half_slopes(time, built, axis):
-    """Half of the difference to the next element along an axis: the mean over the neighbours that there are, 0 without any."""
+    """Half of the difference to the next element along an axis: the mean over the neighbours that there are,
+    0 without any."""
     time, built = np.moveaxis(time, axis, 0), np.moveaxis(built, axis, 0)
     steps, pairs = np.diff(time, axis=0), built[1:] & built[:-1]
     total, neighbours = np.zeros(time.shape), np.zeros(time.shape)
@@ -242,9 +248,10 @@ def table(record):
                      + f"{row['drawn_again']:>13}")
     inner = record["inner"]
     if inner:
-        lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} ({inner['least']:.4g} to {inner['largest']:.4g}), "
-                     f"mean variance {inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
-    lines.append(f"from {record['time']}, {record['points']} points a layer"
+        lines.append(f"layers between the first and the last: mean {inner['mean']:.4g} "
+                     f"({inner['least']:.4g} to {inner['largest']:.4g}), mean variance "
+                     f"{inner['variance']:.3g}, {inner['drawn_again']} points drawn again")
+    lines.append(f"from {record['time']}, {record['points']} points per layer"
                  + (f", target {record['target']:.4g}" if record["target"] else ", no target: none drawn again"))
     return "\n".join(lines)
 

@@ -1,40 +1,39 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it got there.
+"""One picture of a finished optimization: its layers and distortion beside those of planar layers, and how it
+got there.
 
     scripts/use/overview.py OUTPUT_DIR [PICTURE.png] [--table]
 
-OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png unless said
-otherwise. `--table` also prints the main figures. Without a display it draws in memory (virtual_display.py).
+OUTPUT_DIR is the output directory of a run with `-task optimize`; the picture goes to OUTPUT_DIR/overview.png
+unless said otherwise. `--table` also prints the main figures. Without a display it draws in memory
+(virtual_display.py).
 """
 
-import argparse
 import logging
 import os
 import sys
 
-import matplotlib
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of
 
-matplotlib.use("Agg")
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # the first run would announce its font cache
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib import colormaps, ticker  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib import colormaps, ticker
 
-import render_part  # noqa: E402
-from read_run import Run, RunError  # noqa: E402
-from virtual_display import ensure_display  # noqa: E402
+import render_part
+from read_run import Run, RunError, duration
+from virtual_display import ensure_display
 
 WIDTH = 16.0  # inches
 DOTS_PER_INCH = 120
-INK, SOFT_INK, PALE = "#22262b", "#6b727b", "#d5d9de"
-OPTIMIZED, PLANAR, ALLOWED = "#1f6f8b", "#b0762b", "#e3f0ea"
+PALE = "#d5d9de"
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
 MOST_DOTS = 24
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directory", metavar="OUTPUT_DIR")
     parser.add_argument("picture", metavar="PICTURE.png", nargs="?")
     parser.add_argument("--table", action="store_true", help="print the main figures")
@@ -69,7 +68,8 @@ def draw(run, path):
 
 
 class Sheet:
-    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the width."""
+    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the
+    width."""
 
     def __init__(self, rows):
         self.rows = rows
@@ -156,8 +156,8 @@ def write_title(sheet, run):
                f"cut into sharp layers {number(binary)} ({compared(planar, binary)}).", **how)
     built = int((run.fields["density"] > 0).sum())
     unmet = "" if run.summary.get("feasible", True) else "  Not all constraints are satisfied."
-    sheet.text(0.03, 0, 1.15, f"{built:,} elements, {len(run.layers('optimized'))} layers, {run.summary['iterations']} iterations in "
-               f"{duration(run.summary['seconds']['total'])}.{unmet}", **how)
+    sheet.text(0.03, 0, 1.15, f"{built:,} elements, {len(run.layers('optimized'))} layers, "
+               f"{run.summary['iterations']} iterations in {duration(run.summary['seconds']['total'])}.{unmet}", **how)
 
 
 def compared(planar, other):
@@ -175,12 +175,6 @@ def number(value):
         return f"{value:.3g}"
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def duration(seconds):
-    if seconds < 120:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
 def draw_pictures(sheet, run, pictures):

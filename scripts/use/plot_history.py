@@ -4,25 +4,27 @@
 
     scripts/use/plot_history.py OUTPUT_DIRECTORY... [--labels NAME...] [--seconds] [--picture history.png]
 
-Over the iterations: the first objective term relative to the planar baseline (below 1: better than planar), the worst
-relative violation of a constraint (0 and below: all satisfied), the sharpness of the layers, and the largest change of a
-variable. With --seconds the first two, over the iterations and over the wall time. A dot marks the iteration that became the result, hollow where it violates a constraint. Reads history.jsonl and,
-where the run has ended, summary.json; a run without one has no baseline and is drawn relative to its first iteration.
+Over the iterations: the first objective term relative to the planar baseline (below 1: better than planar),
+the worst relative violation of a constraint (0 and below: all satisfied), the sharpness of the layers, and
+the largest change of a variable. With --seconds the first two, over the iterations and over the wall time. A
+dot marks the iteration that became the result, hollow where it violates a constraint. Reads history.jsonl
+and, where the run has ended, summary.json; a run without one has no baseline and is drawn relative to its
+first iteration.
 """
 
-import argparse
 import itertools
 import json
 import os
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of, tidy  # before matplotlib
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import MaxNLocator
 
-COLOURS = ["#1f6f8b", "#b0762b", "#7a4fa3", "#c2452d", "#3c7d3c", "#22262b"]
-SATISFIED, SOFT_INK, GRID = "#e3f0ea", "#6b727b", "#e6e8eb"
+from read_run import read_json
+
+COLOURS = [OPTIMIZED, PLANAR, "#7a4fa3", "#c2452d", "#3c7d3c", INK]
 LINEAR_VIOLATION = 0.01  # below this the axis of the violations is linear: ends of runs stay readable
 
 
@@ -32,11 +34,8 @@ class Run:
     def __init__(self, directory, label):
         self.label = label or os.path.basename(os.path.normpath(directory))
         self.history = read_history(os.path.join(directory, "history.jsonl"))
-        summary_file = os.path.join(directory, "summary.json")
-        self.summary = {}
-        if os.path.exists(summary_file):
-            with open(summary_file, encoding="utf-8") as file:
-                self.summary = json.load(file)
+        ended = os.path.exists(os.path.join(directory, "summary.json"))
+        self.summary = read_json(directory, "summary.json") if ended else {}
         self.iterations = [line["iteration"] for line in self.history]
 
     def values(self, key):
@@ -54,7 +53,8 @@ class Run:
         return [term / (planar or terms[0]) for term in terms], bool(planar)
 
     def best(self):
-        """(position in the history, whether all constraints hold there) of the iteration that became the result."""
+        """(position in the history, whether all constraints hold there) of the iteration that became the
+        result."""
         number = self.summary.get("best_iteration")
         if number not in self.iterations:
             return None
@@ -74,7 +74,8 @@ def read_history(path):
 
 
 def draw_seconds(runs):
-    """Objective and violation, over the iterations in the left column and over the wall time in the right one."""
+    """Objective and violation, over the iterations in the left column and over the wall time in the right
+    one."""
     figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.0), sharex="col", sharey="row",
                                 height_ratios=[3, 2], constrained_layout=True)
     for run, colour in zip(runs, COLOURS * len(runs)):
@@ -117,13 +118,6 @@ def mark_best(axes, run, rows, colour, abscissa):
         axis.plot(abscissa[position], row[position], "o", ms=7, mec=colour, mfc=colour if is_feasible else "white", zorder=5)
 
 
-def tidy(axes):
-    for axis in axes:
-        axis.grid(color=GRID)
-        axis.set_axisbelow(True)
-        axis.spines[["top", "right"]].set_visible(False)
-
-
 def style(axes, runs):
     objective, violation, beta, change = axes
     style_objective(objective)
@@ -147,7 +141,7 @@ def style_violation(axis, runs):
     axis.set_ylabel("worst constraint,\nrelative violation")
     axis.set_yscale("symlog", linthresh=LINEAR_VIOLATION)
     low, high = axis.get_ylim()
-    axis.axhspan(min(low, -LINEAR_VIOLATION), 0.0, color=SATISFIED, zorder=0)
+    axis.axhspan(min(low, -LINEAR_VIOLATION), 0.0, color=ALLOWED, zorder=0)
     axis.set_ylim(min(low, -LINEAR_VIOLATION), max(high, LINEAR_VIOLATION))
     axis.axhline(0.0, color=SOFT_INK, lw=1.0, ls="--")
     if not any(line["constraints"] for run in runs for line in run.history):
@@ -155,7 +149,7 @@ def style_violation(axis, runs):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIRECTORY")
     parser.add_argument("--labels", nargs="+", metavar="NAME", help="names in the legend (default: the directories' names)")
     parser.add_argument("--seconds", action="store_true", help="objective and violation only, over iterations and over wall time")

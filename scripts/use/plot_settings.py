@@ -4,25 +4,24 @@
 
     scripts/use/plot_settings.py GROUP... [--picture settings.png]
 
-A GROUP is a directory of runs, each in a folder SETTING_VOID with VOID `absent` or `quiet`, as a study with a table like
-configs/defaults_study.csv leaves them; its folders `defaults_VOID` are what the others are compared with. For each setting a
-row: how many times less than planar layers the optimized sequence distorts, with smooth layers (circles) and with binary ones
-(diamonds); hollow where a constraint is violated. Lines show the defaults. A panel each group and void model; the rows are in the
-order of the best binary figure of the first.
+A GROUP is a directory of runs, each in a folder SETTING_VOID with VOID `absent` or `quiet`, as a study with a
+table like configs/defaults_study.csv leaves them; its folders `defaults_VOID` are what the others are
+compared with. For each setting a row: how many times less than planar layers the optimized sequence distorts,
+with smooth layers (circles) and with binary ones (diamonds); hollow where a constraint is violated. Lines
+show the defaults. A panel each group and void model; the rows are in the order of the best binary figure of
+the first.
 """
 
-import argparse
 import os
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+from drawing import INK, OPTIMIZED, SOFT_INK, parser_of, tidy  # before matplotlib
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullLocator
 
 from read_run import Run, RunError
 
-SMOOTH, BINARY, GRID, SOFT_INK = "#1f6f8b", "#22262b", "#e6e8eb", "#6b727b"
 VOIDS = ("absent", "quiet")
 
 
@@ -71,7 +70,7 @@ def widen(axis):
 
 
 def draw_panel(axis, panel, settings):
-    for block, colour, mark, label in (("optimized", SMOOTH, "o", "smooth layers"), ("binary", BINARY, "D", "binary layers")):
+    for block, colour, mark, label in (("optimized", OPTIMIZED, "o", "smooth layers"), ("binary", INK, "D", "binary layers")):
         if "defaults" in panel.runs:
             axis.axvline(panel.gain("defaults", block), color=colour, lw=1.0, ls="--" if block == "optimized" else "-", alpha=0.5)
         for row, setting in enumerate(settings):
@@ -87,13 +86,11 @@ def draw_panel(axis, panel, settings):
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set_title(panel.title, fontsize=9, loc="left")
     axis.set_xlabel("planar / optimized", color=SOFT_INK)
-    axis.grid(color=GRID)
-    axis.set_axisbelow(True)
-    axis.spines[["top", "right"]].set_visible(False)
+    tidy([axis])
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("groups", nargs="+", metavar="GROUP")
     parser.add_argument("--picture", default="settings.png", help="picture to write (default: %(default)s)")
     arguments = parser.parse_args()

@@ -12,8 +12,8 @@ import numpy as np
 class Run:
     """An output directory with the result of `-task optimize`. Raises RunError if there is none.
 
-    `config`, `summary`: as in the files. `history`: one dictionary an iteration. `fields`: datasets of result.h5 by name,
-    unless told to leave them.
+    `config`, `summary`: as in the files. `history`: one dictionary per iteration. `fields`: datasets of
+    result.h5 by name, unless told to leave them.
     """
 
     def __init__(self, directory, with_fields=True):
@@ -34,7 +34,8 @@ class Run:
         return self.config.get("name", "part")
 
     def distortion(self, block):
-        """The first distortion term (the first objective, if there is none) of `optimized`, `binary` or `baseline`."""
+        """The first distortion term (the first objective, if there is none) of `optimized`, `binary` or
+        `baseline`."""
         return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == f"objective_{self.distortion_term}")
 
     @property
@@ -60,15 +61,16 @@ class Run:
         return {"tolerance": 0.1, **found[0]} if found else None
 
     def layers(self, block):
-        """Number (from 1), thickness, cv and volume of the layers that hold an element at least: what is less is the faint tail of smooth
-        layers after the last one."""
+        """Number (from 1), thickness, cv and volume of the layers that hold an element at least: what is less
+        is the faint tail of smooth layers after the last one."""
         table = self.summary[block]["layers"]
         domain = self.config["domain"]
         least = 0.99 * math.prod(domain["size"]) / math.prod(domain["elements"]) * domain.get("thickness", 1.0)
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
     def measured_nodes(self):
-        """Numbers of the nodes whose distortion is the first term; empty if they cannot be told from the config."""
+        """Numbers of the nodes whose distortion is the first term; empty if they cannot be told from the
+        config."""
         terms = self.config.get("objective", [])
         node_set = terms[self.distortion_term].get("nodes") if terms else None
         if node_set not in self.config.get("node_sets", {}):
@@ -115,6 +117,10 @@ def open_result(directory):
         raise RunError(f"{path} cannot be read: {error}") from error
 
 
+def duration(seconds):
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
 def nodes_of(built):
     """Which nodes belong to an element of the part, flat, x fastest."""
     touched = np.zeros([n + 1 for n in built.shape], dtype=bool)
@@ -124,7 +130,8 @@ def nodes_of(built):
 
 
 def contains(shape, points, slack):
-    """Which of `points` (n, dimension) a shape of a config holds. Polygons are not needed and raise NotImplementedError."""
+    """Which of `points` (n, dimension) a shape of a config holds. Polygons are not needed and raise
+    NotImplementedError."""
     kind, value = next((k, v) for k, v in shape.items() if k != "samples")
     if kind in ("union", "intersection", "difference"):
         first, *others = [contains(child, points, slack) for child in value]

@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or displaced.
+"""Pictures of voxel parts with VTK: the surface of the elements that are there, coloured, as it is or
+displaced.
 
 As a module it gives render(); as a program it draws one picture of a result:
-    scripts/use/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar] [--exaggeration F]
-(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it draws in memory (virtual_display.py).
+    scripts/use/render_part.py RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar]
+    [--exaggeration F]
+(RESULT.h5 lies beside the config.json of its run, which holds the size of the box.) Without a display it
+draws in memory (virtual_display.py).
 """
 
-import argparse
-import json
 import os
 from dataclasses import dataclass, field
 
@@ -16,7 +17,16 @@ import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
+from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
+                                         vtkWindowToImageFilter)
 
+from drawing import parser_of
+from read_run import read_json
 from virtual_display import ensure_display
 
 LAYER_COLOURS = "viridis"
@@ -28,7 +38,8 @@ VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
 
 @dataclass
 class VoxelPart:
-    """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in length units."""
+    """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in
+    length units."""
     density: np.ndarray
     size: tuple
     plate: str = "z-"
@@ -50,7 +61,8 @@ class VoxelPart:
 
 
 def surface(present):
-    """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element numbers (m,)).
+    """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element
+    numbers (m,)).
 
     In 2D the elements themselves.
     """
@@ -84,7 +96,8 @@ def surface(present):
 
 
 def layer_colours(part, layer, count):
-    """One colour a face (m, 3) bytes: from first to last layer along the colour map, every other layer a shade darker."""
+    """One colour per face (m, 3) bytes: from first to last layer along the colour map, every other layer a
+    shade darker."""
     index = np.asarray(layer).ravel()[part.face_element]
     colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
     colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
@@ -105,14 +118,11 @@ def node_vectors(part, displacement):
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
     """A picture (height, width, 3) bytes of `part` on its plate, white behind, in parallel projection.
 
-    `face_colours` (a face) or `node_colours` (a node): bytes (., 3). `offset` (n, 3): drawn displacement of the nodes.
-    `ghost`: the undisplaced part as a pale shell behind. `frame`: the points (k, 3) that have to fit in; pictures
-    with the same frame and pixels have the same view and scale. `marked`: node numbers drawn as dots.
+    `face_colours` (per face) or `node_colours` (per node): bytes (., 3). `offset` (n, 3): drawn displacement
+    of the nodes. `ghost`: the undisplaced part as a pale shell behind. `frame`: the points (k, 3) that have
+    to fit in; pictures with the same frame and pixels have the same view and scale. `marked`: node numbers
+    drawn as dots.
     """
-    from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
-    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
     points = part.nodes if offset is None else part.nodes + offset
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
@@ -145,10 +155,6 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
 
 
 def poly_data(points, faces):
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-
     vertices = vtkPoints()
     vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
     cells = vtkCellArray()
@@ -162,8 +168,6 @@ def poly_data(points, faces):
 
 
 def add_actor(renderer, data):
-    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
-
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(data)
     mapper.ScalarVisibilityOn()
@@ -177,8 +181,6 @@ def add_actor(renderer, data):
 
 
 def add_surface(renderer, part, points, face_colours, node_colours):
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-
     data = poly_data(points, part.faces)
     if face_colours is not None:
         data.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(face_colours), deep=True))
@@ -199,8 +201,6 @@ def add_surface(renderer, part, points, face_colours, node_colours):
 
 def add_light(renderer):
     """One far lamp such that top, front and right faces of a voxel each have their own, bright shade."""
-    from vtkmodules.vtkRenderingCore import vtkLight
-
     toward_lamp = np.array((0.40, -0.75, 1.0))
     light = vtkLight()
     light.SetLightTypeToSceneLight()
@@ -245,8 +245,6 @@ def add_plate(renderer, part):
 
 
 def add_dots(renderer, part, points):
-    from vtkmodules.vtkFiltersSources import vtkSphereSource
-
     for point in points:
         ball = vtkSphereSource()
         ball.SetCenter(*point)
@@ -262,7 +260,8 @@ def add_dots(renderer, part, points):
 
 
 def aim_camera(renderer, part, frame, pixels):
-    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the plate."""
+    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the
+    plate."""
     margin = 0.06 * max(part.size)
     box = np.array(np.meshgrid(*[(-margin, s + margin) for s in part.size])).reshape(part.dimension, -1).T
     points = np.vstack([frame, np.pad(box, ((0, 0), (0, 3 - part.dimension)))])
@@ -285,7 +284,7 @@ def aim_camera(renderer, part, frame, pixels):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("result")
     parser.add_argument("picture")
     parser.add_argument("--colour", choices=["layer", "time", "density", "displacement"], default="layer")
@@ -294,8 +293,7 @@ def main():
     parser.add_argument("--pixels", type=int, default=1400)
     arguments = parser.parse_args()
     ensure_display()
-    with open(os.path.join(os.path.dirname(os.path.abspath(arguments.result)), "config.json"), encoding="utf-8") as file:
-        config = json.load(file)
+    config = read_json(os.path.dirname(os.path.abspath(arguments.result)), "config.json")
     group = "planar/" if arguments.planar else ""
     with h5py.File(arguments.result) as file:
         part = VoxelPart(file["density"][:], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))

@@ -4,36 +4,33 @@
 
     scripts/use/scaling.py OUTPUT_DIRECTORY... [--table scaling.csv] [--picture scaling.png] [--warm_up 2]
 
-A run is measured by the medians, over its iterations after the first `warm_up`, of the total and of each phase. The run with
-the fewest ranks, b, is the baseline of all others: with t the seconds on p ranks and q = p / b
+A run is measured by the medians, over its iterations after the first `warm_up`, of the total and of each
+phase. The run with the fewest ranks, b, is the baseline of all others: with t the seconds on p ranks and q =
+p / b
 
     speed-up t_b / t,    efficiency t_b / (t q),    serial fraction (Karp-Flatt) (t / t_b - 1/q) / (1 - 1/q)
 
 so that all three are relative to b ranks, not to one.
 """
 
-import argparse
-import csv
 import json
-import os
 import statistics
 import sys
 
-os.environ.setdefault("MPLBACKEND", "Agg")
+from drawing import INK, SOFT_INK, parser_of, tidy, write_rows  # before matplotlib
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
 from read_run import RunError, open_text, read_json
 
-
 PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer", "output"]
 COLOURS = ["#c2452d", "#d59f3b", "#1f6f8b", "#7a4fa3", "#3c7d3c", "#8a5a44", "#6b727b"]
-INK, SOFT_INK, GRID = "#22262b", "#6b727b", "#e6e8eb"
 
 
 class Measurement:
-    """Ranks, number of iterations that were measured, and their median seconds: `seconds["total"]` and a phase each."""
+    """Ranks, number of iterations that were measured, and their median seconds: `seconds["total"]` and a
+    phase each."""
 
     def __init__(self, directory, warm_up):
         self.config = read_json(directory, "config.json")
@@ -58,8 +55,8 @@ def row_of(measurement, baseline):
            "karp_flatt": (ratio - 1 / q) / (1 - 1 / q) if q > 1 else None}
     for phase in PHASES:
         row[phase] = measurement.seconds[phase]
-        row[f"{phase}_speed_up"] = baseline.seconds[phase] / \
-            measurement.seconds[phase] if measurement.seconds[phase] > 0 else None
+        seconds = measurement.seconds[phase]
+        row[f"{phase}_speed_up"] = baseline.seconds[phase] / seconds if seconds > 0 else None
     return row
 
 
@@ -74,11 +71,12 @@ def draw(rows):
         if rows[0][phase] >= least:
             time.plot(ranks, [row[phase] for row in rows], "o-", ms=3.5, lw=1.2, color=colour, label=phase)
     time.set_yscale("log")
-    time.set_ylabel("seconds an iteration, median")
+    time.set_ylabel("seconds per iteration, median")
     speed.plot(ranks, [row["speed_up"] for row in rows], "o-", color=INK, lw=2.0, label="iteration")
     speed.plot(ranks, ideal, "--", color=SOFT_INK, lw=1.0, label="ideal")
     speed.set_yscale("log")
     speed.set_ylabel(f"speed-up over {ranks[0]} rank" + "s" * (ranks[0] > 1))
+    tidy((time, speed))
     for axis in (time, speed):
         axis.set_xscale("log")
         axis.set_xlabel("ranks")
@@ -86,15 +84,12 @@ def draw(rows):
         axis.xaxis.set_minor_locator(NullLocator())
         axis.xaxis.set_major_formatter(ScalarFormatter())
         axis.yaxis.set_major_formatter("{x:g}")
-        axis.grid(color=GRID)
-        axis.set_axisbelow(True)
-        axis.spines[["top", "right"]].set_visible(False)
         axis.legend(frameon=False, fontsize=9)
     return figure
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIRECTORY")
     parser.add_argument("--table", default="scaling.csv", help="table to write (default: %(default)s)")
     parser.add_argument("--picture", default="scaling.png", help="picture to write (default: %(default)s)")
@@ -109,10 +104,7 @@ def main():
     if len({m.ranks for m in measurements}) < len(measurements):
         sys.exit("scaling.py: two runs have the same number of ranks")
     rows = [row_of(m, measurements[0]) for m in measurements]
-    with open(arguments.table, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(arguments.table, rows, rows[0])
     draw(rows).savefig(arguments.picture, dpi=120)
     print(f"{'ranks':>6s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>12s}{'Karp-Flatt':>12s}")
     for row in rows:

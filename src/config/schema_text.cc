@@ -90,17 +90,43 @@ void write_key(std::ostream& stream, const ConfigKey& key) {
   stream << "; " << (key.required ? "" : "default ") << default_text(key) << "\n";
 }
 
-/// A cell of a Markdown table.
-std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+/// Code in Markdown.
+std::string code(std::string_view text) { return text.empty() ? "" : "`" + std::string(text) + "`"; }
 
-void write_row(std::ostream& stream, const ConfigKey& key) {
-  const bool plain = key.required || default_text(key) == "none";
-  std::string fallback = plain ? default_text(key) : code(std::string(key.default_value));
-  if (!key.default_2d.empty()) fallback += ", in 2D " + code(std::string(key.default_2d));
-  stream << "| " << code(std::string(key.name)) << " | "
-         << (key.variant.empty() ? "" : code(std::string(key.variant))) << " | " << key.unit << " | "
-         << fallback << " | " << allowed_text(key) << " | " << key.meaning << " | "
-         << code(std::string(key.option)) << " |\n";
+/// An item of a Markdown list within 110 columns. Code is not broken, and no line begins with a ">".
+void write_item(std::ostream& stream, const std::string& text) {
+  constexpr std::size_t width = 110;
+  std::string line = "-";
+  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    bool in_code = false;
+    for (end = begin; end < text.size(); ++end) {
+      in_code ^= text[end] == '`';
+      if (text[end] == ' ' && !in_code && text[end + 1] != '>') break;
+    }
+    const std::string word = text.substr(begin, end - begin);
+    if (line.size() + 1 + word.size() > width) {
+      stream << line << "\n";
+      line = " ";
+    }
+    line += " " + word;
+  }
+  stream << line << "\n";
+}
+
+/// "`key`, only for `type`: meaning. Default: ...; allowed: ...; in UNIT; option `-flat`."
+std::string reference_entry(const ConfigKey& key) {
+  std::string text = code(key.name);
+  if (!key.variant.empty()) text += ", only for " + code(key.variant);
+  text += ": " + std::string(key.meaning) + ". ";
+  const bool has_default = !key.required && default_text(key) != "none";
+  if (key.required) text += "Required";
+  if (has_default) text += "Default: " + code(key.default_value);
+  if (!key.required && !has_default) text += "No default";
+  if (!key.default_2d.empty()) text += ", in 2D " + code(key.default_2d);
+  text += "; allowed: " + allowed_text(key);
+  if (!key.unit.empty()) text += "; unit: " + std::string(key.unit);
+  if (!key.option.empty()) text += "; option " + code(key.option);
+  return text + ".";
 }
 
 }  // namespace
@@ -123,11 +149,9 @@ std::string reference_table() {
   std::ostringstream stream;
   for (const ConfigSection& section : config_sections()) {
     const std::string path(section.path);
-    stream << "### " << (path.empty() ? "" : code(path) + ": ") << section.title << "\n\n"
-           << "| key | only for type | unit | default | allowed | meaning | option |\n"
-           << "| --- | --- | --- | --- | --- | --- | --- |\n";
+    stream << "### " << (path.empty() ? "" : code(path) + ": ") << section.title << "\n\n";
     for (const ConfigKey& key : config_keys()) {
-      if (key.section == section.path && is_listed(key)) write_row(stream, key);
+      if (key.section == section.path && is_listed(key)) write_item(stream, reference_entry(key));
     }
     stream << "\n";
   }

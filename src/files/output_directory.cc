@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Presence of this file makes a directory a run's: written first, removed last.
 constexpr std::string_view mark_of_a_run = "config.json";
-/// What else a run writes (docs/users-guide.md, output directory), and the two files by which a user talks to
+/// What else a run writes (docs/reference.md, output), and the two files by which a user talks to
 /// it.
 constexpr std::array<std::string_view, 16> files_of_a_run = {"refined.h5",
                                                              "history.jsonl",

@@ -1,19 +1,21 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Everything that can go wrong with the files of a run, one thing at a time: nothing may be lost but the work since the last
-checkpoint, and nothing may hang.
+"""Everything that can go wrong with the files of a run, one thing at a time: nothing may be lost but the work
+since the last checkpoint, and nothing may hang.
 
     tests/faults/campaign.py                  every fault; a quarter of an hour. Prints a table (Markdown)
     tests/faults/campaign.py --short          a sample of each kind, as ctest runs it
 
-Calls        the N-th open, write, sync, rename and close of a file below the output directory fails, for every N and every rank
-             (failing_calls.cc); a write that takes half of its bytes and then fails; all writes from the N-th on
+Calls        the N-th open, write, sync, rename and close of a file below the output directory fails, for
+every N and every rank
+             (failing_calls.cc); a write that takes half of its bytes and then fails; all writes from the N-th
+             on
 Small disks  in memory, with room for so many kB, from too little to enough
 Kills        SIGKILL to one rank or to all at random moments
 Damage       checkpoints cut off, or with a bit turned over, at random places
 
-After each, the same command without the fault must complete the run, with the same bytes as a run without faults. Status 1 if one
-did not; what happened is printed.
+After each, the same command without the fault must complete the run, with the same bytes as a run without
+faults. Status 1 if one did not; what happened is printed.
 """
 
 import argparse

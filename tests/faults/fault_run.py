@@ -31,7 +31,8 @@ class Outcome:
 def build_library(directory):
     """Path of failing_calls.cc as a library to be preloaded."""
     library = os.path.join(directory, "failing_calls.so")
-    subprocess.run(["g++", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library, os.path.join(HERE, "failing_calls.cc"), "-ldl"],
+    subprocess.run(["g++", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library,
+                    os.path.join(HERE, "failing_calls.cc"), "-ldl"],
                    check=True)
     return library
 
@@ -80,8 +81,8 @@ class FaultRuns:
             return 0
 
     def outcome(self, fault, run, file=None):
-        """Continues without the fault that `run` met. `file`: what the message has to name; none for a run that had no
-        chance to say anything: the next one may."""
+        """Continues without the fault that `run` met. `file`: what the message has to name; none for a run
+        that had no chance to say anything: the next one may."""
         done = self.completed(run.output)
         outcome = Outcome(fault, run.status != DONE)
         try:

@@ -13,8 +13,8 @@ ASIDE = ("seconds", "peak_memory_bytes")
 
 
 def reproducible(run, ranks):
-    """On three ranks and more PETSc and MUMPS add up in the order in which messages arrive: there two runs of the
-    reference path differ in the last digits, restarted or not."""
+    """On three ranks and more PETSc and MUMPS add up in the order in which messages arrive: there two runs of
+    the reference path differ in the last digits, restarted or not."""
     return ranks < 3 or run.json("config.json")["solver"]["path"] == "lanes"
 
 

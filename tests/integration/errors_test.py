@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Bad input: status 2 on every rank, one line with the key, what was found and what is allowed, nothing written."""
+"""Bad input: status 2 on every rank, one line with the key, what was found and what is allowed, nothing
+written."""
 
 import os
 import time
@@ -16,7 +17,8 @@ class BadInputTest(FabseqTest):
     rank_counts = (1, 3)
 
     def assert_refused(self, config, *arguments, words, timeout=None, status=BAD_INPUT, **options):
-        """The run must be refused with one line that holds all `words`, and leave the working directory as it was."""
+        """The run must be refused with one line that holds all `words`, and leave the working directory as it
+        was."""
         path = config if isinstance(config, str) else self.write_config(config)
         before = self.tree()
         for ranks in self.rank_counts:
@@ -300,7 +302,8 @@ class OutputDirectoryTest(BadInputTest):
 
 class CommandLineTest(FabseqTest):
     def test_every_rank_exits_with_2(self):
-        """mpirun shows one rank's status and then kills the others: here each notes its own and ends with 0."""
+        """mpirun shows one rank's status and then kills the others: here each notes its own and ends with
+        0."""
         script = os.path.join(self.directory, "note_status.sh")
         with open(script, "w", encoding="utf-8") as file:
             file.write('"$@" 2>message.$OMPI_COMM_WORLD_RANK\necho $? >status.$OMPI_COMM_WORLD_RANK\n')

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Solvers that do not converge (exit status 3) and disks that are full (5): one line that names the place, no hang."""
+"""Solvers that do not converge (exit status 3) and disks that are full (5): one line that names the place, no
+hang."""
 
 import os
 import subprocess
@@ -55,8 +56,9 @@ class SolverTest(FailureTest):
                 self.assertEqual(len(resumed.history()), 2)
 
     def test_failure_in_an_iteration(self):
-        """GAMG needs more steps once layers are sharper. The state before that iteration is in the checkpoint, its fields
-        are in a dump, and with steps enough the run goes on as if nothing had happened."""
+        """GAMG needs more steps once layers are sharper. The state before that iteration is in the
+        checkpoint, its fields are in a dump, and with steps enough the run goes on as if nothing had
+        happened."""
         arguments = ("-max_iterations", 5, "-solver_path", "reference", "-reference_method", "gamg", "-set",
                      "projection.interval=2")
         run = self.run_config(1, hook_3d(), *arguments, "-elasticity_ksp_max_it", 19)
@@ -127,14 +129,16 @@ class OutputTest(FailureTest):
 
 
 class FullDiskTest(FailureTest):
-    """Output on a disk of 512 kB in memory, of which a filler leaves too little for one of the run's files."""
+    """Output on a disk of 512 kB in memory, of which a filler leaves too little for one of the run's
+    files."""
 
     def setUp(self):
         super().setUp()
         self.disk = self.small_disk("512k")
 
     def run_on_disk(self, ranks, free, *arguments):
-        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 70 kB."""
+        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 100 kB each, the checkpoint 70
+        kB."""
         name = f"{ranks}_{free}"
         with open(os.path.join(self.disk, "filler"), "wb") as file:
             file.write(bytes(512 * 1024 - free))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""-task check_gradients: adjoint against central differences, every component of every response, both scales."""
+"""-task check_gradients: adjoint against central differences, every component of every response, both
+scales."""
 
 import csv
 import os
@@ -14,7 +15,8 @@ LIMIT = 1e-5
 
 class GradientsTest(FabseqTest):
     def check(self, config, components, *arguments, functionals=0, ranks=2):
-        """`components` of what the config lists, then `functionals` of terms that are sums of squares: those that ask for it."""
+        """`components` of what the config lists, then `functionals` of terms that are sums of squares: those
+        that ask for it."""
         run = self.run_config(ranks, config, "-task", "check_gradients", *arguments, timeout=900)
         self.assert_done(run)
         check = run.json("gradient_check.json")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Layer groups: the same optimization, simulation and gradients however ranks are split into groups x domain ranks."""
+"""Layer groups: the same optimization, simulation and gradients however ranks are split into groups x domain
+ranks."""
 
 import os
 
@@ -114,7 +115,8 @@ class GroupsTest(FabseqTest):
         self.assertLess(run.json("gradient_check.json")["worst"], 1e-5)
 
     def test_automatic(self):
-        """More groups than layers, or than memory allows, would not be chosen; the choice stands in the log."""
+        """More groups than layers, or than memory allows, would not be chosen; the choice stands in the
+        log."""
         for task in ("optimize", "check"):
             run = self.run_config(2, plate_2d(), "-task", task, "-max_iterations", 1)
             self.assert_done(run)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Multi-planar layers: files, restarts, ranks and groups, fixed variables, derivatives, and that nothing jumps where slabs
-come and go."""
+"""Multi-planar layers: files, restarts, ranks and groups, fixed variables, derivatives, and that nothing
+jumps where slabs come and go."""
 
 import os
 

@@ -147,7 +147,8 @@ class OutputsOfOneRankTest(FabseqTest):
             assert_close(values, data[name].reshape(values.shape), 1e-8, name)
 
     def test_checkpoint(self):
-        """The last one holds the end of the run: its best design, and what a further iteration would evaluate."""
+        """The last one holds the end of the run: its best design, and what a further iteration would
+        evaluate."""
         run = RUNS[self.ranks]
         with open(run.path("checkpoint/newest"), encoding="utf-8") as file:
             newest = file.read().strip()

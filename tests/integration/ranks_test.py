@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The same optimization on any number of ranks and with any preconditioner, without layer groups (groups_test.py)."""
+"""The same optimization on any number of ranks and with any preconditioner, without layer groups
+(groups_test.py)."""
 
 import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED, largest_relative_difference

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Saves what ParaView reads from an XDMF file:  scripts/use/virtual_display.py pvpython read_arrays.py FILE.xdmf ARRAYS.npz
+"""Saves what ParaView reads from an XDMF file:  scripts/use/virtual_display.py pvpython read_arrays.py
+FILE.xdmf ARRAYS.npz
 
-Arrays "Cell NAME" and "Node NAME" in ParaView's order (x fastest), and positions of its cells' centres and points.
+Arrays "Cell NAME" and "Node NAME" in ParaView's order (x fastest), and positions of its cells' centres and
+points.
 """
 
 import os

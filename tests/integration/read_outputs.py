@@ -26,7 +26,8 @@ def assert_close(values, expected, tolerance, name):
 
 
 def read_dump(run, iteration):
-    """Fields of fields/iteration_NNNN.bin (a number, or NNNN and what follows), read as its .xdmf describes them."""
+    """Fields of fields/iteration_NNNN.bin (a number, or NNNN and what follows), read as its .xdmf describes
+    them."""
     base = run.path("fields/iteration_" + (iteration if isinstance(iteration, str) else f"{iteration:04d}"))
     with open(base + ".xdmf", encoding="utf-8") as file:
         text = file.read()

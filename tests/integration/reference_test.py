@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Values, gradients and fields of the cases in tests/data/reference against those of an independent implementation."""
+"""Values, gradients and fields of the cases in tests/data/reference against those of an independent
+implementation."""
 
 import json
 import os

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its row, leaving the others."""
+"""scripts/figures/reproduce.py runs a case, goes on with one that was interrupted, and writes its page and
+its row, leaving the others."""
 
 import json
 import os
@@ -19,7 +20,8 @@ class ReproduceTest(FabseqTest):
         super().setUp()
         for config in (plate_2d(), direct_2d("elements"), hook_3d()):
             self.write_config(config, config["name"] + ".json")
-        cases = {"wall": {"config": "plate.json", "source": "made up", "what": "a wall", "published": {"planar": 2.0, "optimized": 0.5},
+        cases = {"wall": {"config": "plate.json", "source": "made up", "what": "a wall",
+                          "published": {"planar": 2.0, "optimized": 0.5},
                           "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
                  "wall_free": {"config": "direct_elements.json", "source": "made up", "what": "a wall"},
                  "planar": {"config": "hook.json", "source": "made up", "what": "a hook", "task": "simulate",
@@ -38,7 +40,18 @@ class ReproduceTest(FabseqTest):
         with open(self.document, encoding="utf-8") as file:
             text = file.read()
         self.assertTrue(text.startswith(DOCUMENT.split("<!--")[0]) and text.endswith("\n\nAfter.\n"), text)
-        return {line.split("`")[1]: [cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| `")}
+        rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("| [")]
+        for name in (row[0] for row in rows):
+            self.assertIn(f"\n{name}: results/{name[1:-1]}.md\n", text)
+        return {row[0][1:-1]: row for row in rows}
+
+    def page(self, name):
+        """The figures on the page of a case, by label, and its picture."""
+        with open(os.path.join(self.directory, "results", f"{name}.md"), encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| ")]
+        pictures = [line.split("(")[1].rstrip(")") for line in lines if line.startswith("![")]
+        return {cell[0]: cell[1] for cell in cells}, [os.path.join(self.directory, "results", name) for name in pictures]
 
     def test_cases(self):
         done = self.reproduce("wall_free", "--", "-max_iterations", "2")
@@ -59,24 +72,30 @@ class ReproduceTest(FabseqTest):
         rows = self.rows()
         self.assertEqual(list(rows), ["wall", "wall_free", "planar"])  # in the order of the cases
         self.assertEqual(rows["wall_free"], before)
-        self.check_row(rows["wall"], output)
-        self.assertIn("largest displacement", rows["planar"][9])
+        self.check_case(rows["wall"], output)
+        self.assertEqual(rows["planar"][1:], ["–"] * 4)
+        figures, pictures = self.page("planar")
+        self.assertIn("largest displacement", figures["run"])
+        self.assertEqual(pictures, [])
 
-    def check_row(self, row, output):
+    def check_case(self, row, output):
         with open(os.path.join(output, "summary.json"), encoding="utf-8") as file:
             summary = json.load(file)
         planar, smooth, binary = (summary[block]["responses"][0]["value"] for block in ("baseline", "optimized", "binary"))
-        self.assertEqual(row[2], "2 → 0.5: 4.0")
-        self.assertAlmostEqual(float(row[3].split(";")[0]) / planar, 1, delta=0.01)
-        for cell, value in ((row[4], smooth), (row[5], binary)):
+        figures, pictures = self.page("wall")
+        self.assertEqual(figures["published"], "2 → 0.5: 4.0")
+        self.assertEqual(row[1], "4.0")
+        self.assertEqual(row[4], figures["worst constraint"])
+        self.assertAlmostEqual(float(figures["planar"].split(";")[0]) / planar, 1, delta=0.01)
+        for shown, cell, value in ((row[2], figures["smooth"], smooth), (row[3], figures["binary"], binary)):
             figure, ratio = cell.split(";")[0].split(": ")
+            self.assertEqual(shown, ratio)
             self.assertAlmostEqual(float(figure) / value, 1, delta=0.01)
             self.assertAlmostEqual(float(ratio), planar / value, delta=0.06 * max(1, planar / value))
             self.assertRegex(cell, r"; in 8 layers [0-9.e-]+: [0-9.]+$")
-        self.assertIn("geometric in 8", row[7])
-        self.assertIn("on 1 rank", row[9])
-        picture = os.path.join(self.directory, row[10].split("(")[1].rstrip(")"))
-        self.assertLess(os.path.getsize(picture), 80000)
+        self.assertRegex(figures["thickness, geometric, in 8 layers"], "^[0-9.]+ to [0-9.]+$")
+        self.assertIn("on 1 rank", figures["run"])
+        self.assertLess(os.path.getsize(pictures[0]), 80000)
         self.assertTrue(os.path.exists(os.path.join(output, "geometric_thickness.json")))
 
     def test_list_and_mistakes(self):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Runs in place of others: the effective config runs again to the same result, and -overwrite replaces a run."""
+"""Runs in place of others: the effective config runs again to the same result, and -overwrite replaces a
+run."""
 
 import os
 

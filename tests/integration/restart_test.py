@@ -85,8 +85,8 @@ class SameBytesTest(RestartTest):
         self.assert_done(self.run_config(2, post_on_substrate(2), "-max_iterations", 4))
 
     def test_reference_path_starts_cold_after_a_checkpoint(self):
-        """Its systems last from one iteration to the next, those of a relaxed preconditioner too: a run that wrote its
-        checkpoint where another one was stopped gives the same bytes."""
+        """Its systems last from one iteration to the next, those of a relaxed preconditioner too: a run that
+        wrote its checkpoint where another one was stopped gives the same bytes."""
         arguments = ("-max_iterations", 5, "-solver_path", "reference", "-elements", "40,24")
         for method in ("direct", "gamg", "multigrid"):
             with self.subTest(method=method):
@@ -115,7 +115,8 @@ class SameBytesTest(RestartTest):
 
 class OtherRanksTest(RestartTest):
     def check(self, groups, splits):
-        """Half of the run on two ranks as so many groups, the rest on ranks and groups of each of `splits`."""
+        """Half of the run on two ranks as so many groups, the rest on ranks and groups of each of
+        `splits`."""
         arguments = ("-max_iterations", 8, "-tolerance", "1e-11")
         for config in (hook_3d(), plate_2d()):
             expected = self.run_config(1, config, *arguments)
@@ -316,7 +317,8 @@ class DamageTest(RestartTest):
                     assert_same_run(self, run, self.expected, 1)
 
     def test_the_good_slot_is_not_overwritten_first(self):
-        """Stopped again right away, the run still has the older slot; the next checkpoint takes the damaged one's place."""
+        """Stopped again right away, the run still has the older slot; the next checkpoint takes the damaged
+        one's place."""
         half = self.run_with_two_slots()
         newest, older = self.slots(half)
         self.damage(newest, "bit")

@@ -43,7 +43,8 @@ class SimulateOutputTest(FabseqTest):
                 assert_close(two[name], values, 1e-4, name)  # of two solutions with tolerance 1e-6
 
     def test_sequence_of_a_result_can_be_simulated_again(self):
-        """The time of an optimized sequence, read from its result.h5, gives the optimized sequence's displacement."""
+        """The time of an optimized sequence, read from its result.h5, gives the optimized sequence's
+        displacement."""
         config = plate_2d()
         first = self.run_config(2, config, "-max_iterations", 2, "-tolerance", "1e-10")
         self.assert_done(first)
@@ -57,7 +58,8 @@ class SimulateOutputTest(FabseqTest):
         assert_close(found["displacement"], expected["binary/displacement"], 1e-7, "displacement")
 
     def test_release_from_clamps(self):
-        """Extremes in summary.json are those of the fields; the sum of displacement and release is what terms measure."""
+        """Extremes in summary.json are those of the fields; the sum of displacement and release is what terms
+        measure."""
         for dimension in (2, 3):
             config = post_on_substrate(dimension)
             for ranks, groups in ((1, 1), (2, 1), (2, 2)):
@@ -110,7 +112,8 @@ class ReslicingTest(FabseqTest):
     """-sequence: a result's pseudo-time, cut into any number of layers."""
 
     def reslice(self, first, *arguments, ranks=2):
-        run = self.run_program(ranks, "-config", first.path("config.json"), "-task", "simulate", "-sequence", first.path("result.h5"),
+        run = self.run_program(ranks, "-config", first.path("config.json"), "-task", "simulate",
+                               "-sequence", first.path("result.h5"),
                                "-tolerance", "1e-10", *arguments)
         self.assert_done(run)
         return run
@@ -143,7 +146,8 @@ class ReslicingTest(FabseqTest):
                 np.testing.assert_array_equal(read_result(binary)["layer"], read_result(first)["layer"])
 
     def test_more_and_fewer_layers(self):
-        """Each layer of the result is cut into equal steps of time; sharpness grows with the number of layers."""
+        """Each layer of the result is cut into equal steps of time; sharpness grows with the number of
+        layers."""
         first = self.run_config(2, direct_2d("elements"), "-max_iterations", 3)
         self.assert_done(first)
         result, beta = read_result(first), first.json("summary.json")["beta"]
@@ -160,7 +164,8 @@ class ReslicingTest(FabseqTest):
                 np.testing.assert_array_equal(cut["layer"][part], (result["layer"][part] + 1) // 2)
 
     def test_a_time_of_ones_own(self):
-        """A file without a word about layers: those of the config, with its sharpness; terms it cannot have are named."""
+        """A file without a word about layers: those of the config, with its sharpness; terms it cannot have
+        are named."""
         config = plate_2d()
         density = part_density(config)
         time = np.broadcast_to((np.arange(12) + 0.5)[:, None] / 12, density.shape)
@@ -181,7 +186,8 @@ class ReslicingTest(FabseqTest):
     def test_refusals(self):
         path = self.write_config(plate_2d())
         for arguments, word in ((("-sequence", "none.h5"), "/sequence/file"), (("-sequence",), "missing value"),
-                                (("-sequence", path), "not an HDF5 file"), (("-sequence", "a.h5", "-design", "a.h5"), "one of the two")):
+                                (("-sequence", path), "not an HDF5 file"),
+                                (("-sequence", "a.h5", "-design", "a.h5"), "one of the two")):
             run = self.run_program(2, "-config", path, "-task", "simulate", *arguments)
             self.assertEqual(run.status, BAD_INPUT, str(run))
             self.assertIn(word, run.messages()[-1])

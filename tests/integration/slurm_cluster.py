@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A Slurm of one node for tests: munged, slurmctld and slurmd of Debian's packages munge and slurm-wlm, without systemd.
+"""A Slurm of one node for tests: munged, slurmctld and slurmd of Debian's packages munge and slurm-wlm,
+without systemd.
 
     tests/integration/slurm_cluster.py COMMAND...     runs a command beside such a cluster and ends both
 
-Everything is private to the cluster: key, sockets, ports of the loopback interface, state and logs, all of it in one new
-directory. Who shall talk to it needs SLURM_CONF, which points to its slurm.conf (Cluster.environment). The daemons and
-all jobs inherit that variable, and by it they are found and ended: by a process of its own that waits for the end of
-whoever started the cluster, so that nothing is left over even if that one is killed.
+Everything is private to the cluster: key, sockets, ports of the loopback interface, state and logs, all of it
+in one new directory. Who shall talk to it needs SLURM_CONF, which points to its slurm.conf
+(Cluster.environment). The daemons and all jobs inherit that variable, and by it they are found and ended: by
+a process of its own that waits for the end of whoever started the cluster, so that nothing is left over even
+if that one is killed.
 """
 
 import os

@@ -21,7 +21,8 @@ def plate_2d():
 
 
 def direct_2d(location="nodes"):
-    """The wall of plate_2d with the pseudo-time itself as design, from the lower left corner on, and variable time points."""
+    """The wall of plate_2d with the pseudo-time itself as design, from the lower left corner on, and variable
+    time points."""
     config = plate_2d()
     config["name"] = "direct_" + location
     config["sequence"] = {"type": "direct", "location": location, "start": {"box": {"min": [0, 0], "max": [0, 0]}}}
@@ -54,7 +55,8 @@ def hook_3d():
 
 
 def v_2d():
-    """A wall that leans out over its foot, 24 x 24 elements: built in planar layers its top moves far, in curved ones little."""
+    """A wall that leans out over its foot, 24 x 24 elements: built in planar layers its top moves far, in
+    curved ones little."""
     return {
         "name": "v",
         "domain": {"size": [2.0, 2.0], "elements": [24, 24]},
@@ -70,7 +72,8 @@ def v_2d():
 
 
 def post_on_substrate(dimension=3):
-    """An overhang on a clamped base plate, of strain that turns with the layers, measured before and after the release."""
+    """An overhang on a clamped base plate, of strain that turns with the layers, measured before and after
+    the release."""
     flat = dimension == 2
 
     def box(low, high):

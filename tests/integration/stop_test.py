@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost but the work
-since the last checkpoint, and nothing hangs."""
+"""Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost
+but the work since the last checkpoint, and nothing hangs."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ import time
 
 import run_fabseq
 from compare_runs import history_text
-from run_fabseq import DONE, OUTPUT_FAILURE, PROGRAM, SANITIZED, STOPPED, FabseqTest, Process, Result
+from run_fabseq import OUTPUT_FAILURE, PROGRAM, SANITIZED, STOPPED, FabseqTest, Process, Result
 from small_parts import plate_2d
 
 PATIENCE = 600 if SANITIZED else 240
@@ -42,8 +42,8 @@ class StopTest(FabseqTest):
         return Result(process.command, *process.wait(PATIENCE), output)
 
     def check_goes_on(self, ranks, output, *arguments):
-        """Continues for four iterations, and compares with a run that was not interrupted but wrote a checkpoint at the
-        same iteration."""
+        """Continues for four iterations, and compares with a run that was not interrupted but wrote a
+        checkpoint at the same iteration."""
         stopped = Result([], STOPPED, "", "", output)
         done = len(stopped.history())
         self.assertEqual(stopped.json("summary.json")["status"], "stopped")
@@ -90,9 +90,9 @@ class SignalTest(StopTest):
         self.check_goes_on(2, run.output, *arguments)
 
     def test_end_by_the_launcher(self):
-        """The checkpoint is what is promised: mpirun has a status of its own. For TERM and for INT it waits for so many
-        seconds, passes TERM on, and kills after as many again. In the meantime it reads nothing of what the ranks
-        print: they must not wait for that."""
+        """The checkpoint is what is promised: mpirun has a status of its own. For TERM and for INT it waits
+        for so many seconds, passes TERM on, and kills after as many again. In the meantime it reads nothing
+        of what the ranks print: they must not wait for that."""
         for number in (signal.SIGTERM, signal.SIGINT):
             with self.subTest(number=number):
                 run = self.stop_by(number, 2, output=f"end_{number}",

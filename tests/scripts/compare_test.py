@@ -161,7 +161,8 @@ class StudyTable(ScriptTest):
         self.assertEqual(self.words(table, 2), ["two", "-set", "c=word"])
 
     def test_errors(self):
-        for table, number, words in (("a,b\n1,2\n", 1, "the first of them 'name'"), ("name,b\nx\n", 1, "line 2: 1 columns in place of 2"),
+        for table, number, words in (("a,b\n1,2\n", 1, "the first of them 'name'"),
+                                     ("name,b\nx\n", 1, "line 2: 1 columns in place of 2"),
                                      ("name,b\nx,1\n", 2, "has runs 1 to 1, but no run 2"), ("name,b\n../x,1\n", 1, "'../x'"),
                                      ("name,b\nx,1\nx,2\n", 1, "line 3: there is another run 'x'"), ("", 1, "first line"),
                                      ("name,b\n.,1\n", 1, "'.'")):

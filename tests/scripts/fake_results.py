@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Output directories of exactly the form a run leaves, with made-up numbers: what the scripts are tested with."""
+"""Output directories of exactly the form a run leaves, with made-up numbers: what the scripts are tested
+with."""
 
 import json
 import math
@@ -65,7 +66,8 @@ def history(path, iterations, planar):
 
 
 def write_run(directory, name, density, size, count=12, planar_count=10, iterations=60):
-    """Writes result.h5, summary.json, history.jsonl and config.json for `density` ([z][y][x] or [y][x]) in a box of `size`."""
+    """Writes result.h5, summary.json, history.jsonl and config.json for `density` ([z][y][x] or [y][x]) in a
+    box of `size`."""
     os.makedirs(directory, exist_ok=True)
     dimension = density.ndim
     counts = density.shape[::-1]

@@ -19,8 +19,10 @@ import geometric_thickness
 from fake_results import element_centres, node_coordinates
 
 
-def write_result(directory, size, built, time, count, target=None, nodes=None, nodes_as="temperature", time_points=None, filter_radius=0):
-    """What the script reads of a simulation: `time` on the elements and, if given, on the nodes; `built`, [z][y][x]."""
+def write_result(directory, size, built, time, count, target=None, nodes=None, nodes_as="temperature", time_points=None,
+                 filter_radius=0):
+    """What the script reads of a simulation: `time` on the elements and, if given, on the nodes; `built`,
+    [z][y][x]."""
     with h5py.File(Path(directory) / "result.h5", "w") as file:
         file["density"] = 1.0 * built
         file["time"] = np.where(built, time, 0.0)
@@ -29,7 +31,8 @@ def write_result(directory, size, built, time, count, target=None, nodes=None, n
         if time_points is not None:
             file["time_points"] = time_points
     config = {"domain": {"size": list(size), "elements": list(built.shape[::-1])},
-              "sequence": {"type": "direct", "location": "nodes", "filter_radius": filter_radius} if nodes_as == "design" else {"type": "heat"},
+              "sequence": ({"type": "direct", "location": "nodes", "filter_radius": filter_radius}
+                           if nodes_as == "design" else {"type": "heat"}),
               "constraints": [{"type": "layer_thickness", "target": target}] if target else []}
     summary = {"layers": [{"volume": 1.0, "thickness": None, "cv": None}] * count}
     for name, content in (("config.json", config), ("summary.json", summary)):
@@ -53,7 +56,8 @@ class GeometricThicknessTest(unittest.TestCase):
                 self.assertAlmostEqual(row[key] / thickness, 1.0, delta=tolerance, msg=f"{key} of layer {row['layer']}")
 
     def test_planar_layers_are_as_thick_as_the_height_over_their_number(self):
-        """Times of elements and of nodes, elements that are no cubes, an overhang: there is part above every point."""
+        """Times of elements and of nodes, elements that are no cubes, an overhang: there is part above every
+        point."""
         counts, size = (9, 5, 14), (3.0, 1.1, 2.1)
         x, _, z = element_centres(counts, size)
         built = (z > 1.0) | (x < 2.0)
@@ -67,7 +71,8 @@ class GeometricThicknessTest(unittest.TestCase):
             self.assertEqual([row["drawn_again"] for row in record["layers"]], [0] * 6)
 
     def test_layers_along_a_slanted_direction(self):
-        """Linear times are continued to the surface exactly. Without a target, and points that face nothing."""
+        """Linear times are continued to the surface exactly. Without a target, and points that face
+        nothing."""
         counts, size = (12, 8), (3.0, 2.0)
         x, y = element_centres(counts, size)
         time = (0.6 * x + 0.8 * y) / 3.4
@@ -79,12 +84,14 @@ class GeometricThicknessTest(unittest.TestCase):
             self.assertLessEqual(row["largest"], 1.3 * 3.4 / 5)
 
     def test_rings_in_two_dimensions(self):
-        """A quarter of a disc of radius 1: isolines are circles. The error falls with the square of the element."""
+        """A quarter of a disc of radius 1: isolines are circles. The error falls with the square of the
+        element."""
         for count, tolerance in ((30, 0.02), (90, 0.004)):
             x, y = element_centres((count, count), (1.0, 1.0))
             nodes_x, nodes_y = node_coordinates((count, count), (1.0, 1.0))
             built = np.hypot(x, y) <= 1.0
-            for nodes_as, nodes in (("design", np.hypot(nodes_x, nodes_y)), ("temperature", np.hypot(nodes_x, nodes_y)), ("", None)):
+            for nodes_as, nodes in (("design", np.hypot(nodes_x, nodes_y)),
+                                    ("temperature", np.hypot(nodes_x, nodes_y)), ("", None)):
                 write_result(self.directory, (1.0, 1.0), built, np.hypot(x, y), 5, target=0.2, nodes=nodes, nodes_as=nodes_as)
                 self.assert_inner(self.measure(), 0.2, tolerance, 3)
 
@@ -103,14 +110,16 @@ class GeometricThicknessTest(unittest.TestCase):
         self.assertEqual([round(row["mean"], 6) for row in self.measure()["layers"][1:3]], [0.1, 0.4])
 
     def test_points_that_face_nothing_are_drawn_again(self):
-        """A wide block with a tower on one fifth of it: the first boundary in the tower is five times as short as the last in the block."""
+        """A wide block with a tower on one fifth of it: the first boundary in the tower is five times as
+        short as the last in the block."""
         counts, size = (50, 40), (5.0, 4.0)
         x, y = element_centres(counts, size)
         built = (y < 2.0) | (x < 1.0)
         write_result(self.directory, size, built, y / 4.0, 8, target=0.5)
         record = self.measure()
         self.assertEqual(record["target"], 0.5)
-        # Layer 4 ends where the block does, at y = 2; a line just below is as wide as the block, one above as the tower.
+        # Layer 4 ends where the block does, at y = 2; a line just below is as wide as the block, one above as
+        # the tower.
         write_result(self.directory, size, built, y / 4.0, 10, target=0.4, time_points=np.arange(1, 10) / 10 + 0.04)
         facing = self.measure()["layers"]
         self.assertEqual([row["drawn_again"] for row in facing[1:4]], [0, 0, 0])

@@ -4,8 +4,8 @@
 usage: scripts/use/virtual_display.py pvpython read_xdmf.py FILE.xdmf [FILE.xdmf ...]
 
 All files must hold the same grid and the same arrays, value by value. An array `node_position` must equal the
-coordinates of ParaView's own points, an array `cell_position` those of its cell centres (2D: x and y): so axes,
-order, spacing and offsets are right. Exit status 0 if everything agrees.
+coordinates of ParaView's own points, an array `cell_position` those of its cell centres (2D: x and y): so
+axes, order, spacing and offsets are right. Exit status 0 if everything agrees.
 """
 import os
 import sys

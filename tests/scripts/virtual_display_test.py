@@ -25,7 +25,8 @@ def server_of(process):
 
 class VirtualDisplay(unittest.TestCase):
     def test_each_command_has_its_own_and_it_ends_with_it(self):
-        # Each waits for the end of its input, so that all displays are there at once; another test may take their numbers afterwards.
+        # Each waits for the end of its input, so that all displays are there at once; another test may take
+        # their numbers afterwards.
         waiting = [start(sys.executable, "-c", "import os, sys; print(os.environ['DISPLAY'], flush=True); sys.stdin.read()")
                    for _ in range(6)]
         displays = [process.stdout.readline().strip() for process in waiting]

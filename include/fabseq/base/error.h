@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
 /// Errors that end the program, each with the exit status users and job scripts rely on
-/// (docs/users-guide.md).
+/// (docs/reference.md).
 #pragma once
 
 #include <stdexcept>
@@ -12,8 +12,8 @@ namespace fabseq {
 /// What `main` returns.
 enum class ExitStatus { done = 0, bad_input = 2, numerical_failure = 3, stopped = 4, output_failure = 5 };
 
-/// Base of all errors of fabseq. Thrown on every rank of the world with the same text unless `LocalError`
-/// says otherwise.
+/// Base of all errors of fabseq. Thrown on every rank of the world with the same text: what a single rank
+/// runs into goes through a verdict first (verdict.h).
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}

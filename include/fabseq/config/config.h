@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What a user asks for, typed: the result of reading and validating a config file (docs/users-guide.md,
+/// What a user asks for, typed: the result of reading and validating a config file (docs/reference.md,
 /// reference table).
 #pragma once
 

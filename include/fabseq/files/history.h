@@ -11,7 +11,7 @@
 
 namespace fabseq {
 
-/// history.jsonl: one JSON object a line (its keys: docs/users-guide.md, output directory).
+/// history.jsonl: one JSON object a line (its keys: docs/reference.md, output).
 class History {
  public:
   /// `directory` is not owned and must outlive the history. A file that is there is continued.

@@ -5,8 +5,8 @@
 
 namespace fabseq {
 
-/// Covers `lanes` by chunks of 8, 4, 2 and 1, as few as possible: calls `use.operator()<Width>(first)` with
-/// the first lane of each.
+/// Covers `lanes` by chunks of 8, 4, 2 and 1, as few as possible: calls `use(first)`, with the width as its
+/// template argument, for the first lane of each.
 template <class Use>
 void for_lane_chunks(int lanes, Use&& use) {
   int first = 0;

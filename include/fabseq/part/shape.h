@@ -9,12 +9,12 @@
 
 namespace fabseq {
 
-/// Shapes contain points up to this share of the smallest spacing outside (docs/users-guide.md, conventions).
+/// Shapes contain points up to this share of the smallest spacing outside (docs/reference.md, conventions).
 inline constexpr double shape_tolerance = 1e-6;
 
 /// A primitive or a boolean combination of shapes. 2D and 3D alike: coordinates have as many entries as the
 /// domain has dimensions. Primitives contain points up to a tolerance outside their surface
-/// (docs/users-guide.md, conventions).
+/// (docs/reference.md, conventions).
 struct Shape {
   enum class Kind { box, half_space, cylinder, sphere, polygon, union_of, intersection, difference };
 

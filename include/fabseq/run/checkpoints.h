@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// When an optimization's state is kept, and when it is written (docs/users-guide.md, restart).
+/// When an optimization's state is kept, and when it is written (docs/reference.md, restart).
 #pragma once
 
 #include "fabseq/base/phase_timer.h"

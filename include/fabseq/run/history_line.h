@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// One iteration as a line of history.jsonl (its keys: docs/users-guide.md, output directory).
+/// One iteration as a line of history.jsonl (its keys: docs/reference.md, Output).
 #pragma once
 
 #include "fabseq/base/json.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Fields of single iterations: fields/iteration_NNNN (docs/users-guide.md, output directory).
+/// Fields of single iterations: fields/iteration_NNNN (docs/reference.md, Output).
 #pragma once
 
 #include "fabseq/files/output_directory.h"

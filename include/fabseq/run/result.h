@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What an optimization was for: result.h5 and result.xdmf (docs/users-guide.md, output directory).
+/// What an optimization was for: result.h5 and result.xdmf (docs/reference.md, Output).
 #pragma once
 
 #include "fabseq/files/output_directory.h"

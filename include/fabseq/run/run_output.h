@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Everything an optimization leaves behind: files (docs/users-guide.md, output directory) and lines on the
+/// Everything an optimization leaves behind: files (docs/reference.md, Output) and lines on the
 /// terminal.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// How an optimization ended: summary.json (its keys: docs/users-guide.md, output directory).
+/// How an optimization ended: summary.json (its keys: docs/reference.md, Output).
 #pragma once
 
 #include "fabseq/base/json.h"

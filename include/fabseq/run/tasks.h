@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The tasks beside the optimization itself (docs/users-guide.md). All are collective on the world.
+/// The tasks beside the optimization itself (docs/reference.md). All are collective on the world.
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
