@@ -11,6 +11,30 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Calls f(numbers of the coarse nodes that a fine one interpolates from, number of the fine one) for all
+/// nodes of this rank.
+template <int Dim, class Function>
+void for_each_node(const LaneLevel<Dim>& fine, const LaneMesh<Dim>& coarse, Function&& f) {
+  std::vector<std::int64_t> numbers;
+  fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
+    const std::int64_t number = fine.mesh.node_number(node);
+    if (number < 0) return;
+    IndexBox<Dim> sources;
+    for (int axis = 0; axis < Dim; ++axis) {
+      sources.start[axis] = node[axis] / fine.factors[axis];
+      sources.size[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
+    }
+    numbers.clear();
+    sources.for_each(
+        [&](const Index<Dim>& source, std::int64_t) { numbers.push_back(coarse.node_number(source)); });
+    f(numbers, number);
+  });
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<Point<Dim>> LaneLevel<Dim>::node_positions() const {
   std::vector<Point<Dim>> positions(static_cast<std::size_t>(mesh.nodes()));
@@ -190,31 +214,12 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     else if (fine.distributed)
       sum_in_place(grid_.comm(), marks);
   };
-  /// Calls f(coarse nodes that a fine one interpolates from, number of the fine one) for all nodes of this
-  /// rank.
-  std::vector<std::int64_t> numbers;
-  const auto for_each_node = [&](auto&& f) {
-    fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
-      const std::int64_t number = fine.mesh.node_number(node);
-      if (number < 0) return;
-      IndexBox<Dim> sources;
-      for (int axis = 0; axis < Dim; ++axis) {
-        sources.start[axis] = node[axis] / fine.factors[axis];
-        sources.size[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
-      }
-      numbers.clear();
-      sources.for_each([&](const Index<Dim>& source, std::int64_t) {
-        numbers.push_back(coarse.mesh.node_number(source));
-      });
-      f(numbers, number);
-    });
-  };
   const auto is_held = [&](std::int64_t node, int a) {
     return std::binary_search(fine.fixed.begin(), fine.fixed.end(), node * components_ + a);
   };
 
   std::vector<double> marks(unknowns * flags, 0.0);
-  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+  for_each_node(fine, coarse.mesh, [&](const std::vector<std::int64_t>& sources, std::int64_t node) {
     for (int a = 0; a < components_; ++a)
       for (const std::int64_t source : sources) {
         double* mark = &marks[(source * components_ + a) * flags];
@@ -230,7 +235,7 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     const double* mark = &marks[unknown * flags];
     held[unknown] = (mark[0] > 0.0 ? mark[1] : mark[2]) > 0.0 ? 1.0 : 0.0;
   }
-  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+  for_each_node(fine, coarse.mesh, [&](const std::vector<std::int64_t>& sources, std::int64_t node) {
     for (int a = 0; a < components_; ++a) {
       const auto place = [&](std::int64_t source) { return source * components_ + a; };
       const bool is_lost = is_held(node, a) && std::none_of(sources.begin(), sources.end(), [&](auto source) {

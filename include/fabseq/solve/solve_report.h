@@ -10,6 +10,9 @@
 
 namespace fabseq {
 
+/// Iterations after which the lane solvers leave a system to the reference path.
+constexpr int lane_iterations = 300;
+
 /// How a solve ended.
 struct SolveReport {
   int iterations = 0;

@@ -12,9 +12,6 @@ namespace fabseq {
 enum class SolverPath { lanes, reference };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
-/// The lane solvers leave a system that needs more iterations to the reference path.
-constexpr int lane_iterations = 300;
-
 struct SolverSettings {
   double tolerance = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
   SolverPath path = SolverPath::lanes;
