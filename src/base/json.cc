@@ -3,11 +3,10 @@
 
 #include "fabseq/base/error.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -34,8 +33,8 @@ std::string bare_message(const std::string& message) {
   return message.substr(colon == std::string::npos ? start : colon + 2);
 }
 
-/// Builds a Json from the parser's events, so that member order is kept and double keys are seen.
-class Builder : public nlohmann::json_sax<nlohmann::json> {
+/// Builds a value from the parser's events, so that double keys and bottomless nesting are seen.
+class Builder : public nlohmann::json_sax<Json> {
  public:
   Builder(const std::string& text, const std::string& place) : text_(text), place_(place) {}
   Json take() { return std::move(root_); }
@@ -56,8 +55,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
-    if (open_.back()->find(name) != nullptr) {
-      throw InputError(place_ + ": key " + Json(name).dump() + " is given twice in the same object");
+    if (open_.back()->contains(name)) {
+      throw InputError(place_ + ": key " + to_text(name) + " is given twice in the same object");
     }
     key_ = name;
     return true;
@@ -92,11 +91,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (open_.empty()) return root_ = std::move(value);
     Json& parent = *open_.back();
     if (parent.is_array()) {
-      parent.append(std::move(value));
-      return parent.items().back();
+      parent.push_back(std::move(value));
+      return parent.back();
     }
-    parent.members().emplace_back(key_, std::move(value));
-    return parent.members().back().second;
+    return parent[key_] = std::move(value);
   }
 
   const std::string& text_;
@@ -106,142 +104,53 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   std::string key_;
 };
 
-std::string quote(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+void write(std::string& text, const Json& value, int indent, int level) {
+  const bool nested =
+      std::any_of(value.begin(), value.end(), [](const Json& item) { return item.is_structured(); });
+  if (!value.is_structured() || value.empty() || (value.is_array() && !nested && indent < 0)) {
+    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return;
+  }
+  const bool lines = indent >= 0 && (value.is_object() || nested);
+  const auto new_line = [&](int at) {
+    if (lines) text.append("\n").append(static_cast<std::size_t>(indent * at), ' ');
+  };
+  text += value.is_object() ? '{' : '[';
+  const char* separator = "";
+  for (auto item = value.begin(); item != value.end(); ++item) {
+    text += separator;
+    separator = lines || indent < 0 ? "," : ", ";
+    new_line(level + 1);
+    if (value.is_object()) text += to_text(item.key()) + (indent < 0 ? ":" : ": ");
+    write(text, *item, indent, level + 1);
+  }
+  new_line(level);
+  text += value.is_object() ? '}' : ']';
 }
-
-bool is_container(const Json& value) { return value.is_array() || value.is_object(); }
-
-class Writer {
- public:
-  explicit Writer(int indent) : indent_(indent) {}
-
-  void write(const Json& value, int level) {
-    if (value.is_object()) {
-      write_object(value.members(), level);
-    } else if (value.is_array()) {
-      write_array(value.items(), level);
-    } else {
-      write_scalar(value);
-    }
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  void write_scalar(const Json& value) {
-    if (value.is_null()) {
-      text_ += "null";
-    } else if (value.is_boolean()) {
-      text_ += value.boolean() ? "true" : "false";
-    } else if (value.is_string()) {
-      text_ += quote(value.string());
-    } else if (value.is_integer()) {
-      text_ += std::to_string(value.integer());
-    } else {
-      text_ += nlohmann::json(value.number()).dump();  // shortest text that reads back to the same number
-    }
-  }
-
-  void write_object(const Json::Object& members, int level) {
-    text_ += '{';
-    bool first = true;
-    for (const auto& [name, value] : members) {
-      if (!first) text_ += ',';
-      first = false;
-      new_line(level + 1);
-      text_ += quote(name) + (indent_ < 0 ? ":" : ": ");
-      write(value, level + 1);
-    }
-    if (!members.empty()) new_line(level);
-    text_ += '}';
-  }
-
-  /// Lists of plain values stay on one line, so that vectors read as vectors.
-  void write_array(const Json::Array& items, int level) {
-    const bool nested = std::any_of(items.begin(), items.end(), is_container);
-    text_ += '[';
-    bool first = true;
-    for (const Json& item : items) {
-      if (!first) text_ += nested || indent_ < 0 ? "," : ", ";
-      first = false;
-      if (nested) new_line(level + 1);
-      write(item, level + 1);
-    }
-    if (nested) new_line(level);
-    text_ += ']';
-  }
-
-  void new_line(int level) {
-    if (indent_ < 0) return;
-    text_ += '\n';
-    text_.append(static_cast<std::size_t>(indent_) * static_cast<std::size_t>(level), ' ');
-  }
-
-  int indent_;
-  std::string text_;
-};
 
 }  // namespace
 
-Json::Json(const std::vector<double>& values) : value_(Array(values.begin(), values.end())) {}
-
-Json::Json(const std::vector<int>& values) : value_(Array(values.begin(), values.end())) {}
-
-Json Json::object(std::initializer_list<Member> members) {
-  Json result;
-  result.value_ = Object(members);
-  return result;
-}
-
-Json Json::parse(const std::string& text, const std::string& place) {
+Json parse_json(const std::string& text, const std::string& place) {
   constexpr bool whole_text = true, allow_comments = true;
   Builder builder(text, place);
-  nlohmann::json::sax_parse(text, &builder, nlohmann::json::input_format_t::json, whole_text, allow_comments);
+  Json::sax_parse(text, &builder, nlohmann::json::input_format_t::json, whole_text, allow_comments);
   return builder.take();
 }
 
-std::string Json::dump(int indent) const {
-  Writer writer(indent);
-  writer.write(*this, 0);
-  return writer.take();
+std::string to_text(const Json& value, int indent) {
+  std::string text;
+  write(text, value, indent, 0);
+  return text;
 }
 
-std::vector<double> Json::numbers() const {
-  std::vector<double> result;
-  result.reserve(items().size());
-  for (const Json& item : items()) result.push_back(item.number());
-  return result;
+const Json* find_member(const Json& value, const std::string& key) {
+  if (!value.is_object()) return nullptr;
+  const auto found = value.find(key);
+  return found == value.end() ? nullptr : &*found;
 }
 
-const Json* Json::find(const std::string& key) const {
-  if (!is_object()) return nullptr;
-  for (const auto& [name, value] : members()) {
-    if (name == key) return &value;
-  }
-  return nullptr;
-}
-
-Json* Json::find(const std::string& key) { return const_cast<Json*>(std::as_const(*this).find(key)); }
-
-const Json& Json::at(const std::string& key) const {
-  const Json* member = find(key);
-  if (member == nullptr) throw std::out_of_range("no member \"" + key + "\" in " + dump());
-  return *member;
-}
-
-Json& Json::set(const std::string& key, Json value) {
-  if (is_null()) value_ = Object{};
-  if (Json* member = find(key)) {
-    *member = std::move(value);
-    return *member;
-  }
-  members().emplace_back(key, std::move(value));
-  return members().back().second;
-}
-
-void Json::append(Json value) {
-  if (is_null()) value_ = Array{};
-  items().push_back(std::move(value));
+Json* find_member(Json& value, const std::string& key) {
+  return const_cast<Json*>(find_member(std::as_const(value), key));
 }
 
 }  // namespace fabseq

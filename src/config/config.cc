@@ -13,31 +13,36 @@ namespace {
 
 /// None where a word ("auto") stands in place of the number.
 std::optional<double> optional_number(const Json& value) {
-  return value.is_number() ? std::optional<double>(value.number()) : std::nullopt;
+  return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
 }
 
 std::optional<int> optional_integer(const Json& value) {
-  return value.is_integer() ? std::optional<int>(static_cast<int>(value.integer())) : std::nullopt;
+  return value.is_number_integer() ? std::optional<int>(static_cast<int>(value.get<std::int64_t>()))
+                                   : std::nullopt;
 }
 
 std::optional<bool> optional_boolean(const Json& value) {
-  return value.is_boolean() ? std::optional<bool>(value.boolean()) : std::nullopt;
+  return value.is_boolean() ? std::optional<bool>(value.get<bool>()) : std::nullopt;
 }
 
-int integer(const Json& section, const char* key) { return static_cast<int>(section.at(key).integer()); }
+int integer(const Json& section, const char* key) {
+  return static_cast<int>(section.at(key).get<std::int64_t>());
+}
 
-bool is(const Json& section, const char* key, const char* word) { return section.at(key).string() == word; }
+bool is(const Json& section, const char* key, const char* word) {
+  return section.at(key).get<std::string>() == word;
+}
 
 std::vector<double> optional_vector(const Json& value) {
-  return value.is_array() ? value.numbers() : std::vector<double>{};
+  return value.is_array() ? value.get<std::vector<double>>() : std::vector<double>{};
 }
 
 PartDescription make_part(const Json& value) {
   PartDescription part;
   part.keep_connected = is(value, "keep", "connected");
   part.sampling = integer(value, "sampling");
-  if (const Json* voxels = value.find("voxels")) {
-    part.source = VoxelFile{voxels->at("file").string(), voxels->at("dataset").string(),
+  if (const Json* voxels = find_member(value, "voxels")) {
+    part.source = VoxelFile{voxels->at("file").get<std::string>(), voxels->at("dataset").get<std::string>(),
                             optional_number(voxels->at("threshold"))};
   } else {
     part.source = make_shape(value, "/part");
@@ -49,9 +54,9 @@ BuildPlate make_plate(const std::string& face) { return {face[0] - 'x', face[1] 
 
 std::map<std::string, NodeSetDescription> make_node_sets(const Json& value) {
   std::map<std::string, NodeSetDescription> result;
-  for (const auto& [name, member] : value.members()) {
+  for (const auto& [name, member] : value) {
     result[name] = {make_shape(member, pointer_to("/node_sets", name)), integer(member, "samples"),
-                    member.at("within").number()};
+                    member.at("within").get<double>()};
   }
   return result;
 }
@@ -70,22 +75,23 @@ std::vector<double> scaled_strain(std::vector<double> strain, const std::vector<
 
 MaterialSettings make_material(const Json& value) {
   MaterialSettings material;
-  material.young = value.at("young").number();
-  material.poisson = value.at("poisson").number();
-  material.strain_scale = value.at("strain_scale").numbers();
+  material.young = value.at("young").get<double>();
+  material.poisson = value.at("poisson").get<double>();
+  material.strain_scale = value.at("strain_scale").get<std::vector<double>>();
   const Json& strain = value.at("inherent_strain");
   if (strain.is_object())
-    material.turning_strain = TurningStrain{strain.at("tangential").number(), strain.at("normal").number()};
+    material.turning_strain =
+        TurningStrain{strain.at("tangential").get<double>(), strain.at("normal").get<double>()};
   else
-    material.inherent_strain = scaled_strain(strain.numbers(), material.strain_scale);
+    material.inherent_strain = scaled_strain(strain.get<std::vector<double>>(), material.strain_scale);
   return material;
 }
 
 ProcessSettings make_process(const Json& value) {
   ProcessSettings process;
-  process.stiffness_penalty = value.at("stiffness_penalty").number();
-  process.strain_penalty = value.at("strain_penalty").number();
-  process.min_stiffness = value.at("min_stiffness").number();
+  process.stiffness_penalty = value.at("stiffness_penalty").get<double>();
+  process.strain_penalty = value.at("strain_penalty").get<double>();
+  process.min_stiffness = value.at("min_stiffness").get<double>();
   process.void_model = is(value, "void", "quiet") ? VoidModel::quiet : VoidModel::absent;
   return process;
 }
@@ -96,17 +102,17 @@ void read_heat(SequenceSettings& sequence, const Json& value) {
                   : is(value, "mass", "consistent") ? MassRule::consistent
                                                     : MassRule::lumped;
   sequence.initial = optional_number(value.at("initial"));
-  sequence.drain = value.at("drain").number();
+  sequence.drain = value.at("drain").get<double>();
   sequence.characteristic_length = optional_number(value.at("characteristic_length"));
-  sequence.min_diffusivity = value.at("bounds").items()[0].number();
-  sequence.max_diffusivity = value.at("bounds").items()[1].number();
-  sequence.void_diffusivity = value.at("void").number();
-  sequence.filter_radius = value.at("filter_radius").number();
+  sequence.min_diffusivity = value.at("bounds")[0].get<double>();
+  sequence.max_diffusivity = value.at("bounds")[1].get<double>();
+  sequence.void_diffusivity = value.at("void").get<double>();
+  sequence.filter_radius = value.at("filter_radius").get<double>();
 }
 
 void read_direct(SequenceSettings& sequence, const Json& value) {
   sequence.scale = VariableScale::linear;
-  sequence.filter_radius = value.at("filter_radius").number();
+  sequence.filter_radius = value.at("filter_radius").get<double>();
   sequence.location = is(value, "location", "nodes") ? DesignLocation::nodes : DesignLocation::elements;
   if (value.at("start").is_object()) sequence.start = make_shape(value.at("start"), "/sequence/start");
 }
@@ -124,8 +130,8 @@ SequenceSettings make_sequence(const Json& value) {
     sequence.direction = optional_vector(value.at("direction"));
   } else {
     sequence.type = SequenceType::file;
-    sequence.file = value.at("file").string();
-    sequence.dataset = value.at("dataset").string();
+    sequence.file = value.at("file").get<std::string>();
+    sequence.dataset = value.at("dataset").get<std::string>();
   }
   return sequence;
 }
@@ -133,40 +139,42 @@ SequenceSettings make_sequence(const Json& value) {
 ProjectionSettings make_projection(const Json& value) {
   ProjectionSettings projection;
   projection.beta = optional_number(value.at("beta"));
-  projection.factor = value.at("factor").number();
-  projection.increment = value.at("increment").number();
+  projection.factor = value.at("factor").get<double>();
+  projection.increment = value.at("increment").get<double>();
   projection.interval = integer(value, "interval");
   projection.max = optional_number(value.at("max"));
-  projection.binary = value.at("binary").boolean();
+  projection.binary = value.at("binary").get<bool>();
   return projection;
 }
 
 ObjectiveTerm make_objective_term(const Json& value) {
   ObjectiveTerm term;
-  term.type = value.at("type").string();
-  term.weight = value.at("weight").number();
-  term.normalize = value.at("normalize").number();
+  term.type = value.at("type").get<std::string>();
+  term.weight = value.at("weight").get<double>();
+  term.normalize = value.at("normalize").get<double>();
   term.scaling = is(value, "scaling", "current") ? TermScaling::current : TermScaling::first;
-  if (const Json* measure = value.find("measure")) term.measure = measure->string();
-  if (const Json* nodes = value.find("nodes")) term.nodes = nodes->string();
-  if (const Json* axis = value.find("axis")) term.axis = axis->string()[0] - 'x';
-  if (const Json* mean = value.find("mean")) term.mean = mean->boolean();
-  if (const Json* after_release = value.find("after_release")) term.after_release = after_release->boolean();
-  if (const Json* squares = value.find("least_squares")) term.least_squares = optional_boolean(*squares);
-  if (const Json* form = value.find("form")) term.form = form->string();
-  if (const Json* band = value.find("band")) term.band = band->number();
+  if (const Json* measure = find_member(value, "measure")) term.measure = measure->get<std::string>();
+  if (const Json* nodes = find_member(value, "nodes")) term.nodes = nodes->get<std::string>();
+  if (const Json* axis = find_member(value, "axis")) term.axis = axis->get<std::string>()[0] - 'x';
+  if (const Json* mean = find_member(value, "mean")) term.mean = mean->get<bool>();
+  if (const Json* after_release = find_member(value, "after_release"))
+    term.after_release = after_release->get<bool>();
+  if (const Json* squares = find_member(value, "least_squares"))
+    term.least_squares = optional_boolean(*squares);
+  if (const Json* form = find_member(value, "form")) term.form = form->get<std::string>();
+  if (const Json* band = find_member(value, "band")) term.band = band->get<double>();
   return term;
 }
 
 ConstraintTerm make_constraint(const Json& value) {
   ConstraintTerm term;
-  term.type = value.at("type").string();
-  if (const Json* target = value.find("target")) term.target = target->number();
-  if (const Json* tolerance = value.find("tolerance")) term.tolerance = tolerance->number();
-  if (const Json* volume = value.find("least_volume")) term.least_volume = volume->number();
-  if (const Json* slack = value.find("slack")) term.slack = slack->number();
-  if (const Json* limit = value.find("limit")) term.limit = limit->number();
-  if (const Json* fraction = value.find("fraction")) term.fraction = fraction->number();
+  term.type = value.at("type").get<std::string>();
+  if (const Json* target = find_member(value, "target")) term.target = target->get<double>();
+  if (const Json* tolerance = find_member(value, "tolerance")) term.tolerance = tolerance->get<double>();
+  if (const Json* volume = find_member(value, "least_volume")) term.least_volume = volume->get<double>();
+  if (const Json* slack = find_member(value, "slack")) term.slack = slack->get<double>();
+  if (const Json* limit = find_member(value, "limit")) term.limit = limit->get<double>();
+  if (const Json* fraction = find_member(value, "fraction")) term.fraction = fraction->get<double>();
   return term;
 }
 
@@ -180,19 +188,19 @@ double automatic_move_limit(const SequenceSettings& sequence) {
 OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequence) {
   OptimizerSettings optimizer;
   optimizer.max_iterations = integer(value, "max_iterations");
-  optimizer.change_tolerance = value.at("change_tolerance").number();
-  optimizer.objective_tolerance = value.at("objective_tolerance").number();
+  optimizer.change_tolerance = value.at("change_tolerance").get<double>();
+  optimizer.objective_tolerance = value.at("objective_tolerance").get<double>();
   optimizer.window = integer(value, "window");
   const bool log_scale = sequence.scale == VariableScale::log;
   optimizer.move_limit = optional_number(value.at("move_limit")).value_or(automatic_move_limit(sequence));
   const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;
   optimizer.final_move_limit = optional_number(value.at("final_move_limit")).value_or(final_limit);
   const Json& asymptotes = value.at("asymptotes");
-  optimizer.asymptote_initial = asymptotes.at("initial").number();
-  optimizer.asymptote_increase = asymptotes.at("increase").number();
-  optimizer.asymptote_decrease = asymptotes.at("decrease").number();
-  optimizer.asymptote_floor = asymptotes.at("floor").number();
-  optimizer.constraint_margin = value.at("constraint_margin").number();
+  optimizer.asymptote_initial = asymptotes.at("initial").get<double>();
+  optimizer.asymptote_increase = asymptotes.at("increase").get<double>();
+  optimizer.asymptote_decrease = asymptotes.at("decrease").get<double>();
+  optimizer.asymptote_floor = asymptotes.at("floor").get<double>();
+  optimizer.constraint_margin = value.at("constraint_margin").get<double>();
   optimizer.binary_iterations = integer(value, "binary_iterations");
   optimizer.coarse_iterations = integer(value, "coarse_iterations");
   optimizer.coarse_grids = integer(value, "coarse_grids");
@@ -203,7 +211,7 @@ OptimizerSettings make_optimizer(const Json& value, const SequenceSettings& sequ
 
 SolverSettings make_solver(const Json& value) {
   SolverSettings solver;
-  solver.tolerance = value.at("tolerance").number();
+  solver.tolerance = value.at("tolerance").get<double>();
   solver.path = is(value, "path", "lanes") ? SolverPath::lanes : SolverPath::reference;
   solver.cycle = is(value, "cycle", "v")   ? SolverCycle::v
                  : is(value, "cycle", "w") ? SolverCycle::w
@@ -219,15 +227,15 @@ SolverSettings make_solver(const Json& value) {
 }
 
 OutputSettings make_output(const Json& value) {
-  return {integer(value, "every"), integer(value, "checkpoint_every"), value.at("stages").boolean()};
+  return {integer(value, "every"), integer(value, "checkpoint_every"), value.at("stages").get<bool>()};
 }
 
 void read_domain(Config& config, const Json& value) {
-  config.size = value.at("size").numbers();
+  config.size = value.at("size").get<std::vector<double>>();
   config.dimension = static_cast<int>(config.size.size());
-  for (const Json& item : value.at("elements").items())
-    config.elements.push_back(static_cast<int>(item.integer()));
-  if (const Json* thickness = value.find("thickness")) config.thickness = thickness->number();
+  for (const Json& item : value.at("elements"))
+    config.elements.push_back(static_cast<int>(item.get<std::int64_t>()));
+  if (const Json* thickness = find_member(value, "thickness")) config.thickness = thickness->get<double>();
 }
 
 }  // namespace
@@ -248,21 +256,21 @@ Config make_config(const Json& document, const std::string& directory) {
   Config config;
   config.effective = complete_config(document, directory);
   const Json& all = config.effective;
-  config.name = all.at("name").string();
+  config.name = all.at("name").get<std::string>();
   read_domain(config, all.at("domain"));
   config.part = make_part(all.at("part"));
-  if (const Json* substrate = all.find("substrate"))
+  if (const Json* substrate = find_member(all, "substrate"))
     config.part.substrate = make_shape(*substrate, "/substrate");
-  if (const Json* clamps = all.find("clamps")) config.part.clamps = make_shape(*clamps, "/clamps");
-  config.plate = make_plate(all.at("build_plate").string());
+  if (const Json* clamps = find_member(all, "clamps")) config.part.clamps = make_shape(*clamps, "/clamps");
+  config.plate = make_plate(all.at("build_plate").get<std::string>());
   config.node_sets = make_node_sets(all.at("node_sets"));
   config.material = make_material(all.at("material"));
   config.process = make_process(all.at("process"));
   config.sequence = make_sequence(all.at("sequence"));
   config.layers = make_layer_settings(all.at("layers"), config.plate, config.dimension);
   config.projection = make_projection(all.at("projection"));
-  for (const Json& term : all.at("objective").items()) config.objective.push_back(make_objective_term(term));
-  for (const Json& term : all.at("constraints").items()) config.constraints.push_back(make_constraint(term));
+  for (const Json& term : all.at("objective")) config.objective.push_back(make_objective_term(term));
+  for (const Json& term : all.at("constraints")) config.constraints.push_back(make_constraint(term));
   config.baseline.layers = optional_integer(all.at("baseline").at("layers"));
   config.baseline.direction = optional_vector(all.at("baseline").at("direction"));
   config.optimizer = make_optimizer(all.at("optimizer"), config.sequence);

@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 10> free_keys = {"/name",
                                                         "/part/voxels/file"};
 
 bool same_value(const Json& a, const Json& b) {
-  if (a.is_number() && b.is_number()) return a.number() == b.number();
+  if (a.is_number() && b.is_number()) return a.get<double>() == b.get<double>();
   return a.dump() == b.dump();
 }
 
@@ -36,12 +36,12 @@ std::string change(const std::string& pointer, const Json* then, const Json* now
 std::string difference(const Json* then, const Json* now, const std::string& pointer);
 
 std::string difference_of_members(const Json& then, const Json& now, const std::string& pointer) {
-  for (const auto& [key, value] : then.members()) {
-    std::string found = difference(&value, now.find(key), pointer_to(pointer, key));
+  for (const auto& [key, value] : then) {
+    std::string found = difference(&value, find_member(now, key), pointer_to(pointer, key));
     if (!found.empty()) return found;
   }
-  for (const auto& [key, value] : now.members()) {
-    if (then.find(key) != nullptr) continue;
+  for (const auto& [key, value] : now) {
+    if (find_member(then, key) != nullptr) continue;
     std::string found = difference(nullptr, &value, pointer_to(pointer, key));
     if (!found.empty()) return found;
   }
@@ -52,9 +52,9 @@ std::string difference(const Json* then, const Json* now, const std::string& poi
   if (std::find(free_keys.begin(), free_keys.end(), pointer) != free_keys.end()) return "";
   if (then == nullptr || now == nullptr) return change(pointer, then, now);
   if (then->is_object() && now->is_object()) return difference_of_members(*then, *now, pointer);
-  if (then->is_array() && now->is_array() && then->items().size() == now->items().size()) {
-    for (std::size_t i = 0; i < then->items().size(); ++i) {
-      std::string found = difference(&then->items()[i], &now->items()[i], pointer_to(pointer, i));
+  if (then->is_array() && now->is_array() && then->size() == now->size()) {
+    for (std::size_t i = 0; i < then->size(); ++i) {
+      std::string found = difference(&(*then)[i], &(*now)[i], pointer_to(pointer, i));
       if (!found.empty()) return found;
     }
     return "";

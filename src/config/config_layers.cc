@@ -25,8 +25,8 @@ std::vector<double> angles_of(const Json& value, int subparts, const std::vector
   for (int i = 0; !value.is_array() && i < subparts; ++i)
     result.insert(result.end(), automatic.begin(), automatic.end());
   if (!value.is_array()) return result;
-  for (const Json& row : value.items()) {
-    const std::vector<double> angles = row.numbers();
+  for (const Json& row : value) {
+    const std::vector<double> angles = row.get<std::vector<double>>();
     result.insert(result.end(), angles.begin(), angles.end());
   }
   return result;
@@ -34,29 +34,29 @@ std::vector<double> angles_of(const Json& value, int subparts, const std::vector
 
 /// A pair for all angles, a pair for each angle of a direction, or one for each angle of each sub-part.
 void set_angle_bounds(MultiPlanarSettings& settings, const Json& value) {
-  const bool single = value.items()[0].is_number();
-  const std::size_t pairs = single ? 1 : value.items().size();
+  const bool single = value[0].is_number();
+  const std::size_t pairs = single ? 1 : value.size();
   for (std::size_t i = 0; i < settings.angles.size(); ++i) {
-    const Json& pair = single ? value : value.items()[i % pairs];
-    settings.lowest_angles.push_back(pair.items()[0].number());
-    settings.highest_angles.push_back(pair.items()[1].number());
+    const Json& pair = single ? value : value[i % pairs];
+    settings.lowest_angles.push_back(pair[0].get<double>());
+    settings.highest_angles.push_back(pair[1].get<double>());
   }
 }
 
 MultiPlanarSettings make_multi_planar(const Json& value, const BuildPlate& plate, int dimension) {
   MultiPlanarSettings settings;
-  settings.subparts = static_cast<int>(value.at("subparts").integer());
+  settings.subparts = static_cast<int>(value.at("subparts").get<std::int64_t>());
   const Json& timestamps = value.at("timestamps");
-  if (timestamps.is_array()) settings.timestamps = timestamps.numbers();
+  if (timestamps.is_array()) settings.timestamps = timestamps.get<std::vector<double>>();
   for (int i = 1; !timestamps.is_array() && i < settings.subparts; ++i)
     settings.timestamps.push_back(static_cast<double>(i) / settings.subparts);
-  settings.thickness = value.at("thickness").number();
+  settings.thickness = value.at("thickness").get<double>();
   settings.angles = angles_of(value.at("angles"), settings.subparts, normal_angles(plate, dimension));
   set_angle_bounds(settings, value.at("angle_bounds"));
-  settings.time_sharpness = value.at("sharpness").at("time").number();
-  settings.slab_sharpness = value.at("sharpness").at("slab").number();
-  for (const Json& word : value.at("fixed").items())
-    (word.string() == "angles" ? settings.fixed_angles : settings.fixed_time) = true;
+  settings.time_sharpness = value.at("sharpness").at("time").get<double>();
+  settings.slab_sharpness = value.at("sharpness").at("slab").get<double>();
+  for (const Json& word : value.at("fixed"))
+    (word.get<std::string>() == "angles" ? settings.fixed_angles : settings.fixed_time) = true;
   return settings;
 }
 
@@ -64,13 +64,13 @@ MultiPlanarSettings make_multi_planar(const Json& value, const BuildPlate& plate
 
 LayerSettings make_layer_settings(const Json& value, const BuildPlate& plate, int dimension) {
   LayerSettings layers;
-  if (value.at("type").string() == "multi_planar") {
+  if (value.at("type").get<std::string>() == "multi_planar") {
     layers.multi_planar = make_multi_planar(value, plate, dimension);
     return layers;
   }
   const Json& count = value.at("count");
-  if (count.is_integer()) layers.count = static_cast<int>(count.integer());
-  layers.variable_time_points = value.at("time_points").string() == "variable";
+  if (count.is_number_integer()) layers.count = static_cast<int>(count.get<std::int64_t>());
+  layers.variable_time_points = value.at("time_points").get<std::string>() == "variable";
   return layers;
 }
 

@@ -88,7 +88,7 @@ void warn_about(const Config& config) {
 /// The JSON value of a text from the command line, the text itself where it is no JSON.
 Json value_of(const std::string& text) {
   try {
-    return Json::parse(text, "value");
+    return parse_json(text, "value");
   } catch (const InputError&) {
     return text;
   }
@@ -96,7 +96,7 @@ Json value_of(const std::string& text) {
 
 /// Index of a list's entry: a number, or the "type" of the entry.
 std::size_t find_entry(const Json& list, const std::string& segment, const std::string& pointer) {
-  const std::size_t count = list.items().size();
+  const std::size_t count = list.size();
   const auto digit = [](unsigned char character) { return std::isdigit(character) != 0; };
   if (std::all_of(segment.begin(), segment.end(), digit)) {
     const std::size_t index = segment.size() < 10 ? std::stoul(segment) : count;
@@ -107,10 +107,10 @@ std::size_t find_entry(const Json& list, const std::string& segment, const std::
   }
   std::vector<std::string> types;
   for (std::size_t i = 0; i < count; ++i) {
-    const Json* type = list.items()[i].find("type");
+    const Json* type = find_member(list[i], "type");
     if (type == nullptr || !type->is_string()) continue;
-    if (type->string() == segment) return i;
-    types.push_back(type->string());
+    if (type->get<std::string>() == segment) return i;
+    types.push_back(type->get<std::string>());
   }
   refuse(pointer, "no entry of type " + shown(segment),
          types.empty() ? "an index" : "an index, or one of the types " + join(types, ", "));
@@ -125,15 +125,14 @@ void apply_override(Json& document, const std::string& path, const std::string& 
     if (segment.empty()) refuse("-set " + path, "an empty key", "keys joined by single dots");
     if (place->is_array()) {
       const std::size_t index = find_entry(*place, segment, pointer);
-      place = &place->items()[index];
+      place = &(*place)[index];
       pointer = pointer_to(pointer, index);
       continue;
     }
     if (!place->is_object() && !place->is_null()) {
       refuse(pointer, shown(*place), "an object or a list, for -set " + path);
     }
-    Json* member = place->find(segment);
-    place = member != nullptr ? member : &place->set(segment, Json());
+    place = &(*place)[segment];
     pointer = pointer_to(pointer, segment);
   }
   *place = value_of(text);
@@ -143,7 +142,7 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   ConfigFile file;
   if (rank_of(comm) == 0) file = load(command_line.config_file);
   throw_problem_of_rank_0(comm, file.problem);
-  Json document = Json::parse(broadcast(comm, file.text), command_line.config_file);
+  Json document = parse_json(broadcast(comm, file.text), command_line.config_file);
   for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
   reslice(comm, command_line, document);
   Config config = make_config(document, broadcast(comm, file.directory));

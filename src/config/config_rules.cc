@@ -172,7 +172,7 @@ void check_angles(const Config& config) {
     refuse("/layers/angles", given(config, "layers", "angles") + of_subparts,
            "a list of angles for each of them");
   const Json& bounds = config.effective.at("layers").at("angle_bounds");
-  const std::size_t pairs = bounds.items()[0].is_number() ? 1 : bounds.items().size();
+  const std::size_t pairs = bounds[0].is_number() ? 1 : bounds.size();
   if (pairs != 1 && pairs != angles && pairs != subparts * angles)
     refuse("/layers/angle_bounds", std::to_string(pairs) + " pairs",
            "one pair, " + std::to_string(angles) + " or " + std::to_string(subparts * angles));

@@ -14,45 +14,45 @@ bool all_zero(const std::vector<double>& values) {
 }
 
 void make_box(Shape& shape, const Json& value, const std::string& pointer) {
-  shape.first = value.at("min").numbers();
-  shape.second = value.at("max").numbers();
+  shape.first = value.at("min").get<std::vector<double>>();
+  shape.second = value.at("max").get<std::vector<double>>();
   for (std::size_t i = 0; i < shape.first.size(); ++i) {
     if (shape.first[i] <= shape.second[i]) continue;
-    refuse(pointer_to(pointer_to(pointer, "max"), i), shown(value.at("max").items()[i]),
-           "a number >= " + shown(value.at("min").items()[i]) + " (that entry of min)");
+    refuse(pointer_to(pointer_to(pointer, "max"), i), shown(value.at("max")[i]),
+           "a number >= " + shown(value.at("min")[i]) + " (that entry of min)");
   }
 }
 
 void make_half_space(Shape& shape, const Json& value, const std::string& pointer) {
-  shape.first = value.at("point").numbers();
-  shape.second = value.at("normal").numbers();
+  shape.first = value.at("point").get<std::vector<double>>();
+  shape.second = value.at("normal").get<std::vector<double>>();
   if (all_zero(shape.second))
     refuse(pointer_to(pointer, "normal"), shown(value.at("normal")), "a vector other than 0");
 }
 
 void make_cylinder(Shape& shape, const Json& value, const std::string& pointer) {
-  shape.first = value.at("from").numbers();
-  shape.second = value.at("to").numbers();
-  shape.radius = value.at("radius").number();
+  shape.first = value.at("from").get<std::vector<double>>();
+  shape.second = value.at("to").get<std::vector<double>>();
+  shape.radius = value.at("radius").get<double>();
   if (shape.first == shape.second)
     refuse(pointer_to(pointer, "to"), shown(value.at("to")), "another point than from");
 }
 
 void make_sphere(Shape& shape, const Json& value, const std::string&) {
-  shape.first = value.at("center").numbers();
-  shape.radius = value.at("radius").number();
+  shape.first = value.at("center").get<std::vector<double>>();
+  shape.radius = value.at("radius").get<double>();
 }
 
 void make_polygon(Shape& shape, const Json& value, const std::string&) {
-  for (const Json& point : value.at("points").items()) {
-    shape.points.push_back({point.items()[0].number(), point.items()[1].number()});
+  for (const Json& point : value.at("points")) {
+    shape.points.push_back({point[0].get<double>(), point[1].get<double>()});
   }
-  if (const Json* axis = value.find("axis")) shape.axis = axis->string()[0] - 'x';
+  if (const Json* axis = find_member(value, "axis")) shape.axis = axis->get<std::string>()[0] - 'x';
 }
 
 void make_operands(Shape& shape, const Json& value, const std::string& pointer) {
-  for (std::size_t i = 0; i < value.items().size(); ++i) {
-    shape.operands.push_back(make_shape(value.items()[i], pointer_to(pointer, i)));
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    shape.operands.push_back(make_shape(value[i], pointer_to(pointer, i)));
   }
 }
 
@@ -78,7 +78,7 @@ constexpr Maker makers[] = {
 Shape make_shape(const Json& value, const std::string& pointer) {
   Shape shape;
   for (const Maker& maker : makers) {
-    const Json* description = value.find(maker.key);
+    const Json* description = find_member(value, maker.key);
     if (description == nullptr) continue;
     shape.kind = maker.kind;
     maker.make(shape, *description, pointer_to(pointer, std::string(maker.key)));

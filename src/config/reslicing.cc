@@ -22,7 +22,7 @@ struct Slicing {
 
 double positive_attribute(hid_t file, const std::string& name) {
   const std::optional<Json> value = read_attribute(file, name);
-  return value && value->is_number() ? std::max(0.0, value->number()) : 0.0;
+  return value && value->is_number() ? std::max(0.0, value->get<double>()) : 0.0;
 }
 
 Slicing slicing_of(MPI_Comm comm, const std::string& name) {
@@ -41,22 +41,22 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
 }
 
 bool needs_gradient(const Json& term) {
-  const Json* type = term.find("type");
+  const Json* type = find_member(term, "type");
   return type != nullptr && type->is_string() &&
-         (type->string() == "layer_thickness" || type->string() == "layer_uniformity");
+         (type->get<std::string>() == "layer_thickness" || type->get<std::string>() == "layer_uniformity");
 }
 
 void leave_out_terms_of_gradient(Json& document, const std::string& list) {
-  Json* terms = document.find(list);
+  Json* terms = find_member(document, list);
   if (terms == nullptr || !terms->is_array()) return;
   Json kept = Json::array();
-  for (std::size_t i = 0; i < terms->items().size(); ++i) {
-    const Json& term = terms->items()[i];
+  for (std::size_t i = 0; i < terms->size(); ++i) {
+    const Json& term = (*terms)[i];
     if (needs_gradient(term)) {
-      warn("-sequence: " + pointer_to(pointer_to("", list), i) + " (" + term.at("type").string() +
+      warn("-sequence: " + pointer_to(pointer_to("", list), i) + " (" + term.at("type").get<std::string>() +
            ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
     } else {
-      kept.append(term);
+      kept.push_back(term);
     }
   }
   *terms = kept;
@@ -69,14 +69,14 @@ void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
   std::error_code error;
   const std::string file = std::filesystem::absolute(*command_line.sequence_file, error).string();
   const Slicing of_file = slicing_of(comm, file);
-  document.set("sequence", Json::object({{"type", "file"}, {"file", file}}));
+  document["sequence"] = Json::object({{"type", "file"}, {"file", file}});
   if (of_file.layers > 0.0 && !is_given(command_line, "layers.count"))
     apply_override(document, "layers.count", std::to_string(static_cast<int>(of_file.layers)));
-  const Json* layers = document.find("layers");
-  const Json* count = layers == nullptr ? nullptr : layers->find("count");
+  const Json* layers = find_member(document, "layers");
+  const Json* count = layers == nullptr ? nullptr : find_member(*layers, "count");
   const bool known = of_file.layers > 0.0 && of_file.beta > 0.0 && count != nullptr && count->is_number();
   if (known && !is_given(command_line, "projection.beta")) {
-    const double beta = of_file.beta * (count->number() / of_file.layers);
+    const double beta = of_file.beta * (count->get<double>() / of_file.layers);
     apply_override(document, "projection.beta", Json(beta).dump());
     apply_override(document, "projection.max", Json(beta).dump());
   }

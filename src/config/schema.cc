@@ -148,7 +148,7 @@ const ConfigKey* find_flat_option(std::string_view option) {
 
 std::string flat_option_value(const ConfigKey& key, const std::string& text) {
   const std::vector<std::string> words = split(key.words, ' ');
-  if (std::find(words.begin(), words.end(), text) != words.end()) return Json(text).dump();
+  if (std::find(words.begin(), words.end(), text) != words.end()) return to_text(text);
   switch (key.type) {
     case KeyType::vector:
     case KeyType::integer_vector:
@@ -157,7 +157,7 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text) {
       return text.rfind('[', 0) == 0 ? text : "[" + text + "]";
     case KeyType::text:
     case KeyType::path:
-      return Json(text).dump();
+      return to_text(text);
     default:
       return text;
   }
@@ -167,7 +167,7 @@ std::string allowed_values(const ConfigKey& key, int dimension) {
   std::string plain = plain_values(key, dimension);
   if (key.words.empty() || key.type == KeyType::choice || key.type == KeyType::word_list) return plain;
   std::string words;
-  for (const std::string& word : split(key.words, ' ')) words += Json(word).dump() + " or ";
+  for (const std::string& word : split(key.words, ' ')) words += to_text(word) + " or ";
   return words + plain;
 }
 

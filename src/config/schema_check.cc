@@ -41,7 +41,7 @@ class Completion {
     const Keys keys = keys_of(path, variant);
     refuse_strangers(value, pointer, path, variant, keys);
     Json result = Json::object();
-    for (const ConfigKey* key : keys) add(result, *key, value.find(std::string(key->name)), pointer);
+    for (const ConfigKey* key : keys) add(result, *key, find_member(value, std::string(key->name)), pointer);
     return result;
   }
 
@@ -67,14 +67,14 @@ class Completion {
     }
     if (type == nullptr || !varies) return "";
     Json holder = Json::object();
-    add(holder, *type, value.find("type"), pointer);
-    return holder.at("type").string();
+    add(holder, *type, find_member(value, "type"), pointer);
+    return holder.at("type").get<std::string>();
   }
 
   /// Refuses members that are none of `keys`, those of the section `path` in this dimension and maybe others.
   void refuse_strangers(const Json& value, const std::string& pointer, std::string_view path,
                         const std::string& variant, const Keys& keys) const {
-    for (const auto& [name, found] : value.members()) {
+    for (const auto& [name, found] : value) {
       const auto same = [&name = name](const ConfigKey* key) { return key->name == name; };
       const auto place = std::find_if(keys.begin(), keys.end(), same);
       if (place == keys.end()) {
@@ -103,14 +103,14 @@ class Completion {
   void add(Json& result, const ConfigKey& key, const Json* given, const std::string& parent) const {
     const std::string name(key.name), pointer = pointer_to(parent, name);
     if (given != nullptr) {
-      result.set(name, checked(key, *given, pointer));
+      result[name] = checked(key, *given, pointer);
       return;
     }
     if (key.required)
       throw InputError(pointer + ": missing; allowed: " + allowed_values(key, context_.dimension));
     const bool other = context_.dimension == 2 && !key.default_2d.empty();
     const std::string text(other ? key.default_2d : key.default_value);
-    if (!text.empty()) result.set(name, checked(key, Json::parse(text, "default of " + name), pointer));
+    if (!text.empty()) result[name] = checked(key, parse_json(text, "default of " + name), pointer);
   }
 
   Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
@@ -134,10 +134,10 @@ class Completion {
   }
 
   Json shape_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array() || value.items().empty()) refuse_value(key, value, pointer, context_);
+    if (!value.is_array() || value.empty()) refuse_value(key, value, pointer, context_);
     Json result = Json::array();
-    for (std::size_t i = 0; i < value.items().size(); ++i) {
-      result.append(shape(value.items()[i], pointer_to(pointer, i), ""));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      result.push_back(shape(value[i], pointer_to(pointer, i), ""));
     }
     return result;
   }
@@ -145,8 +145,8 @@ class Completion {
   Json section_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     if (!value.is_array()) refuse_value(key, value, pointer, context_);
     Json result = Json::array();
-    for (std::size_t i = 0; i < value.items().size(); ++i) {
-      result.append(section(value.items()[i], pointer_to(pointer, i), subsection(key)));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      result.push_back(section(value[i], pointer_to(pointer, i), subsection(key)));
     }
     return result;
   }
@@ -154,8 +154,8 @@ class Completion {
   Json node_set_map(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     if (!value.is_object()) refuse_value(key, value, pointer, context_);
     Json result = Json::object();
-    for (const auto& [name, member] : value.members()) {
-      result.set(name, shape(member, pointer_to(pointer, name), "node_sets.NAME"));
+    for (const auto& [name, member] : value) {
+      result[name] = shape(member, pointer_to(pointer, name), "node_sets.NAME");
     }
     return result;
   }
@@ -172,7 +172,9 @@ class Completion {
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(sources), is_source);
     if (!value.is_object()) refuse(pointer, shown(value), "an object with one of " + name_list(sources));
     refuse_strangers(value, pointer, "shape", "", keys);
-    const auto is_given = [&](const ConfigKey* key) { return value.find(std::string(key->name)) != nullptr; };
+    const auto is_given = [&](const ConfigKey* key) {
+      return find_member(value, std::string(key->name)) != nullptr;
+    };
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(given), is_given);
     if (given.size() != 1) {
       refuse(pointer, given.empty() ? "no shape" : name_list(given), "exactly one of " + name_list(sources));
@@ -180,7 +182,7 @@ class Completion {
     Json result = Json::object();
     for (const ConfigKey* key : keys) {
       if (!is_source(key) || key == given.front())
-        add(result, *key, value.find(std::string(key->name)), pointer);
+        add(result, *key, find_member(value, std::string(key->name)), pointer);
     }
     return result;
   }
@@ -190,12 +192,12 @@ class Completion {
 
 /// The entries of domain.elements decide; what else may be wrong with them is found later.
 int find_dimension(const Json& document) {
-  const Json* domain = document.find("domain");
-  const Json* elements = domain != nullptr ? domain->find("elements") : nullptr;
+  const Json* domain = find_member(document, "domain");
+  const Json* elements = domain != nullptr ? find_member(*domain, "elements") : nullptr;
   if (elements == nullptr) return 3;
-  const bool valid = elements->is_array() && (elements->items().size() == 2 || elements->items().size() == 3);
+  const bool valid = elements->is_array() && (elements->size() == 2 || elements->size() == 3);
   if (!valid) refuse("/domain/elements", shown(*elements), "a list of 2 or 3 integers >= 1");
-  return static_cast<int>(elements->items().size());
+  return static_cast<int>(elements->size());
 }
 
 }  // namespace
@@ -203,8 +205,8 @@ int find_dimension(const Json& document) {
 Json complete_config(const Json& document, const std::string& directory) {
   if (!document.is_object()) refuse("", shown(document), "an object");
   Json input = Json::object();
-  for (const auto& [name, value] : document.members()) {
-    if (name != "run") input.set(name, value);  // a record of the run that wrote the file
+  for (const auto& [name, value] : document) {
+    if (name != "run") input[name] = value;  // a record of the run that wrote the file
   }
   return Completion(find_dimension(input), directory).section(input, "", "");
 }

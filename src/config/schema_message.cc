@@ -52,7 +52,7 @@ std::string pointer_to(const std::string& pointer, const std::string& member) {
       escaped += character;
     }
   }
-  const std::string quoted = Json(escaped).dump();  // a line break in a key must not break the message
+  const std::string quoted = to_text(escaped);  // a line break in a key must not break the message
   return pointer + "/" + quoted.substr(1, quoted.size() - 2);
 }
 
@@ -61,9 +61,9 @@ std::string pointer_to(const std::string& pointer, std::size_t index) {
 }
 
 std::string shown(const Json& value) {
-  if (value.is_number() && !std::isfinite(value.number())) return std::to_string(value.number());
+  if (value.is_number() && !std::isfinite(value.get<double>())) return std::to_string(value.get<double>());
   constexpr std::size_t longest = 80;
-  std::string text = value.dump();
+  std::string text = to_text(value);
   if (text.size() <= longest) return text;
   std::size_t end = longest - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)

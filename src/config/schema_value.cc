@@ -14,7 +14,7 @@ namespace {
 bool has_word(std::string_view words, const Json& value) {
   if (!value.is_string()) return false;
   const std::vector<std::string> list = split(words, ' ');
-  return std::find(list.begin(), list.end(), value.string()) != list.end();
+  return std::find(list.begin(), list.end(), value.get<std::string>()) != list.end();
 }
 
 /// One value and its key.
@@ -41,7 +41,8 @@ class ValueCheck {
       case KeyType::axis:
         return required(is_direction(1));
       case KeyType::face:
-        return required(is_direction(2) && (value_.string()[1] == '-' || value_.string()[1] == '+'));
+        return required(is_direction(2) &&
+                        (value_.get<std::string>()[1] == '-' || value_.get<std::string>()[1] == '+'));
       case KeyType::vector:
       case KeyType::integer_vector:
       case KeyType::bounds:
@@ -75,39 +76,39 @@ class ValueCheck {
     return value_;
   }
 
-  bool is_text() const { return value_.is_string() && !value_.string().empty(); }
+  bool is_text() const { return value_.is_string() && !value_.get<std::string>().empty(); }
 
   bool is_number_in_range(const Json& value) const {
-    if (!value.is_number() || !std::isfinite(value.number())) return false;
-    return Interval::parse(key_.range).contains(value.number());
+    if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
+    return Interval::parse(key_.range).contains(value.get<double>());
   }
 
   bool is_integer_in_range(const Json& value) const {
-    return is_number_in_range(value) && std::floor(value.number()) == value.number() &&
-           std::abs(value.number()) <= std::numeric_limits<int>::max();
+    return is_number_in_range(value) && std::floor(value.get<double>()) == value.get<double>() &&
+           std::abs(value.get<double>()) <= std::numeric_limits<int>::max();
   }
 
   /// The name of an axis, alone or with a character more.
   bool is_direction(std::size_t length) const {
-    return value_.is_string() && value_.string().size() == length && value_.string()[0] >= 'x' &&
-           value_.string()[0] < 'x' + context_.dimension;
+    return value_.is_string() && value_.get<std::string>().size() == length &&
+           value_.get<std::string>()[0] >= 'x' && value_.get<std::string>()[0] < 'x' + context_.dimension;
   }
 
   Json flag() const {
     if (!value_.is_boolean()) refuse_found();
-    if (!key_.later.empty() && value_.boolean()) refuse_later();
+    if (!key_.later.empty() && value_.get<bool>()) refuse_later();
     return value_;
   }
 
   Json integer() const {
     if (!is_integer_in_range(value_)) refuse_found();
-    if (!key_.later.empty() && value_.number() != 0.0) refuse_later();
-    return static_cast<std::int64_t>(value_.number());  // 1e3 is an integer, too
+    if (!key_.later.empty() && value_.get<double>() != 0.0) refuse_later();
+    return static_cast<std::int64_t>(value_.get<double>());  // 1e3 is an integer, too
   }
 
   Json path() const {
     if (!is_text()) refuse_found();
-    const std::filesystem::path full = std::filesystem::path(context_.directory) / value_.string();
+    const std::filesystem::path full = std::filesystem::path(context_.directory) / value_.get<std::string>();
     std::error_code error;
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(full, error);
     return error ? full.lexically_normal().string() : canonical.string();
@@ -125,17 +126,16 @@ class ValueCheck {
   }
 
   Json numbers() const {
-    if (!value_.is_array() || value_.items().size() != entries()) refuse_found();
+    if (!value_.is_array() || value_.size() != entries()) refuse_found();
     Json result = Json::array();
-    for (std::size_t i = 0; i < value_.items().size(); ++i) {
-      const Json& item = value_.items()[i];
+    for (std::size_t i = 0; i < value_.size(); ++i) {
+      const Json& item = value_[i];
       const bool integers = key_.type == KeyType::integer_vector;
       const bool valid = integers ? is_integer_in_range(item) : is_number_in_range(item);
       if (!valid) refuse_value(key_, item, pointer_to(pointer_, i), context_);
-      result.append(integers ? Json(static_cast<std::int64_t>(item.number())) : item);
+      result.push_back(integers ? Json(static_cast<std::int64_t>(item.get<double>())) : item);
     }
-    const bool ascending =
-        key_.type != KeyType::bounds || value_.items()[0].number() < value_.items()[1].number();
+    const bool ascending = key_.type != KeyType::bounds || value_[0].get<double>() < value_[1].get<double>();
     if (!ascending) refuse_found();
     return result;
   }
@@ -143,9 +143,9 @@ class ValueCheck {
   /// A strain along and across the layers.
   Json turning_strain() const {
     const char* const names[] = {"tangential", "normal"};
-    if (value_.members().size() != std::size(names)) refuse_found();
+    if (value_.size() != std::size(names)) refuse_found();
     for (const char* name : names) {
-      const Json* member = value_.find(name);
+      const Json* member = find_member(value_, name);
       if (member == nullptr) refuse_found();
       if (!is_number_in_range(*member))
         refuse(pointer_to(pointer_, std::string(name)), shown(*member), "a number");
@@ -155,17 +155,16 @@ class ValueCheck {
 
   Json list() const {
     if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.items().size(); ++i)
-      if (!is_number_in_range(value_.items()[i]))
-        refuse_value(key_, value_.items()[i], pointer_to(pointer_, i), context_);
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      if (!is_number_in_range(value_[i])) refuse_value(key_, value_[i], pointer_to(pointer_, i), context_);
     return value_;
   }
 
   /// Refuses an entry that is no list of `count` numbers.
   void require_numbers(std::size_t entry, std::size_t count) const {
-    const Json& item = value_.items()[entry];
-    bool valid = item.is_array() && item.items().size() == count;
-    for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item.items()[i]);
+    const Json& item = value_[entry];
+    bool valid = item.is_array() && item.size() == count;
+    for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item[i]);
     if (!valid)
       refuse(pointer_to(pointer_, entry), shown(item),
              "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers"));
@@ -173,17 +172,15 @@ class ValueCheck {
 
   Json angles() const {
     if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.items().size(); ++i)
+    for (std::size_t i = 0; i < value_.size(); ++i)
       require_numbers(i, static_cast<std::size_t>(context_.dimension) - 1);
     return value_;
   }
 
   Json angle_bounds() const {
-    if (!value_.is_array() || value_.items().empty()) refuse_found();
-    const auto is_ascending = [](const Json& pair) {
-      return pair.items()[0].number() < pair.items()[1].number();
-    };
-    const Json::Array& items = value_.items();
+    if (!value_.is_array() || value_.empty()) refuse_found();
+    const auto is_ascending = [](const Json& pair) { return pair[0].get<double>() < pair[1].get<double>(); };
+    const Json& items = value_;
     if (items[0].is_number())
       return required(items.size() == 2 && is_number_in_range(items[0]) && is_number_in_range(items[1]) &&
                       is_ascending(value_));
@@ -196,18 +193,18 @@ class ValueCheck {
 
   Json word_list() const {
     if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.items().size(); ++i)
-      if (!has_word(key_.words, value_.items()[i]))
-        refuse(pointer_to(pointer_, i), shown(value_.items()[i]), join(split(key_.words, ' '), ", "));
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      if (!has_word(key_.words, value_[i]))
+        refuse(pointer_to(pointer_, i), shown(value_[i]), join(split(key_.words, ' '), ", "));
     return value_;
   }
 
   Json points() const {
-    if (!value_.is_array() || value_.items().size() < 3) refuse_found();
-    for (std::size_t i = 0; i < value_.items().size(); ++i) {
-      const Json& item = value_.items()[i];
-      const bool valid = item.is_array() && item.items().size() == 2 && is_number_in_range(item.items()[0]) &&
-                         is_number_in_range(item.items()[1]);
+    if (!value_.is_array() || value_.size() < 3) refuse_found();
+    for (std::size_t i = 0; i < value_.size(); ++i) {
+      const Json& item = value_[i];
+      const bool valid =
+          item.is_array() && item.size() == 2 && is_number_in_range(item[0]) && is_number_in_range(item[1]);
       if (!valid) refuse(pointer_to(pointer_, i), shown(item), "a list of 2 numbers");
     }
     return value_;

@@ -31,13 +31,13 @@ std::uint64_t checksum_of(const std::map<std::string, Json>& scalars) {
   for (const auto& [name, value] : scalars) {
     checksum.add(name.c_str(), name.size() + 1);
     if (value.is_boolean()) {
-      add(static_cast<std::int64_t>(value.boolean()));
-    } else if (value.is_integer()) {
-      add(value.integer());
+      add(static_cast<std::int64_t>(value.get<bool>()));
+    } else if (value.is_number_integer()) {
+      add(value.get<std::int64_t>());
     } else if (value.is_number()) {
-      add(value.number());
+      add(value.get<double>());
     } else if (value.is_string()) {
-      checksum.add(value.string().c_str(), value.string().size() + 1);
+      checksum.add(value.get<std::string>().c_str(), value.get<std::string>().size() + 1);
     }
   }
   return checksum.value();

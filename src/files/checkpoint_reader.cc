@@ -88,24 +88,24 @@ std::string read_description(const std::string& path) {
   Json scalars = Json::object(), arrays = Json::object(), fields = Json::array();
   for (const std::string& name : attribute_names(file))
     if (const std::optional<Json> value = read_attribute(file, name); value && name != "checksum_of_scalars")
-      scalars.set(name, *value);
+      scalars[name] = *value;
   const Datasets datasets = datasets_of(file);
-  for (const std::string& name : datasets.arrays) arrays.set(name, read_array(file, name));
-  for (const std::string& name : datasets.fields) fields.append(name);
+  for (const std::string& name : datasets.arrays) arrays[name] = read_array(file, name);
+  for (const std::string& name : datasets.fields) fields.push_back(name);
   return Json::object({{"scalars", scalars}, {"arrays", arrays}, {"fields", fields}}).dump();
 }
 
 Json broadcast_description(MPI_Comm comm, const std::string& path) {
   std::string text;
   run_on_first(comm, [&] { text = read_description(path); });
-  return Json::parse(broadcast(comm, text), "checkpoint");
+  return parse_json(broadcast(comm, text), "checkpoint");
 }
 
 CheckpointState without_fields(const Json& description) {
   CheckpointState state;
-  for (const auto& [name, value] : description.at("scalars").members()) state.set_scalar(name, value);
-  for (const auto& [name, values] : description.at("arrays").members())
-    state.set_array(name, values.numbers());
+  for (const auto& [name, value] : description.at("scalars")) state.set_scalar(name, value);
+  for (const auto& [name, values] : description.at("arrays"))
+    state.set_array(name, values.get<std::vector<double>>());
   return state;
 }
 
@@ -126,9 +126,10 @@ template <int Dim>
 CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>& layout) {
   const Json description = broadcast_description(layout.grid.comm(), path);
   CheckpointState state = without_fields(description);
-  for (const Json& name : description.at("fields").items())
-    state.set_field(name.string(), layout.from_grid(read_field(layout.grid, layout.on_nodes, path,
-                                                               name.string(), "-restart", "-restart")));
+  for (const Json& name : description.at("fields"))
+    state.set_field(name.get<std::string>(),
+                    layout.from_grid(read_field(layout.grid, layout.on_nodes, path, name.get<std::string>(),
+                                                "-restart", "-restart")));
   return state;
 }
 

@@ -30,7 +30,7 @@ void require(bool condition, const std::string& name) {
 }  // namespace
 
 void CheckpointState::set_scalar(const std::string& name, Json value) {
-  if (value.is_number() && !std::isfinite(value.number()))
+  if (value.is_number() && !std::isfinite(value.get<double>()))
     throw std::invalid_argument("CheckpointState: '" + name + "' is not finite");
   scalars_[name] = std::move(value);
 }
@@ -48,18 +48,18 @@ void CheckpointState::set_field(const std::string& name, std::vector<double> val
 const Json& CheckpointState::scalar(const std::string& name) const { return find(scalars_, name); }
 
 int CheckpointState::integer(const std::string& name) const {
-  require(scalar(name).is_integer(), name);
-  return static_cast<int>(scalar(name).integer());
+  require(scalar(name).is_number_integer(), name);
+  return static_cast<int>(scalar(name).get<std::int64_t>());
 }
 
 double CheckpointState::number(const std::string& name) const {
   require(scalar(name).is_number(), name);
-  return scalar(name).number();
+  return scalar(name).get<double>();
 }
 
 const std::string& CheckpointState::text(const std::string& name) const {
   require(scalar(name).is_string(), name);
-  return scalar(name).string();
+  return scalar(name).get_ref<const std::string&>();
 }
 
 const std::vector<double>& CheckpointState::array(const std::string& name) const {

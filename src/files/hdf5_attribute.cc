@@ -60,20 +60,20 @@ std::optional<Json> read_string(hid_t attribute, hid_t file_type) {
 
 bool write_attribute(hid_t object, const std::string& name, const Json& value) {
   if (value.is_boolean()) {
-    const signed char number = value.boolean() ? 1 : 0;
+    const signed char number = value.get<bool>() ? 1 : 0;
     const Hdf5Datatype type = boolean_type();
     return type && write_scalar(object, name, type, type, &number);
   }
-  if (value.is_integer()) {
-    const std::int64_t number = value.integer();
+  if (value.is_number_integer()) {
+    const std::int64_t number = value.get<std::int64_t>();
     return write_scalar(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &number);
   }
   if (value.is_number()) {
-    const double number = value.number();
+    const double number = value.get<double>();
     return write_scalar(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
   }
   if (value.is_string()) {
-    const char* text = value.string().c_str();
+    const char* text = value.get<std::string>().c_str();
     const Hdf5Datatype type = string_type();
     return type && write_scalar(object, name, type, type, static_cast<const void*>(&text));
   }

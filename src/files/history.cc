@@ -21,7 +21,7 @@ void warn_if_short(MPI_Comm comm, std::int64_t size, std::int64_t position) {
 
 }  // namespace
 
-void History::append(const Json& entry) const { directory_.append_line(name, entry.dump()); }
+void History::append(const Json& entry) const { directory_.append_line(name, to_text(entry)); }
 
 std::int64_t History::sync() const {
   std::int64_t size = 0;

@@ -66,7 +66,7 @@ void remove_run(const fs::path& directory) {
   for (const auto& entry : fs::directory_iterator(directory / "fields", error))
     if (is_field_dump(entry.path().filename().string())) remove_file(entry.path());
   for (const std::string_view name : files_of_a_run) {
-    remove_file(partial_name((directory / name).string()));
+    remove_file(partial_name((directory / name).get_ref<const std::string&>()));
     remove_file(directory / name);
   }
   for (const char* folder : {"fields", "checkpoint"})
@@ -86,7 +86,7 @@ void remove_coarse_runs(const fs::path& directory) {
 /// Permissions say little (root, read-only mounts, network file systems): try it.
 void require_writable(const fs::path& directory) {
   const fs::path probe = directory / ".fabseq_can_write";
-  PosixFile(probe.string(), O_WRONLY | O_CREAT | O_TRUNC).close();
+  PosixFile(probe.get_ref<const std::string&>(), O_WRONLY | O_CREAT | O_TRUNC).close();
   remove_file(probe);
 }
 
@@ -97,7 +97,7 @@ void set_up(const fs::path& directory, bool overwrite) {
     fail("make output directory", directory, "it is a file");
   const bool holds_run = fs::exists(directory / mark_of_a_run, error);
   if (holds_run && !overwrite)
-    throw InputError("output directory '" + directory.string() +
+    throw InputError("output directory '" + directory.get_ref<const std::string&>() +
                      "' holds a run already; -overwrite replaces it, -output names another directory");
   fs::create_directories(directory, error);
   if (error) fail("make output directory", directory, error.message());
@@ -108,7 +108,7 @@ void set_up(const fs::path& directory, bool overwrite) {
 /// Partial files are of no use to anybody, and the summary is of a run that has ended.
 void prepare_to_continue(const fs::path& directory) {
   require_writable(directory);
-  for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).string()));
+  for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).get_ref<const std::string&>()));
   remove_file(directory / "summary.json");
 }
 

@@ -41,7 +41,7 @@ Json LayerVariables::record(std::span<const double> values) const {
   Json rows = Json::array();
   for (std::size_t first = 0; first < values.size(); first += columns) {
     const auto row = values.subspan(first, columns);
-    rows.append(std::vector<double>(row.begin(), row.end()));
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
   return rows;
 }

@@ -199,7 +199,7 @@ Json Problem<Dim>::describe(const std::vector<std::vector<double>>& values) cons
   Json result = Json::array();
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.append(Json::object(
+      result.push_back(Json::object(
           {{"name", component_name(r, c)}, {"type", responses_[r]->type()}, {"value", values[r][c]}}));
   return result;
 }

@@ -50,37 +50,36 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
                                                   : elements.back() * 2 * fine.grid.spacing()[axis]);
     upper.push_back(domain.size[axis]);
   }
-  document.find("domain")->set("size", size);
-  document.find("domain")->set("elements", elements);
-  Json& part = *document.find("part");
-  const Json sampling(2 * part.at("sampling").integer()), keep = part.at("keep");
-  if (size != upper && part.find("voxels") == nullptr) {
+  document["domain"]["size"] = size;
+  document["domain"]["elements"] = elements;
+  Json& part = document["part"];
+  const Json sampling(2 * part.at("sampling").get<std::int64_t>()), keep = part.at("keep");
+  if (size != upper && find_member(part, "voxels") == nullptr) {
     // A half space would go on beyond the fine box.
-    std::erase_if(part.members(), [](const Json::Member& member) {
-      return member.first == "sampling" || member.first == "keep";
-    });
+    part.erase("sampling");
+    part.erase("keep");
     const Json box = Json::object({{"box", Json::object({{"min", lower}, {"max", upper}})}});
-    part = Json::object({{"intersection", Json(Json::Array{box, part})}, {"keep", keep}});
+    part = Json::object({{"intersection", Json::array({box, part})}, {"keep", keep}});
   }
-  part.set("sampling", sampling);
+  part["sampling"] = sampling;
 }
 
 /// What "auto" stands for, lest it be another thing on the coarse grid.
 template <int Dim>
 void fix_automatic_values(const Setup<Dim>& fine, Json& document) {
-  if (document.at("layers").find("count") != nullptr) document.find("layers")->set("count", fine.layer_count);
-  document.find("baseline")->set("layers", fine.baseline_layers);
-  if (document.at("sequence").find("characteristic_length") != nullptr)
-    document.find("sequence")->set("characteristic_length", fine.characteristic_length);
+  if (find_member(document.at("layers"), "count") != nullptr) document["layers"]["count"] = fine.layer_count;
+  document["baseline"]["layers"] = fine.baseline_layers;
+  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
+    document["sequence"]["characteristic_length"] = fine.characteristic_length;
 }
 
 /// Shares the coarse iterations out: to this grid, and, if there are more, to the coarser ones.
 void share_out_iterations(const OptimizerSettings& settings, Json& optimizer) {
   const int share = (settings.coarse_iterations + settings.coarse_grids - 1) / settings.coarse_grids;
-  optimizer.set("max_iterations", share);
-  optimizer.set("coarse_iterations", settings.coarse_iterations - share);
-  optimizer.set("coarse_grids", std::max(1, settings.coarse_grids - 1));
-  optimizer.set("later_iterations", settings.later_iterations + settings.max_iterations);
+  optimizer["max_iterations"] = share;
+  optimizer["coarse_iterations"] = settings.coarse_iterations - share;
+  optimizer["coarse_grids"] = std::max(1, settings.coarse_grids - 1);
+  optimizer["later_iterations"] = settings.later_iterations + settings.max_iterations;
 }
 
 template <int Dim>
@@ -102,10 +101,10 @@ void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& documen
   const double within = 1.001 * fine.grid.largest_spacing();
   for (auto [name, description] : coarse.node_sets) {
     if (has_nodes(part, name, description)) continue;
-    Json& set = *document.find("node_sets")->find(name);
+    Json& set = document["node_sets"][name];
     description.within += within;
-    set.set("within", description.within);
-    if (!has_nodes(part, name, description)) set.set("samples", 0);
+    set["within"] = description.within;
+    if (!has_nodes(part, name, description)) set["samples"] = 0;
   }
 }
 
@@ -114,7 +113,7 @@ Json coarse_document(const Setup<Dim>& fine) {
   Json document = fine.config.effective;
   coarsen_domain(fine, document);
   fix_automatic_values(fine, document);
-  share_out_iterations(fine.config.optimizer, *document.find("optimizer"));
+  share_out_iterations(fine.config.optimizer, document["optimizer"]);
   widen_node_sets(fine, make_config(document, ""), document);
   return document;
 }

@@ -62,14 +62,14 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                    gradients[row], pipeline.sequence().has_design());
   file.close();
   Json record = Json::object({{"beta", setup.first_beta()}, {"binary", setup.binary()}});
-  for (const auto& [key, value] : report.block.members()) record.set(key, value);
+  for (const auto& [key, value] : report.block) record[key] = value;
   set_layer_variables(record, setup.layer_variables, design);
   const SolverIterations& solves = pipeline.iterations();
-  record.set("solver_iterations",
-             Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}}));
-  directory.write("evaluation.json", record.dump(2) + "\n");
-  for (const Json& response : report.block.at("responses").items())
-    print(response.at("name").string() + " (" + response.at("type").string() +
+  record["solver_iterations"] =
+      Json::object({{"primal", solves.primal}, {"adjoint", solves.adjoint}, {"heat", solves.heat}});
+  directory.write("evaluation.json", to_text(record, 2) + "\n");
+  for (const Json& response : report.block.at("responses"))
+    print(response.at("name").get<std::string>() + " (" + response.at("type").get<std::string>() +
           "): " + response.at("value").dump());
   print("values and gradients in " + directory.path());
 }

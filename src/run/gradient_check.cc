@@ -121,15 +121,15 @@ std::string GradientCheck::csv() const {
 Json GradientCheck::json() const {
   Json list = Json::array();
   for (const GradientError& error : errors)
-    list.append(Json::object({{"name", error.name},
-                              {"type", error.type},
-                              {"variables", error.variables},
-                              {"value", error.value},
-                              {"adjoint", error.adjoint},
-                              {"differences", error.differences},
-                              {"relative_errors", error.relative},
-                              {"extrapolated", error.extrapolated()},
-                              {"best", error.best()}}));
+    list.push_back(Json::object({{"name", error.name},
+                                 {"type", error.type},
+                                 {"variables", error.variables},
+                                 {"value", error.value},
+                                 {"adjoint", error.adjoint},
+                                 {"differences", error.differences},
+                                 {"relative_errors", error.relative},
+                                 {"extrapolated", error.extrapolated()},
+                                 {"best", error.best()}}));
   return Json::object({{"steps", steps}, {"worst", worst()}, {"components", list}});
 }
 
@@ -204,7 +204,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);
   directory.write("gradient_check.csv", check.csv());
-  directory.write("gradient_check.json", check.json().dump(2) + "\n");
+  directory.write("gradient_check.json", to_text(check.json(), 2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
   print("component             type                    variables           adjoint   best relative error");
   for (const GradientError& error : check.errors) {

@@ -50,7 +50,7 @@ void require_same_problem(const Setup<Dim>& setup, const std::string& path) {
     throw InputError("-restart: " + name + " has format " + std::to_string(found.integer("format")) +
                      "; allowed: " + std::to_string(format));
   const std::string difference =
-      config_difference(Json::parse(found.text("config"), path), setup.config.effective);
+      config_difference(parse_json(found.text("config"), path), setup.config.effective);
   if (!difference.empty()) refuse_other_problem(name, difference);
   if (found.text("part_checksum") != part_checksum(setup.part))
     refuse_other_problem(name, "/part has other elements or densities than it had");
@@ -62,7 +62,7 @@ void require_same_config(MPI_Comm comm, const std::string& directory, const Json
   const std::string file = directory + "/config.json";
   const std::string text = broadcast(comm, rank_of(comm) == 0 ? read_file_if_there(file) : "");
   if (text.empty()) return;
-  const std::string difference = config_difference(Json::parse(text, file), effective);
+  const std::string difference = config_difference(parse_json(text, file), effective);
   if (!difference.empty()) refuse_other_problem("the run in '" + directory + "'", difference);
 }
 
@@ -111,7 +111,7 @@ void save_problem(const Setup<Dim>& setup, CheckpointState& state) {
   state.set_scalar("format", format);
   state.set_scalar("fabseq", FABSEQ_VERSION);
   state.set_scalar("name", setup.config.name);
-  state.set_scalar("config", setup.config.effective.dump());
+  state.set_scalar("config", to_text(setup.config.effective));
   state.set_scalar("part_checksum", part_checksum(setup.part));
 }
 

@@ -77,8 +77,8 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
 template <int Dim>
 void RunOutput<Dim>::write_end(const RunEnd& end) {
   Json record = summary(end);
-  if (baseline_.block.is_object()) record.set("baseline", baseline_.block);
-  directory_.write("summary.json", record.dump(2) + "\n");
+  if (baseline_.block.is_object()) record["baseline"] = baseline_.block;
+  directory_.write("summary.json", to_text(record, 2) + "\n");
 }
 
 /// For a look: the design that failed, and the pseudo-time and layers it led to.

@@ -20,7 +20,7 @@ namespace {
 
 Json lists(const std::vector<std::vector<double>>& values) {
   Json result = Json::array();
-  for (const auto& list : values) result.append(list);
+  for (const auto& list : values) result.push_back(list);
   return result;
 }
 
@@ -119,14 +119,14 @@ void RunOutput<Dim>::write_history(const Iterate& iterate, const StepReport& ste
        {"seconds", seconds_record(timer_.seconds(), total)},
        {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
   if (!state.time.temperature.empty())
-    line.set("temperature_range",
-             std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature});
+    line["temperature_range"] =
+        std::vector<double>{state.time.lowest_temperature, state.time.highest_temperature};
   set_layer_variables(line, setup_.layer_variables, design);
-  if (has_functionals(values)) line.set("functionals", lists(values.functionals));
+  if (has_functionals(values)) line["functionals"] = lists(values.functionals);
   if (iterate.binary)
-    line.set("binary", Json::object({{"objective", first_components(iterate.binary->objective)},
-                                     {"constraints", lists(iterate.binary->constraints)},
-                                     {"worst_constraint", iterate.binary->worst_constraint}}));
+    line["binary"] = Json::object({{"objective", first_components(iterate.binary->objective)},
+                                   {"constraints", lists(iterate.binary->constraints)},
+                                   {"worst_constraint", iterate.binary->worst_constraint}});
   history_.append(line);
 }
 
@@ -155,16 +155,16 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   progress_.finish();
   write_result(reports, best);
   Json record = summary(end);
-  record.set("best_iteration", best.iteration());
-  record.set("feasible", best.feasible());
-  record.set("beta", best.beta());
-  record.set("worst_constraint", best.worst_constraint());
-  record.set("optimized", reports.optimized.block);
-  record.set("binary", reports.binary.block);
-  record.set("baseline", baseline_.block);
-  record.set("interior_minima", reports.interior_minima);
+  record["best_iteration"] = best.iteration();
+  record["feasible"] = best.feasible();
+  record["beta"] = best.beta();
+  record["worst_constraint"] = best.worst_constraint();
+  record["optimized"] = reports.optimized.block;
+  record["binary"] = reports.binary.block;
+  record["baseline"] = baseline_.block;
+  record["interior_minima"] = reports.interior_minima;
   set_layer_variables(record, setup_.layer_variables, best.design());
-  directory_.write("summary.json", record.dump(2) + "\n");
+  directory_.write("summary.json", to_text(record, 2) + "\n");
   print_table(reports, record);
 }
 
@@ -180,7 +180,7 @@ Json RunOutput<Dim>::summary(const RunEnd& end) const {
                               {"seconds", seconds_record(phase_seconds_, total_seconds())},
                               {"peak_memory_bytes", peak_memory_bytes(setup_.world())}});
   const int coarse_iterations = setup_.config.optimizer.coarse_iterations;
-  if (coarse_iterations > 0) record.set("coarse_iterations", coarse_iterations);
+  if (coarse_iterations > 0) record["coarse_iterations"] = coarse_iterations;
   return record;
 }
 
@@ -202,12 +202,12 @@ void RunOutput<Dim>::write_result(const FinalReports<Dim>& reports, const BestIt
   file.write_attribute("name", setup_.config.name);
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());
-  file.write_attribute("layers", static_cast<int>(reports.optimized.block.at("layers").items().size()));
+  file.write_attribute("layers", static_cast<int>(reports.optimized.block.at("layers").size()));
   const std::pair<const char*, const SequenceReport<Dim>*> blocks[] = {
       {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline_}};
   for (const auto& [prefix, report] : blocks)
-    for (const Json& response : report->block.at("responses").items())
-      file.write_attribute(prefix + response.at("name").string(), response.at("value"));
+    for (const Json& response : report->block.at("responses"))
+      file.write_attribute(prefix + response.at("name").get<std::string>(), response.at("value"));
   file.close();
   directory_.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 }
@@ -220,7 +220,8 @@ void RunOutput<Dim>::print_table(const FinalReports<Dim>& reports, const Json& s
     char line[160];
     std::snprintf(line, sizeof line, "%-20s %16.4e %15.1f %18.4e %8d", name, report.first_objective(),
                   baseline_.first_objective() / report.first_objective(),
-                  report.block.at("displacement").at("max").number(), used_layers(report.block));
+                  report.block.at("displacement").at("max").template get<double>(),
+                  used_layers(report.block));
     print(line);
   };
   row("planar", baseline_);
@@ -228,9 +229,11 @@ void RunOutput<Dim>::print_table(const FinalReports<Dim>& reports, const Json& s
   row("optimized, binary", reports.binary);
   char line[160];
   std::snprintf(line, sizeof line, "%s after %d iterations (%s), best feasible: %s, %.1f s; results in %s",
-                summary.at("status").string().c_str(), static_cast<int>(summary.at("iterations").integer()),
-                summary.at("reason").string().c_str(), summary.at("feasible").boolean() ? "yes" : "no",
-                summary.at("seconds").at("total").number(), directory_.path().c_str());
+                summary.at("status").get<std::string>().c_str(),
+                static_cast<int>(summary.at("iterations").get<std::int64_t>()),
+                summary.at("reason").get<std::string>().c_str(),
+                summary.at("feasible").get<bool>() ? "yes" : "no",
+                summary.at("seconds").at("total").get<double>(), directory_.path().c_str());
   print(line);
 }
 

@@ -16,12 +16,12 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
   int length = 0;
   MPI_Get_library_version(mpi, &length);
   Json record = config.effective;
-  record.set("run", Json::object({{"command_line", command_line.text},
-                                  {"fabseq", FABSEQ_VERSION},
-                                  {"petsc", petsc},
-                                  {"mpi", mpi},
-                                  {"hdf5", H5_VERS_INFO},
-                                  {"ranks", size_of(comm)}}));
+  record["run"] = Json::object({{"command_line", command_line.text},
+                                {"fabseq", FABSEQ_VERSION},
+                                {"petsc", petsc},
+                                {"mpi", mpi},
+                                {"hdf5", H5_VERS_INFO},
+                                {"ranks", size_of(comm)}});
   return record;
 }
 
@@ -38,15 +38,14 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
   if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
-  directory.write("config.json", config_record(setup.config, command_line, comm).dump(2) + "\n");
+  directory.write("config.json", to_text(config_record(setup.config, command_line, comm), 2) + "\n");
   return directory;
 }
 
 Json seconds_record(const std::array<double, phase_count>& phases, double total) {
   Json record = Json::object();
-  for (int phase = 0; phase < phase_count; ++phase)
-    record.set(std::string(phase_names[phase]), phases[phase]);
-  record.set("total", total);
+  for (int phase = 0; phase < phase_count; ++phase) record[std::string(phase_names[phase])] = phases[phase];
+  record["total"] = total;
   return record;
 }
 

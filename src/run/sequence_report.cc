@@ -17,12 +17,12 @@ Json layer_table(const Setup<Dim>& setup, const PipelineState<Dim>& state) {
   Json table = Json::array();
   const SubParts& sub_parts = state.layers.sub_parts;
   for (int j = 0; j < state.layers.count(); ++j) {
-    table.append(Json::object({{"volume", statistics.volume[j]},
-                               {"thickness", statistics.thickness[j]},
-                               {"cv", statistics.coefficient_of_variation(j)}}));
+    table.push_back(Json::object({{"volume", statistics.volume[j]},
+                                  {"thickness", statistics.thickness[j]},
+                                  {"cv", statistics.coefficient_of_variation(j)}}));
     if (sub_parts.count() == 0) continue;
-    table.items().back().set("subpart", sub_parts.of_layer[j] + 1);
-    table.items().back().set("slab", sub_parts.slab[j]);
+    table.back()["subpart"] = sub_parts.of_layer[j] + 1;
+    table.back()["slab"] = sub_parts.slab[j];
   }
   return table;
 }
@@ -68,11 +68,11 @@ SequenceReport<Dim> report_sequence(const Setup<Dim>& setup, const Problem<Dim>&
 }
 
 int used_layers(const Json& block) {
-  const auto& layers = block.at("layers").items();
+  const auto& layers = block.at("layers");
   double total = 0.0;
-  for (const Json& layer : layers) total += layer.at("volume").number();
+  for (const Json& layer : layers) total += layer.at("volume").get<double>();
   return static_cast<int>(std::count_if(layers.begin(), layers.end(), [&](const Json& layer) {
-    return layer.at("volume").number() > 1e-6 * total / static_cast<double>(layers.size());
+    return layer.at("volume").get<double>() > 1e-6 * total / static_cast<double>(layers.size());
   }));
 }
 

@@ -131,25 +131,25 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   file.write_array("layer_displacement_norms", norms);
   if (setup.config.output.stages) write_stages(file, setup, pipeline.process(), state.layers.count());
   file.write_attribute("name", setup.config.name);
-  for (const Json& response : report.block.at("responses").items())
-    file.write_attribute(response.at("name").string(), response.at("value"));
+  for (const Json& response : report.block.at("responses"))
+    file.write_attribute(response.at("name").get<std::string>(), response.at("value"));
   file.close();
   directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 
   Json record = Json::object({{"name", setup.config.name},
                               {"status", failure.empty() ? "converged" : "failed"},
                               {"reason", failure.empty() ? "simulated" : failure}});
-  for (const auto& [key, value] : report.block.members()) record.set(key, value);
+  for (const auto& [key, value] : report.block) record[key] = value;
   set_layer_variables(record, setup.layer_variables, design);
-  record.set("layer_displacement_norms", norms);
-  record.set("residual_stress", stress_record(setup.part, stress));
+  record["layer_displacement_norms"] = norms;
+  record["residual_stress"] = stress_record(setup.part, stress);
   if (released)
-    record.set("released",
-               Json::object({{"displacement", displacement_size(setup.part, released->displacement)},
-                             {"residual_stress", stress_record(setup.part, released->stress)}}));
-  record.set("seconds", seconds_record(timer.seconds(), MPI_Wtime() - start));
-  record.set("peak_memory_bytes", peak_memory_bytes(setup.world()));
-  directory.write("summary.json", record.dump(2) + "\n");
+    record["released"] =
+        Json::object({{"displacement", displacement_size(setup.part, released->displacement)},
+                      {"residual_stress", stress_record(setup.part, released->stress)}});
+  record["seconds"] = seconds_record(timer.seconds(), MPI_Wtime() - start);
+  record["peak_memory_bytes"] = peak_memory_bytes(setup.world());
+  directory.write("summary.json", to_text(record, 2) + "\n");
   print(pipeline.process().solver_description());
   print("largest displacement " + report.block.at("displacement").at("max").dump() + ", rms " +
         report.block.at("displacement").at("rms").dump());
@@ -158,8 +158,8 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
           record.at("released").at("displacement").at("max").dump() + ", largest equivalent stress " +
           record.at("released").at("residual_stress").at("von_mises").dump() +
           " (before: " + record.at("residual_stress").at("von_mises").dump() + ")");
-  for (const Json& response : report.block.at("responses").items())
-    print(response.at("name").string() + " (" + response.at("type").string() +
+  for (const Json& response : report.block.at("responses"))
+    print(response.at("name").get<std::string>() + " (" + response.at("type").get<std::string>() +
           "): " + response.at("value").dump());
   print("results in " + directory.path());
   if (!failure.empty()) throw NumericalError(failure);

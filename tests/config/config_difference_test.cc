@@ -10,7 +10,7 @@ namespace fabseq {
 namespace {
 
 Json effective(const std::string& text) {
-  return make_config(Json::parse(text, "config"), "/somewhere").effective;
+  return make_config(parse_json(text, "config"), "/somewhere").effective;
 }
 
 std::string plate(const std::string& more) {
@@ -23,7 +23,7 @@ std::string plate(const std::string& more) {
 TEST(ConfigDifference, NoneForTheSameProblem) {
   const Json then = effective(plate(""));
   EXPECT_EQ(config_difference(then, then), "");
-  EXPECT_EQ(config_difference(then, Json::parse(then.dump(), "again")), "");
+  EXPECT_EQ(config_difference(then, parse_json(then.dump(), "again")), "");
   EXPECT_EQ(config_difference(
                 then, effective(plate(R"(, "name": "other", "output": {"every": 3, "checkpoint_every": 0},
       "solver": {"tolerance": 1e-9, "path": "reference"}, "optimizer": {"max_iterations": 7, "change_tolerance": 0.1, "objective_tolerance": 0.1, "window": 3})"))),
@@ -37,29 +37,29 @@ TEST(ConfigDifference, NamesTheKeyThenAndNow) {
   EXPECT_EQ(config_difference(then, effective(plate(R"(, "constraints": [{"type": "deposition_speed"}])"))),
             "/constraints was [], is [{\"type\":\"deposition_speed\",\"slack\":0.001}] now");
   Json now = then;
-  now.find("domain")->find("elements")->items()[1] = 13;
+  now["domain"]["elements"][1] = 13;
   EXPECT_EQ(config_difference(then, now), "/domain/elements/1 was 12, is 13 now");
   now = then;
-  now.find("part")->set("keep", "connected");
+  now["part"]["keep"] = "connected";
   EXPECT_EQ(config_difference(then, now), "/part/keep was \"all\", is \"connected\" now");
 }
 
 TEST(ConfigDifference, NumbersCountByValue) {
-  EXPECT_EQ(config_difference(Json::parse(R"({"a": 1, "b": [1.0]})", "x"),
-                              Json::parse(R"({"b": [1], "a": 1.0})", "y")),
+  EXPECT_EQ(config_difference(parse_json(R"({"a": 1, "b": [1.0]})", "x"),
+                              parse_json(R"({"b": [1], "a": 1.0})", "y")),
             "");
 }
 
 TEST(ConfigDifference, KeysOfOneSideOnly) {
-  const Json less = Json::parse(R"({"a": 1})", "x"), more = Json::parse(R"({"a": 1, "b": 2})", "y");
+  const Json less = parse_json(R"({"a": 1})", "x"), more = parse_json(R"({"a": 1, "b": 2})", "y");
   EXPECT_EQ(config_difference(less, more), "/b was nothing, is 2 now");
   EXPECT_EQ(config_difference(more, less), "/b was 2, is nothing now");
 }
 
 TEST(ConfigDifference, WhereAVoxelFileLiesDoesNotMatter) {
-  const Json a = Json::parse(R"({"part": {"voxels": {"file": "/a/part.h5", "threshold": 0.5}}})", "x");
-  const Json b = Json::parse(R"({"part": {"voxels": {"file": "/b/part.h5", "threshold": 0.5}}})", "y");
-  const Json c = Json::parse(R"({"part": {"voxels": {"file": "/a/part.h5", "threshold": 0.4}}})", "z");
+  const Json a = parse_json(R"({"part": {"voxels": {"file": "/a/part.h5", "threshold": 0.5}}})", "x");
+  const Json b = parse_json(R"({"part": {"voxels": {"file": "/b/part.h5", "threshold": 0.5}}})", "y");
+  const Json c = parse_json(R"({"part": {"voxels": {"file": "/a/part.h5", "threshold": 0.4}}})", "z");
   EXPECT_EQ(config_difference(a, b), "");
   EXPECT_EQ(config_difference(a, c), "/part/voxels/threshold was 0.5, is 0.4 now");
 }

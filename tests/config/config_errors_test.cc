@@ -10,10 +10,10 @@ namespace {
 
 /// The config text without one of its top-level keys.
 std::string error_without(const std::string& key) {
-  const Json full = Json::parse(solid, "test");
+  const Json full = parse_json(solid, "test");
   Json document = Json::object();
-  for (const auto& [name, value] : full.members()) {
-    if (name != key) document.set(name, value);
+  for (const auto& [name, value] : full) {
+    if (name != key) document[name] = value;
   }
   return error_of(document.dump().c_str(), {});
 }
@@ -136,8 +136,8 @@ TEST(ConfigErrorsTest, NotANumber) {
   EXPECT_EQ(solid_error("material.young", "NaN"), "/material/young: found \"NaN\"; allowed: a number > 0");
   EXPECT_EQ(solid_error("material.young", "1e999"),
             "/material/young: found \"1e999\"; allowed: a number > 0");
-  Json document = Json::parse(solid, "test");
-  document.set("material", Json::object({{"young", std::numeric_limits<double>::quiet_NaN()}}));
+  Json document = parse_json(solid, "test");
+  document["material"] = Json::object({{"young", std::numeric_limits<double>::quiet_NaN()}});
   EXPECT_EQ(error_of(solid, {}), "no error");
   EXPECT_EQ(test::refusal([&] { (void)make_config(document, "/base"); }),
             "/material/young: found nan; allowed: a number > 0");
@@ -381,7 +381,7 @@ TEST(ConfigErrorsTest, MultiPlanarLayers) {
             0U);
   for (const char* timestamps : {"[0.2, 0.4]", "[]"})
     EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": )" + timestamps),
-              std::string("/layers/timestamps: found ") + Json::parse(timestamps, "test").dump() +
+              std::string("/layers/timestamps: found ") + parse_json(timestamps, "test").dump() +
                   "; allowed: \"auto\" or 1 ascending numbers in (0, 1), one less than subparts");
   EXPECT_EQ(multi_planar_error(plane, R"(, "subparts": 3, "timestamps": [0.4, 0.4])")
                 .rfind("/layers/timestamps", 0),

@@ -129,13 +129,13 @@ TEST(Hdf5Writer, AttributesKeepTypeAndEveryBit) {
   const Hdf5File file(H5Fopen(scratch.file("a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   EXPECT_EQ(attribute_names(file), (std::vector<std::string>{"beta", "converged", "empty", "failed",
                                                              "iteration", "status", "worst"}));
-  EXPECT_EQ(read_attribute(file, "iteration").value().integer(), large);
-  EXPECT_EQ(read_attribute(file, "beta").value().number(), third);
-  EXPECT_TRUE(std::isnan(read_attribute(file, "worst").value().number()));
-  EXPECT_EQ(read_attribute(file, "status").value().string(), "größer");
-  EXPECT_EQ(read_attribute(file, "empty").value().string(), "");
-  EXPECT_TRUE(read_attribute(file, "converged").value().boolean());
-  EXPECT_FALSE(read_attribute(file, "failed").value().boolean());
+  EXPECT_EQ(read_attribute(file, "iteration").value().get<std::int64_t>(), large);
+  EXPECT_EQ(read_attribute(file, "beta").value().get<double>(), third);
+  EXPECT_TRUE(std::isnan(read_attribute(file, "worst").value().get<double>()));
+  EXPECT_EQ(read_attribute(file, "status").value().get<std::string>(), "größer");
+  EXPECT_EQ(read_attribute(file, "empty").value().get<std::string>(), "");
+  EXPECT_TRUE(read_attribute(file, "converged").value().get<bool>());
+  EXPECT_FALSE(read_attribute(file, "failed").value().get<bool>());
   EXPECT_FALSE(read_attribute(file, "missing"));
 }
 

@@ -121,7 +121,7 @@ TEST(History, HoldsOneObjectALineReadableAtOnce) {
   for (int iteration = 1; iteration <= 3; ++iteration) {
     const History history(directory);  // a later one goes on where the first ended
     Json entry = Json::object({{"iteration", Json(iteration)}, {"objective", Json(0.1 * iteration)}});
-    entry.set("rank", Json(rank_of(PETSC_COMM_WORLD)));
+    entry["rank"] = Json(rank_of(PETSC_COMM_WORLD));
     history.append(entry);
     if (!is_first()) continue;
     std::istringstream lines(file_text(directory.file("history.jsonl")));
@@ -132,10 +132,10 @@ TEST(History, HoldsOneObjectALineReadableAtOnce) {
       ++count;
     }
     EXPECT_EQ(count, iteration);
-    const Json read = Json::parse(last, "history");
-    EXPECT_EQ(read.at("iteration").integer(), iteration);
-    EXPECT_EQ(read.at("objective").number(), 0.1 * iteration);
-    EXPECT_EQ(read.at("rank").integer(), 0);
+    const Json read = parse_json(last, "history");
+    EXPECT_EQ(read.at("iteration").get<std::int64_t>(), iteration);
+    EXPECT_EQ(read.at("objective").get<double>(), 0.1 * iteration);
+    EXPECT_EQ(read.at("rank").get<std::int64_t>(), 0);
   }
 }
 

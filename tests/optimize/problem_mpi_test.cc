@@ -124,15 +124,15 @@ TYPED_TEST(ProblemTest, NamesComponentsAsTheContractDoes) {
   const ProblemValues values = this->evaluate(this->case_.wavy_design());
   auto all = values.objective;
   all.insert(all.end(), values.constraints.begin(), values.constraints.end());
-  const auto described = this->case_.problem.describe(all).items();
+  const auto described = this->case_.problem.describe(all);
   ASSERT_EQ(described.size(), 6u + 4 + 3);
-  EXPECT_EQ(described[5].at("name").string(), "objective_5");
-  EXPECT_EQ(described[5].at("type").string(), "layer_uniformity");
-  EXPECT_EQ(described[7].at("name").string(), "constraint_0_1");
-  EXPECT_EQ(described[7].at("type").string(), "layer_thickness");
-  EXPECT_EQ(described[7].at("value").number(), values.constraints[0][1]);
-  EXPECT_EQ(described[12].at("name").string(), "constraint_1_2");
-  EXPECT_EQ(described[12].at("type").string(), "deposition_speed");
+  EXPECT_EQ(described[5].at("name"), "objective_5");
+  EXPECT_EQ(described[5].at("type"), "layer_uniformity");
+  EXPECT_EQ(described[7].at("name"), "constraint_0_1");
+  EXPECT_EQ(described[7].at("type"), "layer_thickness");
+  EXPECT_EQ(described[7].at("value"), values.constraints[0][1]);
+  EXPECT_EQ(described[12].at("name"), "constraint_1_2");
+  EXPECT_EQ(described[12].at("type"), "deposition_speed");
 }
 
 /// A value that is no number stops the run, naming the term.

@@ -38,7 +38,7 @@ inline constexpr const char* plane = R"({
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 inline Config configure(const char* text, const Settings& settings = {}) {
-  Json document = Json::parse(text, "test");
+  Json document = parse_json(text, "test");
   for (const auto& [path, value] : settings) apply_override(document, path, value);
   return make_config(document, "/base/folder");
 }

@@ -20,7 +20,7 @@ inline void write_layer_variables(Hdf5Writer& file, const LayerVariables& variab
 
 /// A member of a record.
 inline void set_layer_variables(Json& record, const LayerVariables& variables, const Design& design) {
-  if (!design.layer_variables.empty()) record.set(variables.name, variables.record(design.layer_variables));
+  if (!design.layer_variables.empty()) record[variables.name] = variables.record(design.layer_variables);
 }
 
 }  // namespace fabseq
