@@ -2,17 +2,17 @@
 # SPDX-License-Identifier: MIT
 """Checks who includes whom: scripts/dev/check_include_graph.py [PROJECT]
 
-Modules are the folders of include/fabseq and src. A module may use itself and those above it in MODULES, never those below
-(docs/architecture.md); headers include each other without a circle; every included header of fabseq exists. src/main.cc and
-the tests may use everything. Prints each offence as FILE:LINE: TEXT; exit status 1 if there is one.
-"""
+Modules are the folders of include/fabseq and src. A module may use itself and those above it in MODULES,
+never those below (docs/architecture.md); headers include each other without a circle; every included
+header of fabseq exists. src/main.cc and the tests may use everything. Prints each offence as FILE:LINE:
+TEXT; exit status 1 if there is one."""
 
 import re
 import sys
 from pathlib import Path
 
-MODULES = ["base", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers", "process", "responses", "mma",
-           "optimize", "config", "run"]
+MODULES = ["base", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers", "process",
+           "responses", "mma", "optimize", "config", "run"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
 
 
@@ -52,7 +52,8 @@ def layering_offences(root, files):
 
 
 def circle(root, headers):
-    """A list of headers each of which includes the next and whose last is its first; None if there is none."""
+    """A list of headers each of which includes the next and whose last is its first; None if there is
+    none."""
     graph = {str(h.relative_to(root / "include")): [name for _, name in includes(h)] for h in headers}
     finished, trail = set(), []
 

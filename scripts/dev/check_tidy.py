@@ -63,7 +63,8 @@ def folders(sources):
 
 
 def flags(command):
-    """What a compiler is told besides the names of files; without g++'s precompiled header, which clang-tidy cannot read."""
+    """What a compiler is told besides the names of files; without g++'s precompiled header, which clang-tidy
+    cannot read."""
     words = shlex.split(command)[1:]
     left_out = ("-c", "-o", "-include", "-Winvalid-pch")
     return [word for word in words if word not in left_out and not word.endswith((".cc", ".o", "cmake_pch.hxx"))]

@@ -4,10 +4,9 @@
 
     scripts/use/virtual_display.py COMMAND [ARGUMENTS]
 
-Other than with xvfb-run, any number of these may start at once, each with a number of its own, and a command may close its last
-window and open another, as the server does not reset in between. Exit status: the command's, or 1 with a line where Xvfb is missing
-or does not start.
-"""
+Other than with xvfb-run, any number of these may start at once, each with a number of its own, and a command
+may close its last window and open another, as the server does not reset in between. Exit status: the
+command's, or 1 with a line where Xvfb is missing or does not start."""
 
 import os
 import random
@@ -17,7 +16,8 @@ import sys
 
 
 def ensure_display():
-    """Where there is no display, starts this Python program again with one in memory; VTK would crash without."""
+    """Where there is no display, starts this Python program again with one in memory; VTK would crash
+    without."""
     if not os.environ.get("DISPLAY"):
         os.execv(sys.executable, [sys.executable, os.path.abspath(__file__), sys.executable, *sys.argv])
 
@@ -40,9 +40,8 @@ def main():
 def start_server():
     """The process of Xvfb and the number of its display, once it takes connections.
 
-    Not one of the first ten: hwloc, and with it every mpirun and every rank that starts, looks for graphics cards there, and
-    dies with a server that ends just then.
-    """
+    Not one of the first ten: hwloc, and with it every mpirun and every rank that starts, looks for graphics
+    cards there, and dies with a server that ends just then."""
     for number in random.sample(range(100, 1000), 20):
         server, complaint = try_server(number)
         if not complaint:

@@ -52,9 +52,9 @@ int guarded(const std::function<void()>& program) {
   }
 }
 
-/// Of Open MPI's two ways to write files together this is the one whose ranks agree on whether a file is
-/// open: with the other, a rank that cannot open it leaves the rest waiting. Where there is only one, or
-/// another MPI, it means nothing.
+/// Prefers ROMIO among Open MPI's two ways to write files together: its ranks agree on whether a file is
+/// open. With the other, a rank that cannot open it leaves the others waiting. Without effect where there is
+/// only one way, or another MPI.
 void prefer_romio() {
   for (const char* parameter : {"OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"})
     (void)::setenv(parameter, "60", 0);  // against 30; what the user has set stays

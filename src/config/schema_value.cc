@@ -109,9 +109,7 @@ class ValueCheck {
     return error ? full.lexically_normal().string() : canonical.string();
   }
 
-  Json choice() const {
-    return required(has_word(key_.words, value_));
-  }
+  Json choice() const { return required(has_word(key_.words, value_)); }
 
   std::size_t entries() const {
     if (key_.type == KeyType::bounds) return 2;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/fem/parity.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
-#include "fabseq/base/petsc.h"
-
-#include <petscblaslapack.h>
 
 #include <bit>
 #include <vector>
@@ -19,18 +17,16 @@ ParityMatrix<Dim, Components>::ParityMatrix(const SquareMatrix<unknowns>& matrix
   constexpr double scale = 1.0 / (classes * classes);
   for (int a = 0; a < Components; ++a)
     for (int b = 0; b < Components; ++b)
-      for (int n = 0; n < classes; ++n) {
-        corner_blocks[n][a][b] = matrix[(n * Components + a) * unknowns + n * Components + b];
+      for (int n = 0; n < classes; ++n)
         for (int m = 0; m < classes; ++m) {
           const double entry = matrix[(n * Components + a) * unknowns + m * Components + b];
           for (int r = 0; r < classes; ++r)
             blocks[r][a][b] += scale * sign(mode(r, a), n) * sign(mode(r, b), m) * entry;
         }
-      }
 }
 
 double scaled_spectrum_bound(std::span<const double> matrix, int corners, int components) {
-  const PetscBLASInt size = corners * components;
+  const int size = corners * components;
   std::vector<double> stiffness(matrix.begin(), matrix.end());
   std::vector<double> scaling(stiffness.size(), 0.0);
   for (int corner = 0; corner < corners; ++corner)
@@ -40,11 +36,11 @@ double scaled_spectrum_bound(std::span<const double> matrix, int corners, int co
         scaling[entry] = stiffness[entry];
       }
   std::vector<double> eigenvalues(size), work(static_cast<std::size_t>(size) * 34);
-  const PetscBLASInt kind = 1;
-  const auto work_size = static_cast<PetscBLASInt>(work.size());
-  PetscBLASInt info = 0;
-  LAPACKsygv_(&kind, "N", "U", &size, stiffness.data(), &size, scaling.data(), &size, eigenvalues.data(),
-              work.data(), &work_size, &info);
+  const int kind = 1;
+  const auto work_size = static_cast<int>(work.size());
+  int info = 0;
+  dsygv_(&kind, "N", "U", &size, stiffness.data(), &size, scaling.data(), &size, eigenvalues.data(),
+         work.data(), &work_size, &info);
   if (info != 0) throw NumericalError("the element matrix has no positive definite corner blocks");
   return eigenvalues.back();
 }

@@ -57,7 +57,7 @@ std::vector<int> smallest_starts(const std::vector<double>& sums, int parts, dou
   return starts;
 }
 
-/// The whole grid cut across its longest axis into one slab a rank (the last ones may be empty).
+/// The whole grid cut across its longest axis into one slab per rank (the last ones may be empty).
 template <int Dim>
 IndexBox<Dim> slab_of(int rank, int ranks, const Index<Dim>& elements) {
   int axis = Dim - 1;

@@ -13,7 +13,7 @@ namespace fabseq {
 
 namespace {
 
-/// In floating point, which cannot overflow: indices up to 2^31 an axis would exceed 64 bits.
+/// Computed in floating point, which cannot overflow: indices up to 2^31 per axis would exceed 64 bits.
 template <int Dim>
 double node_count(const Index<Dim>& elements) {
   double count = 1.0;

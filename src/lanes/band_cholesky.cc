@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/lanes/band_cholesky.h"
 
-#include <petscsys.h>
+#include "fabseq/base/blas.h"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
-
-extern "C" {
-void dpbtrf_(const char* triangle, const PetscBLASInt* size, const PetscBLASInt* bandwidth, double* band,
-             const PetscBLASInt* leading, PetscBLASInt* info);
-void dpbtrs_(const char* triangle, const PetscBLASInt* size, const PetscBLASInt* bandwidth,
-             const PetscBLASInt* count, const double* band, const PetscBLASInt* leading, double* values,
-             const PetscBLASInt* leading_values, PetscBLASInt* info);
-}
 
 namespace fabseq {
 
@@ -23,11 +15,11 @@ BandNumbering<Dim>::BandNumbering(const LaneMesh<Dim>& mesh, int components) {
   std::iota(axes.begin(), axes.end(), 0);
   const IndexBox<Dim>& box = mesh.node_box();
   std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return box.size[a] < box.size[b]; });
-  IndexBox<Dim> turned;
-  for (int axis = 0; axis < Dim; ++axis) turned.size[axis] = box.size[axes[axis]];
+  IndexBox<Dim> permuted;
+  for (int axis = 0; axis < Dim; ++axis) permuted.size[axis] = box.size[axes[axis]];
   rows_.assign(static_cast<std::size_t>(mesh.nodes()) * components, 0);
   int next = 0;
-  turned.for_each([&](const Index<Dim>& place, std::int64_t) {
+  permuted.for_each([&](const Index<Dim>& place, std::int64_t) {
     Index<Dim> node = box.start;
     for (int axis = 0; axis < Dim; ++axis) node[axes[axis]] += place[axis];
     const std::int64_t number = mesh.node_number(node);
@@ -54,20 +46,20 @@ void BandCholesky::resize(int size, int bandwidth) {
 }
 
 bool BandCholesky::factor() {
-  const PetscBLASInt leading = bandwidth_ + 1;
-  for (PetscBLASInt row = 0; row < size_; ++row) {
+  const int leading = bandwidth_ + 1;
+  for (int row = 0; row < size_; ++row) {
     double& diagonal = band_[static_cast<std::size_t>(row) * leading];
     if (diagonal == 0.0) diagonal = 1.0;
   }
-  PetscBLASInt info = 0;
+  int info = 0;
   dpbtrf_("L", &size_, &bandwidth_, band_.data(), &leading, &info);
   return info == 0;
 }
 
 void BandCholesky::solve(std::span<double> values) const {
-  const PetscBLASInt leading = bandwidth_ + 1;
-  const PetscBLASInt columns = 1;
-  PetscBLASInt info = 0;
+  const int leading = bandwidth_ + 1;
+  const int columns = 1;
+  int info = 0;
   dpbtrs_("L", &size_, &bandwidth_, &columns, band_.data(), &leading, values.data(), &size_, &info);
 }
 

@@ -2,6 +2,7 @@
 #include "fabseq/lanes/lane_hierarchy.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/rigid_fit.h"
 
 #include <algorithm>
 #include <array>
@@ -10,16 +11,50 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Calls f(numbers of the coarse nodes that a fine one interpolates from, number of the fine one) for all
+/// nodes of this rank.
+template <int Dim, class Function>
+void for_each_node(const LaneLevel<Dim>& fine, const LaneMesh<Dim>& coarse, Function&& f) {
+  std::vector<std::int64_t> numbers;
+  fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
+    const std::int64_t number = fine.mesh.node_number(node);
+    if (number < 0) return;
+    IndexBox<Dim> sources;
+    for (int axis = 0; axis < Dim; ++axis) {
+      sources.start[axis] = node[axis] / fine.factors[axis];
+      sources.size[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
+    }
+    numbers.clear();
+    sources.for_each(
+        [&](const Index<Dim>& source, std::int64_t) { numbers.push_back(coarse.node_number(source)); });
+    f(numbers, number);
+  });
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Point<Dim>> LaneLevel<Dim>::node_positions() const {
+  std::vector<Point<Dim>> positions(static_cast<std::size_t>(mesh.nodes()));
+  for (const auto& run : mesh.node_runs())
+    for (int i = 0; i < run.length; ++i)
+      for (int axis = 0; axis < Dim; ++axis)
+        positions[run.node + i][axis] = (run.index[axis] + (axis == 0 ? i : 0)) * spacing[axis];
+  return positions;
+}
+
 template <int Dim, class Real>
-void sum_over_holders(LaneLevel<Dim>& level, Real* values, int block) {
+void sum_over_holders(LaneLevel<Dim>& level, Real* values, int entries) {
   const auto& nodes = level.shared.nodes();
   if (!level.distributed) return;
-  std::vector<Real> packed(nodes.size() * block);
+  std::vector<Real> packed(nodes.size() * entries);
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    std::copy_n(values + nodes[i] * block, block, &packed[i * block]);
-  level.shared.sum(std::span(packed), block);
+    std::copy_n(values + nodes[i] * entries, entries, &packed[i * entries]);
+  level.shared.sum(std::span(packed), entries);
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    std::copy_n(&packed[i * block], block, values + nodes[i] * block);
+    std::copy_n(&packed[i * entries], entries, values + nodes[i] * entries);
 }
 
 template <int Dim>
@@ -69,6 +104,14 @@ void LaneHierarchy<Dim>::set_up_sums(LaneLevel<Dim>& level) {
     if (level.counted.empty() || level.counted.back().end != node) level.counted.push_back({node, node});
     level.counted.back().end = node + 1;
   }
+}
+
+template <int Dim>
+std::vector<std::int64_t> LaneHierarchy<Dim>::element_numbers(const SystemDomain& domain) const {
+  std::vector<std::int64_t> numbers;
+  for (const int corner : domain.first_corners)
+    numbers.push_back(level(0).mesh.element_number(grid_.ghosted_nodes().index(corner)));
+  return numbers;
 }
 
 template <int Dim>
@@ -175,31 +218,12 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     else if (fine.distributed)
       sum_in_place(grid_.comm(), marks);
   };
-  /// Calls f(coarse nodes that a fine one interpolates from, number of the fine one) for all nodes of this
-  /// rank.
-  std::vector<std::int64_t> numbers;
-  const auto for_each_node = [&](auto&& f) {
-    fine.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
-      const std::int64_t number = fine.mesh.node_number(node);
-      if (number < 0) return;
-      IndexBox<Dim> sources;
-      for (int axis = 0; axis < Dim; ++axis) {
-        sources.start[axis] = node[axis] / fine.factors[axis];
-        sources.size[axis] = 1 + (node[axis] % fine.factors[axis] != 0 ? 1 : 0);
-      }
-      numbers.clear();
-      sources.for_each([&](const Index<Dim>& source, std::int64_t) {
-        numbers.push_back(coarse.mesh.node_number(source));
-      });
-      f(numbers, number);
-    });
-  };
   const auto is_held = [&](std::int64_t node, int a) {
     return std::binary_search(fine.fixed.begin(), fine.fixed.end(), node * components_ + a);
   };
 
   std::vector<double> marks(unknowns * flags, 0.0);
-  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+  for_each_node(fine, coarse.mesh, [&](const std::vector<std::int64_t>& sources, std::int64_t node) {
     for (int a = 0; a < components_; ++a)
       for (const std::int64_t source : sources) {
         double* mark = &marks[(source * components_ + a) * flags];
@@ -215,7 +239,7 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     const double* mark = &marks[unknown * flags];
     held[unknown] = (mark[0] > 0.0 ? mark[1] : mark[2]) > 0.0 ? 1.0 : 0.0;
   }
-  for_each_node([&](const std::vector<std::int64_t>& sources, std::int64_t node) {
+  for_each_node(fine, coarse.mesh, [&](const std::vector<std::int64_t>& sources, std::int64_t node) {
     for (int a = 0; a < components_; ++a) {
       const auto place = [&](std::int64_t source) { return source * components_ + a; };
       const bool is_lost = is_held(node, a) && std::none_of(sources.begin(), sources.end(), [&](auto source) {
@@ -238,39 +262,19 @@ void LaneHierarchy<Dim>::find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& 
 /// Whether what is held of a level, for elasticity, leaves no rigid motion.
 template <int Dim>
 bool LaneHierarchy<Dim>::holds_rigid_motions(const LaneLevel<Dim>& level) const {
-  constexpr int motions = Dim * (Dim + 1) / 2;
   constexpr double rounding = 1e-9;
   if (components_ != Dim) return true;
-  std::vector<Point<Dim>> positions(static_cast<std::size_t>(level.mesh.nodes()));
-  for (const auto& run : level.mesh.node_runs())
-    for (int i = 0; i < run.length; ++i)
-      for (int axis = 0; axis < Dim; ++axis)
-        positions[run.node + i][axis] = (run.index[axis] + (axis == 0 ? i : 0)) * level.spacing[axis];
-  const auto motion = [&](int number, const Point<Dim>& x, int component) {
-    if (number < Dim) return number == component ? 1.0 : 0.0;
-    const int a = Dim == 2 ? 0 : (number - Dim + 1) % Dim;
-    const int b = Dim == 2 ? 1 : (number - Dim + 2) % Dim;
-    return component == a ? -x[b] : component == b ? x[a] : 0.0;
-  };
-  std::array<std::array<double, motions>, motions> normal{};
-  for (const std::int64_t unknown : level.fixed) {
-    const Point<Dim>& x = positions[unknown / Dim];
-    const int component = static_cast<int>(unknown % Dim);
-    for (int k = 0; k < motions; ++k)
-      for (int l = 0; l < motions; ++l) normal[k][l] += motion(k, x, component) * motion(l, x, component);
-  }
-  if (level.distributed)  // shared nodes count more than once, which does not matter here
-    for (auto& row : normal) sum_in_place(level.comm, row);
-  for (int k = 0; k < motions; ++k) {  // elimination
-    const double size = normal[k][k];
-    for (int i = 0; i < k; ++i) normal[k][k] -= normal[i][k] * normal[i][k] / normal[i][i];
-    if (!(normal[k][k] > rounding * size)) return false;
-    for (int l = k + 1; l < motions; ++l)
-      for (int i = 0; i < k; ++i) normal[k][l] -= normal[i][k] * normal[i][l] / normal[i][i];
-  }
-  return true;
+  const std::vector<Point<Dim>> positions = level.node_positions();
+  RigidFit<Dim> fit;
+  for (const std::int64_t unknown : level.fixed)
+    fit.add(positions[unknown / Dim], static_cast<int>(unknown % Dim));
+  if (level.distributed)
+    fit.sum(level.comm);  // shared nodes count more than once, which does not matter here
+  return fit.factor(rounding);
 }
 
+template struct LaneLevel<2>;
+template struct LaneLevel<3>;
 template void sum_over_holders(LaneLevel<2>&, double*, int);
 template void sum_over_holders(LaneLevel<3>&, double*, int);
 template void sum_over_holders(LaneLevel<2>&, float*, int);

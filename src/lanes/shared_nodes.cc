@@ -68,7 +68,7 @@ SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm)
 }
 
 template <class Real>
-void SharedNodes::sum(std::span<Real> values, int block) {
+void SharedNodes::sum(std::span<Real> values, int entries) {
   if (neighbors_.empty()) return;
   const MPI_Datatype type = std::is_same_v<Real, double> ? MPI_DOUBLE : MPI_FLOAT;
   auto& [outgoing, incoming, own] = std::get<Buffers<Real>>(buffers_);
@@ -76,15 +76,16 @@ void SharedNodes::sum(std::span<Real> values, int block) {
   incoming.resize(neighbors_.size());
   std::vector<MPI_Request> requests;
   for (std::size_t n = 0; n < neighbors_.size(); ++n) {
-    incoming[n].resize(neighbors_[n].positions.size() * block);
+    incoming[n].resize(neighbors_[n].positions.size() * entries);
     MPI_Irecv(incoming[n].data(), static_cast<int>(incoming[n].size()), type, neighbors_[n].rank, 0, comm_,
               &requests.emplace_back());
   }
   for (std::size_t n = 0; n < neighbors_.size(); ++n) {
     const auto& positions = neighbors_[n].positions;
-    outgoing[n].resize(positions.size() * block);
+    outgoing[n].resize(positions.size() * entries);
     for (std::size_t i = 0; i < positions.size(); ++i)
-      std::copy_n(&values[static_cast<std::size_t>(positions[i]) * block], block, &outgoing[n][i * block]);
+      std::copy_n(&values[static_cast<std::size_t>(positions[i]) * entries], entries,
+                  &outgoing[n][i * entries]);
     MPI_Isend(outgoing[n].data(), static_cast<int>(outgoing[n].size()), type, neighbors_[n].rank, 0, comm_,
               &requests.emplace_back());
   }
@@ -101,8 +102,8 @@ void SharedNodes::sum(std::span<Real> values, int block) {
     if (!own_added && neighbors_[n].rank > rank_) add_own();
     const auto& positions = neighbors_[n].positions;
     for (std::size_t i = 0; i < positions.size(); ++i)
-      for (int entry = 0; entry < block; ++entry)
-        values[static_cast<std::size_t>(positions[i]) * block + entry] += incoming[n][i * block + entry];
+      for (int entry = 0; entry < entries; ++entry)
+        values[static_cast<std::size_t>(positions[i]) * entries + entry] += incoming[n][i * entries + entry];
   }
   if (!own_added) add_own();
 }

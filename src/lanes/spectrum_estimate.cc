@@ -8,9 +8,9 @@ namespace fabseq {
 void SpectrumEstimate::add(double alpha, double beta) {
   if (!(alpha > 0.0)) return;
   // A flexible method's beta may come out slightly negative; the matrix stays symmetric without it.
-  const double turn = diagonal_.empty() ? 0.0 : std::max(0.0, beta);
-  if (!diagonal_.empty()) squared_off_diagonal_.push_back(turn / (last_alpha_ * last_alpha_));
-  diagonal_.push_back(1.0 / alpha + (diagonal_.empty() ? 0.0 : turn / last_alpha_));
+  const double momentum = diagonal_.empty() ? 0.0 : std::max(0.0, beta);
+  if (!diagonal_.empty()) squared_off_diagonal_.push_back(momentum / (last_alpha_ * last_alpha_));
+  diagonal_.push_back(1.0 / alpha + (diagonal_.empty() ? 0.0 : momentum / last_alpha_));
   last_alpha_ = alpha;
 }
 

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_row_newton.h"
 
+#include "fabseq/base/blas.h"
+
 #include <algorithm>
 #include <cmath>
-
-extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dpotrs_(const char* uplo, const int* n, const int* nrhs, const double* a, const int* lda, double* b,
-             const int* ldb, int* info);
-void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
-            const double* x, const int* incx, const double* beta, double* y, const int* incy);
-}
 
 namespace fabseq {
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_rows.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/mma/mma_row_newton.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-extern "C" void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
-                       const double* x, const int* incx, const double* beta, double* y, const int* incy);
 
 namespace fabseq {
 

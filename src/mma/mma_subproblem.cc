@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_subproblem.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 #include "fabseq/mma/mma_rows.h"
@@ -9,9 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-
-extern "C" void dsymv_(const char* uplo, const int* n, const double* alpha, const double* a, const int* lda,
-                       const double* x, const int* incx, const double* beta, double* y, const int* incy);
 
 namespace fabseq {
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mma/mma_variables.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
 #include <cmath>
-
-extern "C" {
-void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
-            const double* a, const int* lda, const double* beta, double* c, const int* ldc);
-double ddot_(const int* n, const double* x, const int* incx, const double* y, const int* incy);
-}
 
 namespace fabseq {
 

@@ -18,8 +18,6 @@ namespace {
 
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
-/// A lane that needs more than this is solved again by the reference path.
-constexpr int lane_iterations = 300;
 
 LaneCycle lane_cycle(const SolverSettings& settings) {
   LaneCycle cycle;

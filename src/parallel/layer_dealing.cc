@@ -19,7 +19,7 @@ constexpr double relative_cost(int lanes) {
 
 /// Halving blocks must save more of the longest group's work than this.
 constexpr double worthwhile = 0.02;
-/// Halvings in a row, a group: more blocks than that balance no better.
+/// Halvings per group, one after the other: more blocks than that balance no better.
 constexpr int most_halvings = 8;
 /// Blocks that are tried for the next halving, those with most work.
 constexpr std::size_t most_candidates = 32;

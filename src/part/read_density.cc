@@ -30,7 +30,7 @@ std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape
   return density;
 }
 
-/// Of the samples of each element of `box`.
+/// The mean of the samples of each element of `box`.
 template <int Dim>
 std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim>& of_samples,
                           const IndexBox<Dim>& box, int sampling) {

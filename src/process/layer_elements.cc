@@ -16,12 +16,12 @@ LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
 
 template <int Dim>
 template <class Use>
-void LayerElements<Dim>::for_blocks(int first, int lanes, Use&& use) const {
+void LayerElements<Dim>::for_chunks(int first, int lanes, Use&& use) const {
   const std::size_t elements = model_.part_position.size();
-  for (std::size_t begin = 0; begin < elements; begin += block_size)
+  for (std::size_t begin = 0; begin < elements; begin += chunk_size)
     for_lane_chunks(lanes, [&]<int Width>(int lane) {
-      const Block block{begin, std::min(begin + block_size, elements), first + lane};
-      use.template operator()<Width>(block, lane);
+      const Chunk chunk{begin, std::min(begin + chunk_size, elements), first + lane};
+      use.template operator()<Width>(chunk, lane);
     });
 }
 
@@ -34,10 +34,10 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     if (model_.part_element[e] < 0)
       std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
-  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
+  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
     for (int i = 0; i < Width; ++i) {
-      const auto& stage = densities.stage[block.first_layer + i];
-      for (std::size_t e = block.begin; e < block.end; ++e)
+      const auto& stage = densities.stage[chunk.first_layer + i];
+      for (std::size_t e = chunk.begin; e < chunk.end; ++e)
         result[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane + i] =
             model_.stiffness(stage[e]);
     }
@@ -54,37 +54,37 @@ void LayerElements<Dim>::set_load(const LayerDensities& densities, int first, La
   std::vector<double> room;
   std::vector<double>& values = has_all_nodes() ? load.values : room;
   values.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes, 0.0);
-  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
-    add_load<Width>(densities, block, &values[lane], lanes);
+  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
+    add_load<Width>(densities, chunk, &values[lane], lanes);
   });
   if (!has_all_nodes()) grid.exchange(Dim * lanes).add_to_owned(room, load.values);
 }
 
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_load(const LayerDensities& densities, const Block& block, double* load,
+void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& chunk, double* load,
                                   int lanes) const {
-  std::array<double, block_size * Width> factors;
+  std::array<double, chunk_size * Width> factors;
   for (int i = 0; i < Width; ++i) {
-    const auto& layer = densities.layer[block.first_layer + i];
-    for (std::size_t e = block.begin; e < block.end; ++e)
-      factors[(e - block.begin) * Width + i] = model_.load(layer[e]);
+    const auto& layer = densities.layer[chunk.first_layer + i];
+    for (std::size_t e = chunk.begin; e < chunk.end; ++e)
+      factors[(e - chunk.begin) * Width + i] = model_.load(layer[e]);
   }
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
-  // In full elements, a lane a layer: the same for all elements unless they have strains of their own.
+  // In full elements, one lane per layer: the same for all elements unless they have strains of their own.
   std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;
   const auto set_unit_load = [&](std::size_t e) {
     for (int i = 0; i < element_unknowns<Dim>; ++i)
       unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? model_.strain_load[i] : 0.0);
     for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
-      const Lanes<Width> component = strain<Width>(block, e, c);
+      const Lanes<Width> component = strain<Width>(chunk, e, c);
       for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
     }
   };
-  if (strains_.of_elements.empty()) set_unit_load(block.begin);
-  for (std::size_t e = block.begin; e < block.end; ++e) {
-    const double* of_element = &factors[(e - block.begin) * Width];
+  if (strains_.of_elements.empty()) set_unit_load(chunk.begin);
+  for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
+    const double* of_element = &factors[(e - chunk.begin) * Width];
     // An element belongs to few layers.
     if (std::all_of(of_element, of_element + Width, [](double factor) { return factor == 0.0; })) continue;
     const auto factor = Lanes<Width>::load(of_element);
@@ -111,33 +111,33 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int fi
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);
   const double* lambda = ghosted(adjoints, lambda_room);
-  for_blocks(first, lanes, [&]<int Width>(const Block& block, int lane) {
-    add_derivatives<Width>(densities, block, u + lane, lambda + lane, lanes, derivatives, d_strains);
+  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
+    add_derivatives<Width>(densities, chunk, u + lane, lambda + lane, lanes, derivatives, d_strains);
   });
 }
 
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
+void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* u,
                                          const double* lambda, int lanes, DensityDerivatives& derivatives,
                                          StrainField& d_strains) const {
-  std::array<double, block_size * Width> mutual, work;
+  std::array<double, chunk_size * Width> mutual, work;
   const ElementEnergy<Dim, Width> energies(stiffness_, model_.strain_load);
-  energies.for_each(std::span(model_.part.first_corners()).subspan(block.begin, block.end - block.begin),
+  energies.for_each(std::span(model_.part.first_corners()).subspan(chunk.begin, chunk.end - chunk.begin),
                     model_.part.grid().corner_offsets(), u, lambda, lanes,
                     [&](std::size_t e, const auto& energy) {
                       energy.mutual.store(&mutual[e * Width]);
                       energy.work.store(&work[e * Width]);
                     });
-  if (!strains_.uniform()) add_strain_derivatives<Width>(densities, block, lambda, lanes, work, d_strains);
+  if (!strains_.uniform()) add_strain_derivatives<Width>(densities, chunk, lambda, lanes, work, d_strains);
   for (int i = 0; i < Width; ++i) {
-    const int layer = block.first_layer + i;
+    const int layer = chunk.first_layer + i;
     const double* stage_density = densities.stage[layer].data();
     const double* layer_density = densities.layer[layer].data();
     double* d_stage = derivatives.stage[layer].data();
     double* d_layer = derivatives.layer[layer].data();
-    for (std::size_t e = block.begin; e < block.end; ++e) {
-      const std::size_t at = (e - block.begin) * Width + i;
+    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
+      const std::size_t at = (e - chunk.begin) * Width + i;
       d_stage[e] += model_.stiffness_derivative(stage_density[e]) * mutual[at];
       d_layer[e] -= model_.load_derivative(layer_density[e]) * work[at];
     }
@@ -146,13 +146,13 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
 
 template <int Dim>
 template <int Width>
-Lanes<Width> LayerElements<Dim>::strain(const Block& block, std::size_t element, int component) const {
+Lanes<Width> LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
   if (!strains_.of_elements.empty())
     return Lanes<Width>::broadcast(strains_.of_elements[element * voigt_size<Dim> + component]);
   std::array<double, Width> of_layers;
   for (int i = 0; i < Width; ++i)
     of_layers[i] =
-        strains_.of_layers[static_cast<std::size_t>(block.first_layer + i) * voigt_size<Dim> + component];
+        strains_.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * voigt_size<Dim> + component];
   return Lanes<Width>::load(of_layers.data());
 }
 
@@ -160,21 +160,21 @@ Lanes<Width> LayerElements<Dim>::strain(const Block& block, std::size_t element,
 /// dJ/d(eps_c) = -sum_j drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Block& block,
+void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk,
                                                 const double* lambda, int lanes, std::span<double> work,
                                                 StrainField& d_strains) const {
   constexpr int components = voigt_size<Dim>;
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
-  for (std::size_t e = block.begin; e < block.end; ++e) {
+  for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
     std::array<double, Width> factors{};
     bool counts = false;
     for (int i = 0; i < Width; ++i) {
-      const double density = densities.layer[block.first_layer + i][e];
+      const double density = densities.layer[chunk.first_layer + i][e];
       factors[i] = model_.load(density);
       counts = counts || factors[i] != 0.0 || model_.load_derivative(density) != 0.0;
     }
-    double* of_element = &work[(e - block.begin) * Width];
+    double* of_element = &work[(e - chunk.begin) * Width];
     std::fill_n(of_element, Width, 0.0);
     if (!counts) continue;  // an element belongs to few layers
     std::array<Lanes<Width>, components> duals;
@@ -186,13 +186,13 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
     }
     auto sum = Lanes<Width>::zero();
     for (int c = 0; c < components; ++c) {
-      sum += duals[c] * strain<Width>(block, e, c);
+      sum += duals[c] * strain<Width>(chunk, e, c);
       std::array<double, Width> dual{};
       duals[c].store(dual.data());
       for (int i = 0; i < Width && !d_strains.of_elements.empty(); ++i)
         d_strains.of_elements[e * components + c] -= factors[i] * dual[i];
       for (int i = 0; i < Width && !d_strains.of_layers.empty(); ++i)
-        d_strains.of_layers[static_cast<std::size_t>(block.first_layer + i) * components + c] -=
+        d_strains.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * components + c] -=
             factors[i] * dual[i];
     }
     sum.store(of_element);

@@ -21,7 +21,7 @@ void require_convergence(const SolveReport& report, int layer, const char* what)
   throw NumericalError(text.str());
 }
 
-/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a batch serves the next
+/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a block serves the next
 /// one, too, for fresh memory costs more than what is done with it here.
 void resize(LaneVector& vector, int nodes, int components, int lanes) {
   if (vector.nodes != nodes || vector.components != components || vector.lanes != lanes)
@@ -29,13 +29,13 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
 }
 
 /// Load of the adjoint systems of a block: minus dJ/du and minus the block's dJ/d(du_j).
-void set_adjoint_load(const ProcessAdjoint& row, std::size_t block, LaneVector& load) {
+void set_adjoint_load(const ProcessAdjoint& functional, std::size_t block, LaneVector& load) {
   for (std::size_t i = 0; i < load.unknowns(); ++i) {
-    const double common = row.displacement.empty() ? 0.0 : -row.displacement[i];
+    const double common = functional.displacement.empty() ? 0.0 : -functional.displacement[i];
     std::fill_n(&load.values[i * load.lanes], load.lanes, common);
   }
-  if (row.increments.empty()) return;
-  const std::vector<double>& own = row.increments[block].values;
+  if (functional.increments.empty()) return;
+  const std::vector<double>& own = functional.increments[block].values;
   for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
 }
 
@@ -93,7 +93,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       solve_block(densities, number, load);
   });
-  solver_->rest();
+  solver_->give_back_memory();
   groups_.sum(result_.displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
@@ -165,75 +165,74 @@ std::vector<double> ProcessSimulation<Dim>::increment(int layer) const {
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
+void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
+                                       std::span<const ProcessAdjoint> functionals,
                                        std::span<const ProcessDerivatives> derivatives) {
   adjoint_iterations_.assign(densities.count(), 0);
   std::vector<std::vector<double>> motions;
-  for (const ProcessAdjoint& row : rows)
-    motions.push_back(row.release.empty() ? std::vector<double>() : release_motion(row.release));
-  for (const ProcessDerivatives& row : derivatives)
-    if (row.strains != nullptr) {
-      row.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
-      row.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
+  for (const ProcessAdjoint& functional : functionals)
+    motions.push_back(functional.release.empty() ? std::vector<double>()
+                                                 : release_motion(functional.release));
+  for (const ProcessDerivatives& own : derivatives)
+    if (own.strains != nullptr) {
+      own.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
+      own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
   groups_.run([&] {
     std::vector<LaneVector> loads, adjoints;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-      pull_back_block(densities, number, rows, derivatives, motions, loads, adjoints);
+      pull_back_block(densities, number, {functionals, derivatives, motions}, loads, adjoints);
   });
-  solver_->rest();
+  solver_->give_back_memory();
   groups_.sum(adjoint_iterations_);
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];
 }
 
-/// The block's operators are set up once for all rows, which come as many at a time as the solver can use.
+/// The block's operators are set up once for all functionals, which come as many at a time as the solver can
+/// use.
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
-                                             std::span<const ProcessAdjoint> rows,
-                                             std::span<const ProcessDerivatives> derivatives,
-                                             std::span<const std::vector<double>> motions,
-                                             std::vector<LaneVector>& loads,
+                                             const Functionals& functionals, std::vector<LaneVector>& loads,
                                              std::vector<LaneVector>& adjoints) {
   set_operators(densities, result_.blocks[number], false);
-  const std::size_t at_once = std::min(rows.size(), solver_->sets_at_once());
+  const std::size_t all = functionals.from.size();
+  const std::size_t at_once = std::min(all, solver_->sets_at_once());
   loads.resize(at_once);
   adjoints.resize(at_once);
-  for (std::size_t first = 0; first < rows.size(); first += at_once) {
-    const std::size_t count = std::min(at_once, rows.size() - first);
-    pull_back_rows(densities, number, rows.subspan(first, count), derivatives.subspan(first, count),
-                   motions.subspan(first, count), std::span(loads).first(count),
-                   std::span(adjoints).first(count));
+  for (std::size_t first = 0; first < all; first += at_once) {
+    const std::size_t count = std::min(at_once, all - first);
+    pull_back_together(densities, number, functionals.part(first, count), std::span(loads).first(count),
+                       std::span(adjoints).first(count));
   }
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::pull_back_rows(const LayerDensities& densities, std::size_t number,
-                                            std::span<const ProcessAdjoint> rows,
-                                            std::span<const ProcessDerivatives> derivatives,
-                                            std::span<const std::vector<double>> motions,
-                                            std::span<LaneVector> loads, std::span<LaneVector> adjoints) {
+void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities, std::size_t number,
+                                                const Functionals& functionals, std::span<LaneVector> loads,
+                                                std::span<LaneVector> adjoints) {
   const LayerBlock& block = result_.blocks[number];
   const LaneVector& increments = result_.increments[number];
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    resize(loads[row], increments.nodes, Dim, block.lanes);
-    resize(adjoints[row], increments.nodes, Dim, block.lanes);
-    set_adjoint_load(rows[row], number, loads[row]);
-    if (!motions[row].empty()) supports_.subtract_motion(densities, block.first, motions[row], loads[row]);
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const std::vector<double>& motion = functionals.motions[i];
+    resize(loads[i], increments.nodes, Dim, block.lanes);
+    resize(adjoints[i], increments.nodes, Dim, block.lanes);
+    set_adjoint_load(functionals.from[i], number, loads[i]);
+    if (!motion.empty()) supports_.subtract_motion(densities, block.first, motion, loads[i]);
   }
   const auto reports = solver_->solve(loads, adjoints);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
+  for (std::size_t i = 0; i < loads.size(); ++i) {
     for (int lane = 0; lane < block.lanes; ++lane) {
-      require_convergence(reports[row][lane], block.first + lane, "adjoint");
+      require_convergence(reports[i][lane], block.first + lane, "adjoint");
       int& iterations = adjoint_iterations_[block.first + lane];
-      iterations = std::max(iterations, reports[row][lane].iterations);
+      iterations = std::max(iterations, reports[i][lane].iterations);
     }
-    if (!motions[row].empty()) supports_.add_motion(motions[row], adjoints[row]);
+    if (!functionals.motions[i].empty()) supports_.add_motion(functionals.motions[i], adjoints[i]);
+    const ProcessDerivatives& to = functionals.to[i];
     StrainField not_asked_for;
-    elements_.add_derivatives(
-        densities, block.first, increments, adjoints[row], *derivatives[row].densities,
-        derivatives[row].strains != nullptr ? *derivatives[row].strains : not_asked_for);
-    if (derivatives[row].after_block) derivatives[row].after_block();
+    elements_.add_derivatives(densities, block.first, increments, adjoints[i], *to.densities,
+                              to.strains != nullptr ? *to.strains : not_asked_for);
+    if (to.after_block) to.after_block();
   }
 }
 

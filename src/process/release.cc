@@ -13,9 +13,6 @@ namespace fabseq {
 
 namespace {
 
-/// What needs more is solved again by the reference path.
-constexpr int lane_iterations = 300;
-
 /// Owned nodes of the model's elements, held ones too.
 template <int Dim>
 std::vector<char> nodes_of_model(const ElasticModel<Dim>& model) {

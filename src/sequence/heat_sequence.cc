@@ -102,7 +102,7 @@ void HeatSequence<Dim>::solve_temperature() {
     require_convergence(report, "the heat solve");
     time_.iterations = report.iterations;
   });
-  solver_->rest();
+  solver_->give_back_memory();
   time_.temperature = std::move(correction.values);
   if (size_of(across_) > 1) {
     MPI_Bcast(time_.temperature.data(), static_cast<int>(time_.temperature.size()), MPI_DOUBLE, 0, across_);
@@ -182,7 +182,7 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
     for (const std::vector<double>& gradient : chain_rule_.gradients(adjoints))
       result.push_back(filter_.apply_transpose(gradient));
   }
-  solver_->rest();
+  solver_->give_back_memory();
   return result;
 }
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 namespace fabseq {
@@ -25,10 +24,8 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
       solver_(hierarchy_, problem_, cycle),
-      most_lanes_(lanes) {
-  for (const int corner : domain.first_corners)
-    numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
-}
+      most_lanes_(lanes),
+      numbers_(hierarchy_.element_numbers(domain)) {}
 
 template <int Dim>
 void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness,
@@ -102,7 +99,7 @@ void LaneElasticity<Dim>::solve_sets(std::span<const LaneVector> loads, std::spa
     reports[set].assign(all.begin() + set * lanes_, all.begin() + (set + 1) * lanes_);
 }
 
-/// Sets up a wider solver, with the batch's systems as often as there are sets, from the one that is.
+/// Sets up a wider solver, with the block's systems as often as there are sets, from the one that is.
 template <int Dim>
 void LaneElasticity<Dim>::widen(std::size_t sets) {
   while (static_cast<std::size_t>(sets_) < sets) {
@@ -119,11 +116,9 @@ std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load
   std::vector<SolveReport> reports;
   with_narrowest(solver_, width_, [&]<int Width>(auto& solver) {
     layout_.to_mesh(load, Width, load_);
-    for (const LaneOutcome& outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
-      const bool finite = outcome.finite && not_finite_[reports.size() % lanes_] == 0.0;
-      reports.push_back({outcome.iterations,
-                         finite ? outcome.residual : std::numeric_limits<double>::quiet_NaN(),
-                         outcome.converged, finite ? "iteration limit" : "not a number"});
+    for (LaneOutcome outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
+      if (not_finite_[reports.size() % lanes_] > 0.0) outcome.finite = false;
+      reports.push_back(report_of(outcome));
     }
     layout_.to_owned(displacement_, Width, displacement);
   });
@@ -158,10 +153,10 @@ void LaneElasticity<Dim>::start_cold() {
 }
 
 template <int Dim>
-void LaneElasticity<Dim>::rest() {
+void LaneElasticity<Dim>::give_back_memory() {
   if (most_lanes_ == widest) return;
-  solver_.release();
-  layout_.release();
+  solver_.give_back_memory();
+  layout_.give_back_memory();
   for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);
   free_memory(stiffness_);
 }

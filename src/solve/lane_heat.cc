@@ -7,22 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 namespace fabseq {
-
-namespace {
-
-/// What is no number has no residual, either.
-SolveReport report_of(const LaneOutcome& outcome) {
-  if (!outcome.finite)
-    return {outcome.iterations, std::numeric_limits<double>::quiet_NaN(), false, "not a number"};
-  return {outcome.iterations, outcome.residual, outcome.converged,
-          outcome.converged ? "" : "iteration limit"};
-}
-
-}  // namespace
 
 /// Steps of conjugate gradients from the second level on cost next to nothing and take care of sheets a few
 /// elements thick. On the first level they do not pay: where designs get rough, diffusivities differ by
@@ -45,10 +32,8 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), 1),
       solver_(hierarchy_, problem_, cycle()),
-      most_lanes_(lanes) {
-  for (const int corner : domain.first_corners)
-    numbers_.push_back(hierarchy_.level(0).mesh.element_number(grid.ghosted_nodes().index(corner)));
-}
+      most_lanes_(lanes),
+      numbers_(hierarchy_.element_numbers(domain)) {}
 
 template <int Dim>
 void LaneHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
@@ -139,11 +124,11 @@ void LaneHeat<Dim>::start_cold() {
 }
 
 template <int Dim>
-void LaneHeat<Dim>::rest() {
+void LaneHeat<Dim>::give_back_memory() {
   if (most_lanes_ == widest) return;
-  solver_.release();
+  solver_.give_back_memory();
   is_set_up_.fill(false);
-  layout_.release();
+  layout_.give_back_memory();
   for (LaneArray* array : {&load_, &solution_}) free_memory(*array);
 }
 

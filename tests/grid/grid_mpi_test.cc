@@ -63,9 +63,6 @@ TYPED_TEST(GridTest, ElementsHaveTheirNodesInTheGhostedBox) {
                 grid.ghosted_nodes().offset(node));
     }
   });
-  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    EXPECT_EQ(grid.ghosted_offset(static_cast<int>(offset)), grid.ghosted_nodes().offset(node));
-  });
 }
 
 TYPED_TEST(GridTest, AgreesWithPetscOnBoxesAndNumbers) {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""An exception that is none of fabseq's, on one rank while others wait for it: all ranks end with status 3."""
+"""An exception that is none of fabseq's, on one rank while others wait for it: all ranks end with status
+3."""
 
 import os
 import subprocess

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/overview.py on results of the program, and the made-up results of tests/scripts held against them."""
+"""scripts/use/overview.py on results of the program, and the made-up results of tests/scripts held against
+them."""
 
 import json
 import os

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Runs fabseq as users do, under mpirun, for the tests of this folder.
 
-FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow one,
-instrumented with sanitizers. With FABSEQ_NO_SKIPS, a skipped test is an error unless the reason is one of this build or
-is matched by the regular expression FABSEQ_MAY_SKIP.
-"""
+FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow
+one, instrumented with sanitizers. With FABSEQ_NO_SKIPS, a skipped test is an error unless the reason is
+one of this build or is matched by the regular expression FABSEQ_MAY_SKIP."""
 
 import contextlib
 import json
@@ -76,7 +75,8 @@ class Process:
     def __init__(self, command, directory, environment=None):
         self.command = command
         self.streams = [tempfile.TemporaryFile("w+") for _ in range(2)]
-        # Of its own: an mpirun that starts trips over the common folder that another, which ends, is removing.
+        # Of its own: an mpirun that starts trips over the common folder that another, which ends, is
+        # removing.
         self.sessions = tempfile.TemporaryDirectory(prefix="fabseq_mpirun_", ignore_cleanup_errors=True)
         variables = {**ENVIRONMENT, **os.environ, **FORCED_ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": self.sessions.name,
                      **(environment or {})}
@@ -137,8 +137,8 @@ class NoSmallDisk(Exception):
 
 @contextlib.contextmanager
 def small_disk(path, size):
-    """A disk in memory of that size (as mount takes it), mounted at `path`, a folder that this makes, within a with
-    statement; raises NoSmallDisk."""
+    """A disk in memory of that size (as mount takes it), mounted at `path`, a folder that this makes,
+    within a with statement; raises NoSmallDisk."""
     os.mkdir(path)
     if os.geteuid() != 0:
         raise NoSmallDisk("only root can mount a small disk")
@@ -155,8 +155,9 @@ def small_disk(path, size):
 class FabseqTest(unittest.TestCase):
     """A test with a working directory of its own, `directory`."""
 
-    # Whether optimizations are repeated in two halves, stopped and continued, which must come to the same bytes: three runs
-    # in place of one. A test sets it for what restart_test does not know. Sanitizers do without.
+    # Whether optimizations are repeated in two halves, stopped and continued, which must come to the same
+    # bytes: three runs in place of one. A test sets it for what restart_test does not know. Sanitizers do
+    # without.
     resumes = False
 
     def setUp(self):
@@ -165,7 +166,8 @@ class FabseqTest(unittest.TestCase):
         self.runs = 0
 
     def small_disk(self, size):
-        """A small disk (see small_disk) in the working directory until the test ends; skips the test where it cannot be had."""
+        """A small disk (see small_disk) in the working directory until the test ends; skips the test where
+        it cannot be had."""
         stack = contextlib.ExitStack()
         self.addCleanup(stack.close)
         try:

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """The batch scripts of scripts/slurm in a real Slurm of one node, started here and ended afterwards.
 
-All tests run side by side: most of the time they wait for Slurm. Exit status 77, with the reason, where Slurm cannot start: not
-root, or its packages missing; an error if Slurm must not be missing (run_fabseq.must_run).
-"""
+All tests run side by side: most of the time they wait for Slurm. Exit status 77, with the reason, where
+Slurm cannot start: not root, or its packages missing; an error if Slurm must not be missing
+(run_fabseq.must_run)."""
 
 import csv
 import os
@@ -138,7 +138,8 @@ class RunTest(SlurmTest):
 
 class MpirunTest(RunTest):
     def test_warned_then_requeued(self):
-        """First as at the end of the job's time, only when it suits; then as by an administrator, without a warning."""
+        """First as at the end of the job's time, only when it suits; then as by an administrator, without a
+        warning."""
         arguments = (*SMALL, "-max_iterations", 300)
         job = self.submit_run(*arguments)
         job.wait_for_iterations(25)
@@ -186,8 +187,8 @@ class SrunTest(MpirunTest):
 
 class TimeTest(RunTest):
     def test_time_limit(self):
-        """The least that Slurm has, one minute; it looks every 30 seconds whether the time is near. The run, stopped on its
-        way, is not done by then; it goes on when the warning has come, and the job comes back."""
+        """The least that Slurm has, one minute; it looks every 30 seconds whether the time is near. The run,
+        stopped on its way, is not done by then; it goes on when the warning has come, and the job comes back."""
         arguments = (*SMALL, "-max_iterations", 100)
         job = self.submit_run(*arguments, time_limit="1", options=["--signal=B:USR1@5"])
         job.wait_for_iterations(10)
@@ -252,8 +253,9 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
         self.check_compare(output)
 
     def check_compare(self, output):
-        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "use", "compare.py"), os.path.join(output, "even"),
-                               os.path.join(output, "uneven")], cwd=self.directory, capture_output=True, text=True, check=False)
+        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "use", "compare.py"),
+                               os.path.join(output, "even"), os.path.join(output, "uneven")], cwd=self.directory,
+                              capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(os.path.join(self.directory, "compare.csv"), encoding="utf-8", newline="") as file:
             rows = {row["run"]: row for row in csv.DictReader(file)}
@@ -289,7 +291,8 @@ class CleanUpTest(SlurmTest):
     def test_nothing_is_left_when_the_owner_is_killed(self):
         """Of a second cluster, with a job under way."""
         here = os.path.dirname(os.path.abspath(__file__))
-        command = "sbatch --wrap='sleep 600'; until squeue --noheader --states=R | grep -q .; do sleep 0.1; done; echo $SLURM_CONF; sleep 600"
+        command = ("sbatch --wrap='sleep 600'; until squeue --noheader --states=R | grep -q .; do sleep 0.1; done; "
+                   "echo $SLURM_CONF; sleep 600")
         owner = subprocess.Popen([sys.executable, os.path.join(here, "slurm_cluster.py"), "bash", "-c", command],
                                  stdout=subprocess.PIPE, text=True)
         with owner:
@@ -308,7 +311,8 @@ class CleanUpTest(SlurmTest):
 
 
 def processes_with(word):
-    """Numbers of the processes that have it in their environment or command line, but for those that have ended."""
+    """Numbers of the processes that have it in their environment or command line, but for those that have
+    ended."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):
         try:

@@ -34,7 +34,8 @@ class CoarsenPart(unittest.TestCase):
             np.testing.assert_array_equal(self.density(), file["density"][()])
 
     def test_means_threshold_and_largest_piece(self):
-        """Blocks [z][y][x] of 2^3 voxels: one that is filled to 5/8, its neighbour to 3/8, and one far away."""
+        """Blocks [z][y][x] of 2^3 voxels: one that is filled to 5/8, its neighbour to 3/8, and one far
+        away."""
         grey = np.zeros((4, 2, 8))
         grey[:2, :, 2:4].flat[:5] = 1.0
         grey[:2, :, 4:6].flat[:3] = 1.0

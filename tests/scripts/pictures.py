@@ -5,8 +5,9 @@ from matplotlib import image
 
 
 def drawn(path, rows=1, columns=1, inner=(0.08, 0.92, 0.2, 0.95)):
-    """Shares of the pixels that are coloured or nearly black, in the inner part of each of `rows` times `columns` equal
-    panels, line by line: frames and labels lie outside, grids are pale, so that empty axes come to next to nothing.
+    """Shares of the pixels that are coloured or nearly black, in the inner part of each of `rows` times
+    `columns` equal panels, line by line: frames and labels lie outside, grids are pale, so that empty axes
+    come to next to nothing.
 
     inner: top, bottom, left and right of the inner part, relative to the panel.
     """

@@ -4,6 +4,7 @@
 /// matrices over the whole grid on every rank. Shares nothing with the library but the numbering of corners.
 #pragma once
 
+#include "fabseq/base/blas.h"
 #include "fabseq/grid/index_box.h"
 
 #include <gtest/gtest.h>
@@ -11,9 +12,6 @@
 #include <array>
 #include <cmath>
 #include <vector>
-
-extern "C" void dposv_(const char* uplo, const int* n, const int* nrhs, double* a, const int* lda, double* b,
-                       const int* ldb, int* info);
 
 namespace fabseq::test {
 

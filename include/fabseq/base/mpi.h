@@ -16,7 +16,7 @@ namespace fabseq {
 class Communicator {
  public:
   Communicator() = default;
-  /// Those of `parent` with the same color, in the order of their keys. Collective on `parent`.
+  /// The ranks of `parent` with the same color, in the order of their keys. Collective on `parent`.
   Communicator(MPI_Comm parent, int color, int key) { MPI_Comm_split(parent, color, key, &comm_); }
   Communicator(Communicator&& other) noexcept : comm_(std::exchange(other.comm_, MPI_COMM_NULL)) {}
   Communicator& operator=(Communicator&& other) noexcept {

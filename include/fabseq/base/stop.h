@@ -23,8 +23,8 @@ class StopRequests {
   ~StopRequests();
 };
 
-/// As long as it lives a file is a request, too: at once, or, if it holds an integer, when that many
-/// iterations are done. Those of runs within runs are nested.
+/// Makes a file a request, too, as long as it lives: at once, or, if the file holds an integer, when that
+/// many iterations are done. Stop files of runs within runs are nested.
 class StopFile {
  public:
   /// Rank 0 of `comm` looks.

@@ -12,7 +12,7 @@ namespace fabseq {
 /// A symmetric element matrix that commutes with the reflections of the box (isotropic stiffness,
 /// conductivity, mass) in the basis of products of even and odd combinations of its corners: mode s of a
 /// component is sum over corners n of (-1)^|s & n| value_n. There the matrix falls apart into one small block
-/// a parity class r: component a of a vector takes the mode r xor 2^a, a scalar the mode r.
+/// per parity class r: component a of a vector takes the mode r xor 2^a, a scalar the mode r.
 template <int Dim, int Components>
 struct ParityMatrix {
   static constexpr int classes = corner_count<Dim>;
@@ -20,8 +20,6 @@ struct ParityMatrix {
 
   /// Blocks for modes without normalization: K = sum over classes of modes^T block modes.
   std::array<std::array<std::array<double, Components>, Components>, classes> blocks{};
-  /// Diagonal blocks of the matrix itself, a corner each.
-  std::array<std::array<std::array<double, Components>, Components>, classes> corner_blocks{};
 
   ParityMatrix() = default;
   explicit ParityMatrix(const SquareMatrix<unknowns>& matrix);

@@ -38,7 +38,7 @@ Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) 
 template <int Dim>
 class NodeExchange {
  public:
-  /// `dm`: a DMDA with `components` degrees of freedom a node; not owned, must outlive the exchange.
+  /// `dm`: a DMDA with `components` degrees of freedom per node; not owned, must outlive the exchange.
   /// Collective.
   NodeExchange(DM dm, int components);
 
@@ -96,10 +96,6 @@ class Grid {
   /// Offset in the ghosted node box of an owned element's lowest node.
   int first_corner(const Index<Dim>& element) const {
     return static_cast<int>(ghosted_nodes_.offset(element));
-  }
-  /// Offset in the ghosted node box of an owned node given by its offset in the owned box.
-  int ghosted_offset(int owned_offset) const {
-    return static_cast<int>(ghosted_nodes_.offset(owned_nodes_.index(owned_offset)));
   }
 
   /// Position of an element in the order "ranks one after the other, each lexicographic" (PETSc's order).

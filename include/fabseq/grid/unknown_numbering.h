@@ -11,7 +11,7 @@
 
 namespace fabseq {
 
-/// The elements and supports of a system with `components` unknowns a node.
+/// The elements and supports of a system with `components` unknowns per node.
 struct SystemDomain {
   int components = 1;
   std::vector<int> first_corners;  ///< offset in the ghosted node box of each owned element of the model

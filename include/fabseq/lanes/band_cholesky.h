@@ -6,8 +6,6 @@
 #include "fabseq/lanes/lane_mesh.h"
 #include "fabseq/lanes/lanes.h"
 
-#include <petscsys.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -56,27 +54,27 @@ class BandCholesky {
   void solve_lanes(std::span<double> values) const;
 
  private:
-  PetscBLASInt size_ = 0, bandwidth_ = 0;
+  int size_ = 0, bandwidth_ = 0;
   std::vector<double> band_;  ///< LAPACK's lower band storage
 };
 
-/// One pass over the factor for all lanes, where LAPACK takes one a right-hand side.
+/// One pass over the factor for all lanes, where LAPACK takes one per right-hand side.
 template <int Width>
 void BandCholesky::solve_lanes(std::span<double> values) const {
   using Value = Lanes<Width>;
-  const auto at = [&](PetscBLASInt row) { return values.data() + static_cast<std::size_t>(row) * Width; };
-  const auto column = [&](PetscBLASInt j) { return &band_[static_cast<std::size_t>(j) * (bandwidth_ + 1)]; };
-  for (PetscBLASInt j = 0; j < size_; ++j) {
+  const auto at = [&](int row) { return values.data() + static_cast<std::size_t>(row) * Width; };
+  const auto column = [&](int j) { return &band_[static_cast<std::size_t>(j) * (bandwidth_ + 1)]; };
+  for (int j = 0; j < size_; ++j) {
     const double* const factor = column(j);
     const Value value = Value::load(at(j)) * (1.0 / factor[0]);
     value.store(at(j));
-    for (PetscBLASInt i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
+    for (int i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
       (Value::load(at(j + i)) - value * factor[i]).store(at(j + i));
   }
-  for (PetscBLASInt j = size_ - 1; j >= 0; --j) {
+  for (int j = size_ - 1; j >= 0; --j) {
     const double* const factor = column(j);
     std::array<Value, 2> sums{Value::zero(), Value::zero()};  // side by side: each waits for itself only
-    for (PetscBLASInt i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
+    for (int i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
       sums[i % 2] += Value::load(at(j + i)) * factor[i];
     ((Value::load(at(j)) - (sums[0] + sums[1])) * (1.0 / factor[0])).store(at(j));
   }

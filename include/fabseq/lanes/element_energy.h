@@ -14,12 +14,12 @@ namespace fabseq {
 
 /// Mutual energy lambda^T K_0 u and work lambda^T f_0 of the elements, f_0 being the load of a constant
 /// strain. Both in the basis of even and odd combinations (ParityMatrix), where K_0 falls apart into small
-/// blocks and f_0 has an entry a component and axis.
+/// blocks and f_0 has one entry per component and axis.
 template <int Dim, int Width>
 class ElementEnergy {
  public:
   static constexpr int corners = corner_count<Dim>;
-  /// Of one element.
+  /// What one element contributes.
   struct Energy {
     Lanes<Width> mutual;  ///< lambda^T K_0 u
     Lanes<Width> work;    ///< lambda^T f_0

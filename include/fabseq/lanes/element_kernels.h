@@ -15,7 +15,7 @@ namespace fabseq {
 template <int Dim, int Components, int Width, class Real = double>
 using FaceModes = std::array<std::array<Lanes<Width, Real>, corner_count<Dim> / 2>, Components>;
 
-/// Elasticity with a stiffness factor an element and lane. Computes in `Real`.
+/// Elasticity with one stiffness factor per element and lane. Computes in `Real`.
 template <int Dim, int Width, class Real = double>
 class ElasticKernel {
  public:
@@ -23,7 +23,7 @@ class ElasticKernel {
   static constexpr int components = Dim;
   static constexpr int width = Width;
   using Number = Real;
-  /// Coefficients an element in memory: [element][lane].
+  /// Coefficients per element in memory: [element][lane].
   static constexpr int stride = Width;
   using Value = Lanes<Width, Real>;
   using Modes = FaceModes<Dim, components, Width, Real>;
@@ -89,7 +89,7 @@ class ElasticKernel {
   const Real* coefficients_;
 };
 
-/// Conduction plus reaction with two coefficients an element that all lanes share: the lanes are right-hand
+/// Conduction plus reaction with two coefficients per element that all lanes share: the lanes are right-hand
 /// sides of one system. Computes in `Real`.
 template <int Dim, int Width, class Real = double>
 class HeatKernel {
@@ -98,7 +98,7 @@ class HeatKernel {
   static constexpr int components = 1;
   static constexpr int width = Width;
   using Number = Real;
-  /// Coefficients an element in memory: diffusivity, reaction.
+  /// Coefficients per element in memory: diffusivity, reaction.
   static constexpr int stride = 2;
   using Modes = FaceModes<Dim, components, Width, Real>;
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/rigid_fit.h"
 #include "fabseq/lanes/band_cholesky.h"
 #include "fabseq/lanes/island_map.h"
 #include "fabseq/lanes/lane_operator.h"
@@ -37,8 +38,8 @@ template <class Problem, int Width>
 class IslandModes {
  public:
   static constexpr int dim = Problem::dim;
-  static constexpr int modes = dim * (dim + 1) / 2;
-  static constexpr int block = dim * Width;
+  static constexpr int modes = rigid_motion_count<dim>;
+  static constexpr int node_values = dim * Width;
   using Operator = LaneOperator<Problem, Width>;
 
   bool empty() const { return most_ == 0; }
@@ -56,24 +57,12 @@ class IslandModes {
 
   using Lane = IslandMotions<dim>;
   using Place = typename Lane::Place;
-  /// Component of a mode at a position.
-  static double mode(int index, int component, const Point<dim>& position);
   static std::shared_ptr<Lane> locate(const LaneLevel<dim>& level, const LaneIslands& islands);
   void measure_energy(Operator& matrix, std::vector<std::vector<double>>& energies) const;
 
   std::array<std::shared_ptr<const Lane>, Width> lanes_;
   int most_ = 0;  ///< islands of a lane
 };
-
-template <class Problem, int Width>
-double IslandModes<Problem, Width>::mode(int index, int component, const Point<dim>& position) {
-  if (index < dim) return index == component ? 1.0 : 0.0;
-  // Rotation in the plane of two axes.
-  const int first = dim == 2 ? 0 : (index - dim + 1) % dim;
-  const int second = dim == 2 ? 1 : (index - dim + 2) % dim;
-  if (component == first) return -position[second];
-  return component == second ? position[first] : 0.0;
-}
 
 template <class Problem, int Width>
 std::shared_ptr<typename IslandModes<Problem, Width>::Lane> IslandModes<Problem, Width>::locate(
@@ -114,7 +103,8 @@ void IslandModes<Problem, Width>::measure_energy(Operator& matrix,
     for (int lane = 0; lane < Width; ++lane)
       for (const Place& place : lanes_[lane]->places)
         for (int a = 0; place.island == column / modes && a < dim; ++a)
-          motion[place.node * block + a * Width + lane] = mode(column % modes, a, place.position);
+          motion[place.node * node_values + a * Width + lane] =
+              rigid_motion<dim>(column % modes, a, place.position);
     matrix.apply(motion.data(), force.data());
     for (int lane = 0; lane < Width; ++lane) {
       const int size = lanes_[lane]->count * modes;
@@ -123,7 +113,7 @@ void IslandModes<Problem, Width>::measure_energy(Operator& matrix,
         for (int m = 0; place.counted && m < modes; ++m)
           for (int a = 0; a < dim; ++a)
             energies[lane][static_cast<std::size_t>(column) * size + place.island * modes + m] +=
-                mode(m, a, place.position) * force[place.node * block + a * Width + lane];
+                rigid_motion<dim>(m, a, place.position) * force[place.node * node_values + a * Width + lane];
     }
   }
   for (auto& energy : energies) sum_in_place(matrix.level().comm, energy);
@@ -170,7 +160,7 @@ void IslandModes<Problem, Width>::select(const IslandModes<Problem, Wider>& from
   most_ = 0;
   if (from.empty()) return;
   for (int lane = 0; lane < Width; ++lane) {
-    lanes_[lane] = from.lanes_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+    lanes_[lane] = from.lanes_[selected(lanes, lane)];
     most_ = std::max(most_, lanes_[lane]->count);
   }
 }
@@ -188,8 +178,8 @@ void IslandModes<Problem, Width>::add_correction(const LaneLevel<dim>& level, co
       for (int m = 0; place.counted && own.count > 0 && m < modes; ++m)
         for (int a = 0; a < dim; ++a)
           first(lane)[place.island * modes + m] += own.scales[place.island * modes + m] *
-                                                   mode(m, a, place.position) *
-                                                   residual[place.node * block + a * Width + lane];
+                                                   rigid_motion<dim>(m, a, place.position) *
+                                                   residual[place.node * node_values + a * Width + lane];
   }
   sum_in_place(level.comm, amplitudes);
   for (int lane = 0; lane < Width; ++lane) {
@@ -198,11 +188,11 @@ void IslandModes<Problem, Width>::add_correction(const LaneLevel<dim>& level, co
     own.energy.solve({first(lane), static_cast<std::size_t>(own.count) * modes});
     for (const Place& place : own.places)
       for (int a = 0; a < dim; ++a) {
-        Real& value = x[place.node * block + a * Width + lane];
+        Real& value = x[place.node * node_values + a * Width + lane];
         double sum = value;  // what the modes take away may be all but a little of it
         for (int m = 0; m < modes; ++m) {
           const int index = place.island * modes + m;
-          sum += first(lane)[index] * own.scales[index] * mode(m, a, place.position);
+          sum += first(lane)[index] * own.scales[index] * rigid_motion<dim>(m, a, place.position);
         }
         value = static_cast<Real>(sum);
       }

@@ -41,9 +41,14 @@ void free_memory(Vector& values) {
   Vector().swap(values);
 }
 
-/// A number a lane.
+/// One number per lane.
 template <int Width>
 using LaneScalars = std::array<double, Width>;
+
+/// The lane to take for `lane` where `lanes` are selected: beyond them, the first of them again.
+inline int selected(std::span<const int> lanes, int lane) {
+  return lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0];
+}
 
 /// Copies lanes of `from` (`from_width` wide) to the leading ones of `to`; where there are fewer, the first
 /// of them again.
@@ -53,8 +58,7 @@ void select_lanes(const Array& from, int from_width, std::span<const int> lanes,
   to.resize(count * to_width);
   for (std::size_t i = 0; i < count; ++i)
     for (int lane = 0; lane < to_width; ++lane)
-      to[i * to_width + lane] =
-          from[i * from_width + (lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0])];
+      to[i * to_width + lane] = from[i * from_width + selected(lanes, lane)];
 }
 
 }  // namespace fabseq

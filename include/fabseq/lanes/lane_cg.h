@@ -3,32 +3,16 @@
 /// Conjugate gradients for several lanes at once.
 #pragma once
 
+#include "fabseq/lanes/free_motions.h"
 #include "fabseq/lanes/island_modes.h"
 #include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/lanes/lane_outcome.h"
 #include "fabseq/lanes/spectrum_estimate.h"
 
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace fabseq {
-
-/// How a lane's solve ended.
-struct LaneOutcome {
-  int iterations = 0;
-  double residual =
-      0.0;  ///< |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
-  bool converged = false;
-  bool finite = true;  ///< false: something was not a number
-};
-
-/// When to stop: at a preconditioned residual of `tolerance`, and not before the error, as the spectrum lets
-/// it be estimated, is within `error_factor` times as much.
-struct LaneStop {
-  double tolerance = 1e-6;
-  int max_iterations = 200;
-  double error_factor = 2.0;
-};
 
 /// Flexible conjugate gradients in double precision with lane multigrid in single precision, every lane with
 /// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
@@ -54,9 +38,12 @@ class LaneCg {
     return *matrix_;
   }
   /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
-  void release();
+  void give_back_memory();
   /// Sets up the multigrid for the coefficients given to matrix().
   void set_up();
+  /// For a body that nothing holds, Width 1: from now on iterates in the space without rigid motions. Loads
+  /// must balance themselves. `motions` must outlive the solver.
+  void keep_free_of(const FreeMotions<Problem::dim>& motions) { free_motions_ = &motions; }
   /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the
   /// same again, for further right-hand sides of these systems.
   void set_up_from_half(int count);
@@ -84,13 +71,16 @@ class LaneCg {
   template <int Other>
   void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
   void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
-  void iterate(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+  void iterate(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void find_islands();
-  void precondition(const LaneArray& rest);
-  void turn(const Scalars& beta, bool first);
-  Scalars advance(const Scalars& alpha, LaneArray& rest, LaneArray& solution);
+  void precondition(const LaneArray& residual);
+  void update_direction(const Scalars& beta, bool first);
+  Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
+  void balance(LaneArray& residual);
+  /// Whether free_motions_ can be given.
+  static constexpr bool may_be_free = Problem::own_operators && Width == 1;
   void judge(State& state, const Scalars& size, const Scalars& length, const LaneStop& stop) const;
-  bool narrow(State& state, LaneArray& rest, LaneArray& solution, const LaneStop& stop);
+  bool narrow(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
 
   LaneHierarchy<Problem::dim>& hierarchy_;
   const Problem& problem_;
@@ -99,9 +89,10 @@ class LaneCg {
   std::unique_ptr<Multigrid> multigrid_;
   std::array<bool, Width> positive_{};
   LaneArray direction_, image_;
-  LaneValues<float> rounded_rest_, preconditioned_;
+  LaneValues<float> rounded_residual_, preconditioned_;
   std::unique_ptr<IslandMap<Problem::dim>> island_map_;
   IslandModes<Problem, Width> islands_;
+  const FreeMotions<Problem::dim>* free_motions_ = nullptr;
   LaneArray corrected_, left_over_;  ///< of the rigid motions, if there are islands
   std::unique_ptr<Half> half_;       ///< made at first use
 };

@@ -25,16 +25,16 @@ void LaneCg<Problem, Width>::allocate() {
   matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
   multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
   for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
-  for (auto* array : {&rounded_rest_, &preconditioned_}) array->resize(matrix_->size());
+  for (auto* array : {&rounded_residual_, &preconditioned_}) array->resize(matrix_->size());
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::release() {
+void LaneCg<Problem, Width>::give_back_memory() {
   matrix_.reset();
   multigrid_.reset();
   half_.reset();
   for (LaneArray* array : {&direction_, &image_, &corrected_, &left_over_}) free_memory(*array);
-  for (auto* array : {&rounded_rest_, &preconditioned_}) free_memory(*array);
+  for (auto* array : {&rounded_residual_, &preconditioned_}) free_memory(*array);
 }
 
 template <class Problem, int Width>
@@ -95,7 +95,7 @@ void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& sol
       state.length = matrix_->dot(solution.data(), solution.data());
     }
   }
-  std::copy(load.begin(), load.end(), rounded_rest_.begin());
+  std::copy(load.begin(), load.end(), rounded_residual_.begin());
 }
 
 /// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution,
@@ -121,7 +121,7 @@ void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scal
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& solution,
+void LaneCg<Problem, Width>::iterate(State& state, LaneArray& residual, LaneArray& solution,
                                      const LaneStop& stop) {
   const MPI_Comm comm = matrix_->level().comm;
   const auto any_active = [&] {
@@ -129,10 +129,10 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
   };
   while (any_active()) {
     multigrid_->be_patient(state.iteration >= cycle_.patience);
-    precondition(rest);
+    precondition(residual);
     // The image is none before the first iteration: what it adds then is not used.
     const auto products =
-        matrix_->dots(preconditioned_.data(), preconditioned_.data(), rest.data(), image_.data());
+        matrix_->dots(preconditioned_.data(), preconditioned_.data(), residual.data(), image_.data());
     // A request to stop travels along: all ranks follow it in the same iteration.
     const Scalars stops{stop_requested() ? 1.0 : 0.0};
     std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
@@ -147,7 +147,7 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
       beta[lane] = moves ? -overlap[lane] / state.energy[lane] : 0.0;
       state.decrease[lane] = decrease[lane];
     }
-    turn(beta, state.iteration == 0);
+    update_direction(beta, state.iteration == 0);
     state.energy = matrix_->apply(direction_.data(), image_.data());
     sum_in_place(comm, state.energy);
     for (int lane = 0; lane < Width; ++lane) {
@@ -155,28 +155,31 @@ void LaneCg<Problem, Width>::iterate(State& state, LaneArray& rest, LaneArray& s
       alpha[lane] = moves ? state.decrease[lane] / state.energy[lane] : 0.0;
       state.spectrum[lane].add(alpha[lane], beta[lane]);
     }
-    state.length = advance(alpha, rest, solution);
+    state.length = advance(alpha, residual, solution);
+    balance(residual);
     ++state.iteration;
-    if (narrow(state, rest, solution, stop)) return;
+    if (narrow(state, residual, solution, stop)) return;
   }
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::precondition(const LaneArray& rest) {
-  multigrid_->apply(rounded_rest_.data(), preconditioned_.data());
+void LaneCg<Problem, Width>::precondition(const LaneArray& residual) {
+  multigrid_->apply(rounded_residual_.data(), preconditioned_.data());
+  if constexpr (may_be_free)
+    if (free_motions_ != nullptr) free_motions_->remove(preconditioned_);
   if constexpr (Problem::own_operators) {
     if (islands_.empty()) return;
     corrected_.assign(preconditioned_.begin(), preconditioned_.end());
-    left_over_.resize(rest.size());
+    left_over_.resize(residual.size());
     matrix_->apply(corrected_.data(), left_over_.data());
-    for (std::size_t i = 0; i < rest.size(); ++i) left_over_[i] = rest[i] - left_over_[i];
+    for (std::size_t i = 0; i < residual.size(); ++i) left_over_[i] = residual[i] - left_over_[i];
     islands_.add_correction(matrix_->level(), left_over_.data(), preconditioned_.data());
   }
 }
 
 /// direction = preconditioned residual + beta direction
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::turn(const Scalars& beta, bool first) {
+void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
   using Value = Lanes<Width>;
   const auto factor = Value::load(beta.data());
   for (std::size_t i = 0; i < direction_.size(); i += Width) {
@@ -186,12 +189,12 @@ void LaneCg<Problem, Width>::turn(const Scalars& beta, bool first) {
   }
 }
 
-/// solution += alpha direction, rest -= alpha image; this rank's part of |solution|^2.
+/// solution += alpha direction, residual -= alpha image; this rank's part of |solution|^2.
 template <class Problem, int Width>
-LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& rest,
+LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& residual,
                                                    LaneArray& solution) {
   using Value = Lanes<Width>;
-  constexpr std::size_t block = Operator::block;
+  constexpr std::size_t node_values = Operator::node_values;
   const auto factor = Value::load(alpha.data());
   auto squares = Value::zero();
   std::size_t next = 0;
@@ -200,19 +203,29 @@ LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArr
       const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
       value.store(&solution[next]);
       if (counted) squares += value * value;
-      const auto left = Value::load(&rest[next]) - factor * Value::load(&image_[next]);
-      left.store(&rest[next]);
-      left.store(&rounded_rest_[next]);
+      const auto left = Value::load(&residual[next]) - factor * Value::load(&image_[next]);
+      left.store(&residual[next]);
+      left.store(&rounded_residual_[next]);
     }
   };
   for (const auto& range : matrix_->level().counted) {
-    advance_to(range.begin * block, false);
-    advance_to(range.end * block, true);
+    advance_to(range.begin * node_values, false);
+    advance_to(range.end * node_values, true);
   }
-  advance_to(rest.size(), false);
+  advance_to(residual.size(), false);
   Scalars result;
   squares.store(result.data());
   return result;
+}
+
+/// Resultants that rounding leaves would stay, and outweigh what is left of the residual in the end.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::balance(LaneArray& residual) {
+  if constexpr (may_be_free) {
+    if (free_motions_ == nullptr) return;
+    free_motions_->balance(residual);
+    std::copy(residual.begin(), residual.end(), rounded_residual_.begin());
+  }
 }
 
 template <class Problem, int Width>
@@ -229,8 +242,7 @@ void LaneCg<Problem, Width>::copy_set_up(LaneCg<Problem, Other>& other, std::spa
   multigrid_->template select<Other>(*other.multigrid_, lanes);
   matrix_->template select<Other>(*other.matrix_, lanes);
   if constexpr (Problem::own_operators) islands_.template select<Other>(other.islands_, lanes);
-  for (int lane = 0; lane < Width; ++lane)
-    positive_[lane] = other.positive_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+  for (int lane = 0; lane < Width; ++lane) positive_[lane] = other.positive_[selected(lanes, lane)];
 }
 
 template <class Problem, int Width>
@@ -244,7 +256,7 @@ void LaneCg<Problem, Width>::set_up_from_half(int count) {
 
 /// Lets the lanes that are left go on in a solver half as wide; false if there are too many.
 template <class Problem, int Width>
-bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& solution,
+bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& residual, LaneArray& solution,
                                     const LaneStop& stop) {
   if constexpr (Width == 1) {
     return false;
@@ -271,13 +283,13 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& rest, LaneArray& so
       narrower.spectrum[i] = state.spectrum[lanes[i]];
       narrower.outcome[i] = state.outcome[lanes[i]];
     }
-    LaneArray half_rest, half_solution;
-    select_lanes(rest, Width, lanes, half_rest, half_width);
-    select_lanes(rounded_rest_, Width, lanes, half_->rounded_rest_, half_width);
+    LaneArray half_residual, half_solution;
+    select_lanes(residual, Width, lanes, half_residual, half_width);
+    select_lanes(rounded_residual_, Width, lanes, half_->rounded_residual_, half_width);
     select_lanes(solution, Width, lanes, half_solution, half_width);
     select_lanes(direction_, Width, lanes, half_->direction_, half_width);
     select_lanes(image_, Width, lanes, half_->image_, half_width);
-    half_->iterate(narrower, half_rest, half_solution, stop);
+    half_->iterate(narrower, half_residual, half_solution, stop);
     for (int i = 0; i < std::min(count, half_width); ++i) {
       state.outcome[lanes[i]] = narrower.outcome[i];
       for (std::size_t at = 0; at < solution.size() / Width; ++at)

@@ -18,7 +18,7 @@ namespace fabseq {
 /// One level. A level is either distributed like the grid or agglomerated: held whole by every rank.
 template <int Dim>
 struct LaneLevel {
-  /// Half-open.
+  /// Nodes begin ... end - 1.
   struct Range {
     std::int64_t begin = 0, end = 0;
   };
@@ -34,12 +34,15 @@ struct LaneLevel {
   Index<Dim> factors{};              ///< to the next level: 2 along coarsened axes
   std::vector<std::int64_t> parent;  ///< element of the next level that each element is in
   LaneTransfer<Dim> transfer;        ///< to the next level
+
+  /// Positions of the mesh's nodes, from the grid's origin, in its unit of length.
+  std::vector<Point<Dim>> node_positions() const;
 };
 
-/// Sums [node][entry], `block` entries a node, over the holders of shared nodes. Collective on the level's
+/// Sums [node][entry], `entries` per node, over the holders of shared nodes. Collective on the level's
 /// communicator.
 template <int Dim, class Real>
-void sum_over_holders(LaneLevel<Dim>& level, Real* values, int block);
+void sum_over_holders(LaneLevel<Dim>& level, Real* values, int entries);
 
 /// Coarsens an axis as long as its elements are no longer than about those of the others, to a last level of
 /// a few hundred elements. The grid is padded with nothing to even counts: any count coarsens.
@@ -48,7 +51,7 @@ class LaneHierarchy {
  public:
   /// The last level has at most this many elements, if the axes allow it.
   static constexpr std::int64_t coarsest_elements = 600;
-  /// Levels with fewer elements a rank are agglomerated.
+  /// Levels with fewer elements per rank are agglomerated.
   static constexpr std::int64_t agglomeration_limit = 400;
 
   /// Collective on the grid's communicator. Nodes of no element are not in the hierarchy.
@@ -57,7 +60,8 @@ class LaneHierarchy {
   int count() const { return static_cast<int>(levels_.size()); }
   LaneLevel<Dim>& level(int index) { return levels_[index]; }
   const LaneLevel<Dim>& level(int index) const { return levels_[index]; }
-  int components() const { return components_; }
+  /// Numbers of the domain's elements, in its order, in the finest mesh. `domain`: that of the hierarchy.
+  std::vector<std::int64_t> element_numbers(const SystemDomain& domain) const;
 
   /// Factors from a level of `active` elements to the next; all 1 if it is small enough to be the last.
   static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
@@ -82,6 +86,8 @@ class LaneHierarchy {
   std::deque<LaneLevel<Dim>> levels_;
 };
 
+extern template struct LaneLevel<2>;
+extern template struct LaneLevel<3>;
 extern template void sum_over_holders(LaneLevel<2>&, double*, int);
 extern template void sum_over_holders(LaneLevel<3>&, double*, int);
 extern template void sum_over_holders(LaneLevel<2>&, float*, int);

@@ -26,7 +26,7 @@ class LaneLayout {
   void to_owned(const LaneArray& mesh, int width, LaneVector& owned) const;
 
   /// Gives back the memory that it keeps for the next call.
-  void release() const { free_memory(ghosted_); }
+  void give_back_memory() const { free_memory(ghosted_); }
 
  private:
   const Grid<Dim>& grid_;

@@ -44,7 +44,7 @@ class LaneMultigrid {
  public:
   static constexpr int dim = Problem::dim;
   static constexpr int components = Problem::components;
-  static constexpr int block = components * Width;
+  static constexpr int node_values = components * Width;
   using Operator = LaneOperator<Problem, Width, Real>;
   using Scalars = LaneScalars<Width>;
 
@@ -53,7 +53,7 @@ class LaneMultigrid {
 
   Operator& finest() { return *levels_.front().matrix; }
   /// To be called when the finest level's coefficients have been filled in. False in lanes whose last level
-  /// is not positive definite (then their operators are not).
+  /// is not positive definite: their operators are not, either.
   std::array<bool, Width> set_up();
   /// Takes over lanes of a wider multigrid on the same hierarchy, without setting up.
   template <int Wider>
@@ -71,9 +71,9 @@ class LaneMultigrid {
 
   struct Level {
     std::unique_ptr<Operator> matrix;
-    Array residual, step;                            ///< of the smoother
-    Array right, solution;                           ///< below the finest
-    Array rest, direction, image, scratch, product;  ///< of conjugate gradients
+    Array residual, step;                                   ///< of the smoother
+    Array right, solution;                                  ///< below the finest
+    Array cg_residual, direction, image, scratch, product;  ///< of conjugate gradients
   };
   void coarsen_coefficients(int level);
   std::array<bool, Width> factor();

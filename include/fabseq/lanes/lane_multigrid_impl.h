@@ -29,7 +29,7 @@ LaneMultigrid<Problem, Width, Real>::LaneMultigrid(LaneHierarchy<dim>& hierarchy
       level.right.resize(size);
       level.solution.resize(size);
     }
-    for (Array* array : {&level.rest, &level.direction, &level.image, &level.scratch, &level.product})
+    for (Array* array : {&level.cg_residual, &level.direction, &level.image, &level.scratch, &level.product})
       if (iterated) array->resize(size);
   }
   const auto& last = hierarchy.level(hierarchy.count() - 1);
@@ -118,7 +118,7 @@ void LaneMultigrid<Problem, Width, Real>::select(LaneMultigrid<Problem, Wider, R
     levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
   for (int lane = 0; lane < factors; ++lane) {
     if constexpr (Problem::own_operators)
-      factors_[lane] = from.factors_[lane < static_cast<int>(lanes.size()) ? lanes[lane] : lanes[0]];
+      factors_[lane] = from.factors_[selected(lanes, lane)];
     else
       factors_[lane] = from.factors_[lane];  // the one for all lanes
   }
@@ -154,7 +154,7 @@ void LaneMultigrid<Problem, Width, Real>::restrict_residual(int index) {
   std::fill(below.right.begin(), below.right.end(), Real{0});
   fine.transfer.template restrict_add<components, Width>(levels_[index].residual.data(), below.right.data());
   if (coarse.distributed)
-    sum_over_holders(coarse, below.right.data(), block);
+    sum_over_holders(coarse, below.right.data(), node_values);
   else if (fine.distributed)
     sum_in_place(fine.comm, std::span<Real>(below.right));
   below.matrix->clear_held(below.right.data());
@@ -180,13 +180,14 @@ void LaneMultigrid<Problem, Width, Real>::iterate(int index, int steps) {
   visit(index, level.right.data(), level.solution.data());
   for (int step = 1; step < steps; ++step) {
     level.matrix->apply(level.solution.data(), level.image.data());
-    for (std::size_t i = 0; i < level.rest.size(); ++i) level.rest[i] = level.right[i] - level.image[i];
-    visit(index, level.rest.data(), level.scratch.data());
-    for (std::size_t i = 0; i < level.rest.size(); ++i) level.solution[i] += level.scratch[i];
+    for (std::size_t i = 0; i < level.cg_residual.size(); ++i)
+      level.cg_residual[i] = level.right[i] - level.image[i];
+    visit(index, level.cg_residual.data(), level.scratch.data());
+    for (std::size_t i = 0; i < level.cg_residual.size(); ++i) level.solution[i] += level.scratch[i];
   }
 }
 
-/// Flexible conjugate gradients with one reduction a step: with z = M r and w = K z, the new direction
+/// Flexible conjugate gradients with one reduction per step: with z = M r and w = K z, the new direction
 /// p = z - (z.q / p.q) p_old has the image q = w - (z.q / p.q) q_old and p.q = z.w - (z.q)^2 / p.q_old.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int steps) {
@@ -195,8 +196,8 @@ void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int ste
   Scalars energy;  // p . K p
   energy.fill(0.0);
   for (int step = 0; step < steps; ++step) {
-    const Array& rest = step == 0 ? level.right : level.rest;
-    visit(index, rest.data(), level.scratch.data());
+    const Array& residual = step == 0 ? level.right : level.cg_residual;
+    visit(index, residual.data(), level.scratch.data());
     std::array<double, static_cast<std::size_t>(3) * Width> sums{};
     const Scalars own = matrix.apply(level.scratch.data(), level.product.data());
     const auto put = [&](int which, const Scalars& values) {
@@ -204,9 +205,9 @@ void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int ste
     };
     put(0, own);
     if (step == 0) {
-      put(1, matrix.dot(level.scratch.data(), rest.data()));
+      put(1, matrix.dot(level.scratch.data(), residual.data()));
     } else {
-      const auto both = matrix.dots(level.scratch.data(), rest.data(), level.image.data());
+      const auto both = matrix.dots(level.scratch.data(), residual.data(), level.image.data());
       put(1, both[0]);
       put(2, both[1]);
     }
@@ -229,22 +230,22 @@ template <bool First>
 void LaneMultigrid<Problem, Width, Real>::advance(Level& level, const Scalars& alpha, const Scalars& beta,
                                                   bool last) {
   using Value = Lanes<Width, Real>;
-  const auto length = Value::load(alpha.data()), turn = Value::load(beta.data());
+  const auto length = Value::load(alpha.data()), momentum = Value::load(beta.data());
   for (std::size_t i = 0; i < level.solution.size(); i += Width) {
     auto direction = Value::load(&level.scratch[i]);
-    if constexpr (!First) direction += turn * Value::load(&level.direction[i]);
+    if constexpr (!First) direction += momentum * Value::load(&level.direction[i]);
     auto change = length * direction;
     if constexpr (!First) change += Value::load(&level.solution[i]);
     direction.store(&level.direction[i]);
     change.store(&level.solution[i]);
   }
   if (last) return;
-  const Array& rest = First ? level.right : level.rest;
-  for (std::size_t i = 0; i < level.rest.size(); i += Width) {
+  const Array& residual = First ? level.right : level.cg_residual;
+  for (std::size_t i = 0; i < level.cg_residual.size(); i += Width) {
     auto image = Value::load(&level.product[i]);
-    if constexpr (!First) image += turn * Value::load(&level.image[i]);
+    if constexpr (!First) image += momentum * Value::load(&level.image[i]);
     image.store(&level.image[i]);
-    (Value::load(&rest[i]) - length * image).store(&level.rest[i]);
+    (Value::load(&residual[i]) - length * image).store(&level.cg_residual[i]);
   }
 }
 

@@ -21,7 +21,7 @@ class LaneOperator {
  public:
   static constexpr int dim = Problem::dim;
   static constexpr int components = Problem::components;
-  static constexpr int block = components * Width;
+  static constexpr int node_values = components * Width;
   using Kernel = typename Problem::template Kernel<Width, Real>;
   using Scaling = NodeScaling<Problem, Width, Real>;
   using Scalars = LaneScalars<Width>;
@@ -31,14 +31,14 @@ class LaneOperator {
       : level_(level),
         matrices_(problem.matrices(level.spacing)),
         coefficients_(static_cast<std::size_t>(level.mesh.elements()) * Kernel::stride),
-        window_(static_cast<std::size_t>(level.mesh.window()) * block),
-        shared_(level.shared.nodes().size() * block) {}
+        window_(static_cast<std::size_t>(level.mesh.window()) * node_values),
+        shared_(level.shared.nodes().size() * node_values) {}
 
   LaneLevel<dim>& level() { return level_; }
   const typename Problem::Matrices& matrices() const { return matrices_; }
   /// Values of a vector on this rank.
-  std::size_t size() const { return static_cast<std::size_t>(level_.mesh.nodes()) * block; }
-  /// As the kernel takes them; to be filled, then set_up().
+  std::size_t size() const { return static_cast<std::size_t>(level_.mesh.nodes()) * node_values; }
+  /// The coefficients as the kernel takes them; to be filled in before set_up().
   LaneValues<Real>& coefficients() { return coefficients_; }
   /// What smooth() needs.
   void set_up() { scaling_.set_up(level_, matrices_, coefficients_.data()); }
@@ -118,10 +118,10 @@ void LaneOperator<Problem, Width, Real>::complete_sweep(const Real* x, Finish&& 
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(),
         [&](std::int64_t node, const Values& sums) { finish(node, sums, true); });
   if (!level_.distributed) return;
-  level_.shared.sum(std::span<Real>(shared_), block);
+  level_.shared.sum(std::span<Real>(shared_), node_values);
   const auto& nodes = level_.shared.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    finish(nodes[i], load(&shared_[i * block]), level_.shared.counted()[i] != 0);
+    finish(nodes[i], load(&shared_[i * node_values]), level_.shared.counted()[i] != 0);
 }
 
 template <class Problem, int Width, class Real>
@@ -131,9 +131,9 @@ LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const Real* x, Real
   const bool past_caches = size() * sizeof(Real) > cache_bytes;
   complete_sweep(x, [&](std::int64_t node, const Values& sums, bool counted) {
     for (int a = 0; a < components; ++a) {
-      Real* const place = y + node * block + a * Width;
+      Real* const place = y + node * node_values + a * Width;
       put(sums[a], place, past_caches);
-      if (counted) products[a] += widened(Value::load(x + node * block + a * Width) * sums[a]);
+      if (counted) products[a] += widened(Value::load(x + node * node_values + a * Width) * sums[a]);
     }
   });
   clear_held(y);
@@ -150,15 +150,15 @@ void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
   const bool past_caches = size() * sizeof(Real) > cache_bytes;
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), [&](std::int64_t node, const Values& sums) {
-    const Values right = load(b + node * block);
+    const Values right = load(b + node * node_values);
     for (int a = 0; a < components; ++a)
-      put(right[a] - sums[a], residual + node * block + a * Width, past_caches);
+      put(right[a] - sums[a], residual + node * node_values + a * Width, past_caches);
   });
   const auto& nodes = level_.shared.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (int entry = 0; entry < block; ++entry) {
-      const std::size_t at = static_cast<std::size_t>(nodes[i]) * block + entry;
-      residual[at] = (level_.shared.counted()[i] != 0 ? b[at] : Real{0}) - shared_[i * block + entry];
+    for (int entry = 0; entry < node_values; ++entry) {
+      const std::size_t at = static_cast<std::size_t>(nodes[i]) * node_values + entry;
+      residual[at] = (level_.shared.counted()[i] != 0 ? b[at] : Real{0}) - shared_[i * node_values + entry];
     }
   clear_held(residual);
 }
@@ -166,8 +166,8 @@ void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real
 template <class Problem, int Width, class Real>
 void LaneOperator<Problem, Width, Real>::first_step_from_zero(const Real* b, Real* x, Real scale) const {
   for (std::int64_t node = 0; node < level_.mesh.nodes(); ++node) {
-    const Values scaled = scaling_.apply(node, load(b + node * block));
-    for (int a = 0; a < components; ++a) (scaled[a] * scale).store(x + node * block + a * Width);
+    const Values scaled = scaling_.apply(node, load(b + node * node_values));
+    for (int a = 0; a < components; ++a) (scaled[a] * scale).store(x + node * node_values + a * Width);
   }
 }
 
@@ -179,15 +179,15 @@ void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, R
   complete_sweep(x, [&](std::int64_t node, const Values& sums, bool) {
     constexpr std::int64_t ahead = 24;  // nodes, for the processor to have them when they are due
     scaling_.prefetch(node + ahead);
-    for (int entry = 0; entry < block; entry += cache_line)
-      __builtin_prefetch(b + (node + ahead) * block + entry);
+    for (int entry = 0; entry < node_values; entry += cache_line)
+      __builtin_prefetch(b + (node + ahead) * node_values + entry);
     Values difference;
-    const Values right = load(b + node * block);
+    const Values right = load(b + node * node_values);
     for (int a = 0; a < components; ++a) difference[a] = right[a] - sums[a];
     const Values scaled = scaling_.apply(node, difference);
     for (int a = 0; a < components; ++a) {
-      Real* const place = x + node * block + a * Width;
-      Real* const step_place = step + node * block + a * Width;
+      Real* const place = x + node * node_values + a * Width;
+      Real* const step_place = step + node * node_values + a * Width;
       const auto value = Value::load(place);
       auto change = scaled[a] * scale;
       if constexpr (HasOld) change += (OldIsX ? value : Value::load(step_place)) * momentum;

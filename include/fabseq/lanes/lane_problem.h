@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What the lane solver needs to know of a differential operator: elasticity a layer a lane, or conduction
-/// with a right-hand side a lane.
+/// What the lane solver needs to know of a differential operator: elasticity with one layer per lane, or
+/// conduction with one right-hand side per lane.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -57,7 +57,7 @@ class LaneElasticityProblem {
   double thickness_, poisson_;
 };
 
-/// Conduction with a reaction term (docs/formulation.md 2.1): one operator, a right-hand side a lane.
+/// Conduction with a reaction term (docs/formulation.md 2.1): one operator, one right-hand side per lane.
 template <int Dim>
 class LaneHeatProblem {
  public:

@@ -28,8 +28,8 @@ template <class Modes>
         }
 }
 
-/// Begins sweep_row for one system with one unknown a node: elements of the row take the places of the lanes.
-/// Passes as many as come in whole registers; the number of these.
+/// Begins sweep_row for one system with one unknown per node: elements of the row take the places of the
+/// lanes. Passes as many as come in whole registers; the number of these.
 template <class Kernel, class Finish>
 [[gnu::always_inline]] inline int sweep_across(const typename LaneMesh<Kernel::dim>::Row& row,
                                                const Kernel& kernel, const typename Kernel::Number* x,
@@ -80,7 +80,7 @@ template <class Kernel, class Finish>
   constexpr int face = LaneMesh<Kernel::dim>::face_corners;
   constexpr int components = Kernel::components;
   constexpr int width = Kernel::width;
-  constexpr int block = components * width;
+  constexpr int node_values = components * width;
   using Number = typename Kernel::Number;
   using Value = Lanes<width, Number>;
   constexpr int cache_line = 64 / sizeof(Number);
@@ -88,15 +88,15 @@ template <class Kernel, class Finish>
   std::array<const Number*, face> from;
   std::array<Number*, face> to;
   for (int corner = 0; corner < face; ++corner) {
-    from[corner] = x + row.node[corner] * block;
-    to[corner] = window + row.slot[corner] * block;
+    from[corner] = x + row.node[corner] * node_values;
+    to[corner] = window + row.slot[corner] * node_values;
   }
   const auto read = [&](std::int64_t i, Modes & modes) __attribute__((always_inline)) {
 #pragma GCC unroll 4
     for (int corner = 0; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a)
-        modes[a][corner] = Value::load(from[corner] + i * block + a * width);
+        modes[a][corner] = Value::load(from[corner] + i * node_values + a * width);
     transform_face(modes);
   };
   const auto add = [&](std::int64_t i, Modes & forces) __attribute__((always_inline)) {
@@ -105,7 +105,7 @@ template <class Kernel, class Finish>
     std::array<Value, components> values;
 #pragma GCC unroll 3
     for (int a = 0; a < components; ++a) {
-      Number* place = to[0] + i * block + a * width;
+      Number* place = to[0] + i * node_values + a * width;
       values[a] = Value::load(place) + forces[a][0];
       (last ? Value::zero() : values[a]).store(place);
     }
@@ -113,7 +113,7 @@ template <class Kernel, class Finish>
     for (int corner = 1; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a) {
-        Number* place = to[corner] + i * block + a * width;
+        Number* place = to[corner] + i * node_values + a * width;
         (Value::load(place) + forces[a][corner]).store(place);
       }
     if (last) finish(row.node[0] + i, values);
@@ -122,14 +122,14 @@ template <class Kernel, class Finish>
   const auto pass = [&](std::int64_t i, const Modes& lower, Modes& upper, Modes& lower_forces,
                         Modes& upper_forces) __attribute__((always_inline)) {
     // What the next row needs and this one does not: the line behind its upper corners.
-    for (int a = 0; a < block; a += cache_line)
-      __builtin_prefetch(from[face - 1] + (i + row.length + 1) * block + a);
+    for (int a = 0; a < node_values; a += cache_line)
+      __builtin_prefetch(from[face - 1] + (i + row.length + 1) * node_values + a);
     kernel.prefetch(row.element + i + row.length);
     read(i + 1, upper);
     kernel.apply(row.element + i, lower, upper, lower_forces, upper_forces);
     add(i, lower_forces);
   };
-  // Two elements a turn: the faces change roles instead of being copied.
+  // Two elements per pass: the faces change roles instead of being copied.
   int i = 0;
   if constexpr (width == 1 && components == 1) i = sweep_across(row, kernel, x, window, finish);
   Modes even, odd, even_forces, odd_forces;
@@ -156,7 +156,7 @@ void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typena
            typename Kernel::Number* window, typename Kernel::Number* shared, Finish&& finish) {
   constexpr int width = Kernel::width;
   constexpr int components = Kernel::components;
-  constexpr int block = components * width;
+  constexpr int node_values = components * width;
   using Number = typename Kernel::Number;
   using Value = Lanes<width, Number>;
   for (const auto& line : mesh.lines()) {
@@ -164,8 +164,8 @@ void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typena
       sweep_row(mesh.rows()[row], kernel, x, window, finish);
     for (int s = line.first_segment; s < line.last_segment; ++s) {
       const auto& segment = mesh.segments()[s];
-      Number* sums = window + segment.slot * block;
-      for (int i = 0; i < segment.length; ++i, sums += block) {
+      Number* sums = window + segment.slot * node_values;
+      for (int i = 0; i < segment.length; ++i, sums += node_values) {
         std::array<Value, components> values;
         for (int a = 0; a < components; ++a) {
           values[a] = Value::load(sums + a * width);
@@ -175,7 +175,7 @@ void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typena
           finish(segment.node + i, values);
         else
           for (int a = 0; a < components; ++a)
-            values[a].store(shared + (segment.shared + i) * block + a * width);
+            values[a].store(shared + (segment.shared + i) * node_values + a * width);
       }
     }
   }

@@ -48,20 +48,20 @@ class LaneTransfer {
 template <int Dim>
 template <int Components, int Width, class Real>
 void LaneTransfer<Dim>::prolong_add(const Real* coarse, Real* fine) const {
-  constexpr int block = Components * Width;
+  constexpr int node_values = Components * Width;
   for (const Run& run : runs_) {
     const Real weight = Real{1} / static_cast<Real>(run.lines);
     const auto mean = [&](std::int64_t i) {
       Values<Components, Width, Real> values;
       for (int a = 0; a < Components; ++a) {
-        auto sum = Lanes<Width, Real>::load(coarse + (run.coarse[0] + i) * block + a * Width);
+        auto sum = Lanes<Width, Real>::load(coarse + (run.coarse[0] + i) * node_values + a * Width);
         for (int line = 1; line < run.lines; ++line)
-          sum += Lanes<Width, Real>::load(coarse + (run.coarse[line] + i) * block + a * Width);
+          sum += Lanes<Width, Real>::load(coarse + (run.coarse[line] + i) * node_values + a * Width);
         values[a] = sum * weight;
       }
       return values;
     };
-    Real* place = fine + run.fine * block;
+    Real* place = fine + run.fine * node_values;
     const auto add = [&](const Values<Components, Width, Real>& values) {
       for (int a = 0; a < Components; ++a, place += Width)
         (Lanes<Width, Real>::load(place) + values[a]).store(place);
@@ -93,10 +93,10 @@ void LaneTransfer<Dim>::prolong_add(const Real* coarse, Real* fine) const {
 template <int Dim>
 template <int Components, int Width, class Real>
 void LaneTransfer<Dim>::restrict_add(const Real* fine, Real* coarse) const {
-  constexpr int block = Components * Width;
+  constexpr int node_values = Components * Width;
   for (const Run& run : runs_) {
     const Real weight = Real{1} / static_cast<Real>(run.lines);
-    const Real* place = fine + run.fine * block;
+    const Real* place = fine + run.fine * node_values;
     const auto read = [&] {
       Values<Components, Width, Real> values;
       for (int a = 0; a < Components; ++a, place += Width) values[a] = Lanes<Width, Real>::load(place);
@@ -105,7 +105,7 @@ void LaneTransfer<Dim>::restrict_add(const Real* fine, Real* coarse) const {
     const auto add = [&](std::int64_t i, const Values<Components, Width, Real>& values) {
       for (int line = 0; line < run.lines; ++line)
         for (int a = 0; a < Components; ++a) {
-          Real* to = coarse + (run.coarse[line] + i) * block + a * Width;
+          Real* to = coarse + (run.coarse[line] + i) * node_values + a * Width;
           (Lanes<Width, Real>::load(to) + values[a] * weight).store(to);
         }
     };

@@ -23,8 +23,8 @@ constexpr int register_bytes = 16;
 /// Doubles in it.
 constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(double));
 
-/// `Width` numbers (a power of two), one a system, in as few registers as hold them. Arithmetic is lane by
-/// lane; an operation is an instruction a register. `Real`: double or float.
+/// `Width` numbers (a power of two), one per system, in as few registers as hold them. Arithmetic is lane by
+/// lane; an operation is one instruction per register. `Real`: double or float.
 template <int Width, class Real = double>
 struct Lanes {
   static constexpr int part_width = std::min(Width, register_bytes / static_cast<int>(sizeof(Real)));

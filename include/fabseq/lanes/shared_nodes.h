@@ -15,7 +15,7 @@
 namespace fabseq {
 
 /// The nodes of a rank's mesh that other ranks' meshes hold, too, and how to sum over their holders. Every
-/// holder gets the very same bits. The values of all lanes travel in one message a neighbour.
+/// holder gets the very same bits. The values of all lanes travel in one message per neighbour.
 class SharedNodes {
  public:
   /// Nobody else.
@@ -29,10 +29,10 @@ class SharedNodes {
   /// Whether this rank is the one that counts a node in inner products, by position.
   const std::vector<char>& counted() const { return counted_; }
 
-  /// Sums `values`, [position][entry] with `block` entries a node, over the holders of each node. Collective.
+  /// Sums `values`, [position][entry] with `entries` per node, over the holders of each node. Collective.
   /// `Real`: double or float.
   template <class Real>
-  void sum(std::span<Real> values, int block);
+  void sum(std::span<Real> values, int entries);
 
  private:
   struct Neighbor {
@@ -41,7 +41,7 @@ class SharedNodes {
   };
   template <class Real>
   struct Buffers {
-    std::vector<std::vector<Real>> outgoing, incoming;  ///< a neighbour each
+    std::vector<std::vector<Real>> outgoing, incoming;  ///< one per neighbour
     std::vector<Real> own;
   };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Cycle of the lane multigrid.
+/// The cycle of the lane multigrid.
 #pragma once
 
 namespace fabseq {

@@ -12,7 +12,7 @@ namespace fabseq {
 /// of motions the preconditioner hardly sees.
 class SpectrumEstimate {
  public:
-  /// A step of length `alpha` along a direction that was turned by `beta` (0 in the first step).
+  /// A step of length `alpha` along a direction that kept `beta` times the one before (0 in the first step).
   void add(double alpha, double beta);
   /// Estimate of the smallest eigenvalue; 1 before the first step.
   double smallest() const;

@@ -17,7 +17,7 @@ struct LayerBlock {
 /// How the work of a block follows from that of its layers.
 enum class BlockSolver {
   lanes,      ///< side by side: lanes that are done leave when half of them are
-  one_by_one  ///< a layer after the other
+  one_by_one  ///< one layer after the other
 };
 
 /// Work of a block in units of a full block's iteration. `work`: iterations of each of its layers, 1 to 8.
@@ -32,7 +32,8 @@ struct LayerDeal {
 /// Deals layers out to `groups` in blocks of `widest` layers (a power of two, at most 8) and one of the rest,
 /// the block with most work first, each to the group with least so far. Blocks are halved, as long as that
 /// pays: while there are fewer of them than groups, or they do not add up to equal sums. A single group gets
-/// whole blocks. The same arguments give the same deal. \param work  expected work of each layer, iterations
+/// whole blocks. The same arguments give the same deal.
+/// `work`: expected iterations of each layer.
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver);
 
 }  // namespace fabseq

@@ -16,7 +16,7 @@ namespace fabseq {
 /// the same way, and solves for its share of the layers. So rank p of every group has the same elements and
 /// nodes: its *copies* are the ranks p of the other groups. Rank = group * (ranks of a group) + p.
 ///
-/// Fields are the same on all copies, bit for bit, but what has an entry a design variable is split among
+/// Fields are the same on all copies, bit for bit, but what has one entry per design variable is split among
 /// them: each has a *share*, a contiguous range of the entries. All calls but the plain queries are
 /// collective on across().
 class LayerGroups {

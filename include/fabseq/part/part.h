@@ -69,8 +69,8 @@ class Part {
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
-  /// Owned part elements (density > 0): offsets in Grid::owned_elements(), ascending. "Part fields" have an
-  /// entry for each.
+  /// Owned part elements (density > 0): offsets in Grid::owned_elements(), ascending. "Part fields" have one
+  /// entry per part element.
   const std::vector<int>& elements() const { return elements_; }
   /// Density of each part element (a part field).
   const std::vector<double>& part_density() const { return part_density_; }

@@ -17,7 +17,7 @@ struct BuildPlate {
   int axis = 2;
   bool upper = false;  ///< at the upper end of the axis
 
-  /// As in the config: "z-".
+  /// The face as the config writes it: "z-".
   std::string name() const { return std::string(1, "xyz"[axis]) + (upper ? "+" : "-"); }
   /// Whether an element of a grid with so many elements has a face on the plate.
   template <int Dim>

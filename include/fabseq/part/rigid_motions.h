@@ -4,8 +4,8 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/grid/rigid_fit.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -18,9 +18,6 @@ namespace fabseq {
 template <int Dim>
 class RigidMotions {
  public:
-  static constexpr int count = Dim * (Dim + 1) / 2;
-  using Amplitudes = std::array<double, count>;
-
   /// `nodes`: P, offsets in Grid::owned_nodes(). The grid must outlive the object.
   RigidMotions(const Grid<Dim>& grid, std::vector<int> nodes);
 
@@ -32,16 +29,17 @@ class RigidMotions {
   void balance(std::span<double> forces) const;
 
  private:
-  Point<Dim> mode(int number, const Index<Dim>& node) const;
-  void factor(std::vector<double> normal);
-  /// (R_P^T R_P)^-1 of a vector.
-  Amplitudes solve(Amplitudes right) const;
+  static constexpr int count = rigid_motion_count<Dim>;
+  using Amplitudes = typename RigidFit<Dim>::Amplitudes;
+
+  /// A node's position from the centre, in units of the extent.
+  Point<Dim> position(const Index<Dim>& node) const;
 
   const Grid<Dim>& grid_;
   std::vector<int> nodes_;
   Point<Dim> center_{};
   double extent_ = 1.0;
-  std::array<Amplitudes, count> factor_{};  ///< lower Cholesky factor of R_P^T R_P
+  RigidFit<Dim> fit_;  ///< factor of R_P^T R_P
   bool determined_ = false;
 };
 

@@ -26,7 +26,7 @@ struct Shape {
   std::vector<std::array<double, 2>> points;  ///< polygon: in the two other axes in ascending order
   std::vector<Shape> operands;                ///< union_of, intersection, difference (first minus all others)
 
-  /// Whether `point` (one coordinate an axis, length unit) lies inside or at most `tolerance` (length)
+  /// Whether `point` (one coordinate per axis, length unit) lies inside or at most `tolerance` (length)
   /// outside.
   bool contains(std::span<const double> point, double tolerance) const;
 };

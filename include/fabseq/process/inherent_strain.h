@@ -47,7 +47,7 @@ class InherentStrain {
                  std::span<double> d_gradient) const;
 
  private:
-  /// Of a single direction g, with regularization eps^2.
+  /// The strain of a single direction g, with regularization eps^2.
   void set_strain(const double* g, double regularization, double* strain) const;
   void add_derivative(const double* g, double regularization, const double* d_strain, double* d_g) const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What the elements contribute to the systems of a batch of layers, and to their derivatives
+/// What the elements contribute to the systems of a block of layers, and to their derivatives
 /// (docs/formulation.md 4.1, 8).
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace fabseq {
 
-/// Loops over elements for layers side by side. Arguments `first` and `lanes`: the batch is layers first ...
+/// Loops over elements for layers side by side. Arguments `first` and `lanes`: the block is layers first ...
 /// first + lanes - 1.
 template <int Dim>
 class LayerElements {
@@ -31,10 +31,10 @@ class LayerElements {
 
   /// Stiffness factor of each element of the model, [element][lane].
   std::vector<double> stiffness(const LayerDensities& densities, int first, int lanes) const;
-  /// Sets `load` to f_j, a lane a layer. Collective.
+  /// Sets `load` to f_j, one lane per layer. Collective.
   void set_load(const LayerDensities& densities, int first, LaneVector& load) const;
   /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments
-  /// du of the batch and its adjoints lambda. With strains of the elements' or the layers' own also
+  /// du of the block and its adjoints lambda. With strains of the elements' or the layers' own also
   /// dJ/d(strain), this rank's part, to `d_strains`, unless that is uniform. Collective.
   void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
                        const LaneVector& adjoints, DensityDerivatives& derivatives,
@@ -42,29 +42,29 @@ class LayerElements {
 
  private:
   /// Part elements begin ... end - 1, and the layers of a chunk of lanes.
-  struct Block {
+  struct Chunk {
     std::size_t begin = 0, end = 0;
     int first_layer = 0;
   };
   /// Elements taken at once: small enough for the cache to hold what a pass leaves to the next.
-  static constexpr std::size_t block_size = 256;
+  static constexpr std::size_t chunk_size = 256;
 
-  /// Calls `use.operator()<Width>(block, first lane)` for all elements and `lanes` lanes.
+  /// Calls `use.operator()<Width>(chunk, first lane)` for all elements and `lanes` lanes.
   template <class Use>
-  void for_blocks(int first, int lanes, Use&& use) const;
+  void for_chunks(int first, int lanes, Use&& use) const;
   template <int Width>
-  void add_load(const LayerDensities& densities, const Block& block, double* load, int lanes) const;
+  void add_load(const LayerDensities& densities, const Chunk& chunk, double* load, int lanes) const;
   template <int Width>
-  void add_derivatives(const LayerDensities& densities, const Block& block, const double* u,
+  void add_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* u,
                        const double* lambda, int lanes, DensityDerivatives& derivatives,
                        StrainField& d_strains) const;
-  /// Component c of the strain of an element in the layers of a block.
+  /// Component c of the strain of an element in the layers of a chunk.
   template <int Width>
-  Lanes<Width> strain(const Block& block, std::size_t element, int component) const;
+  Lanes<Width> strain(const Chunk& chunk, std::size_t element, int component) const;
   /// lambda^T f_0 where strains are not the material's to `work`, [element][lane of the chunk], and their
   /// dJ/d(strain).
   template <int Width>
-  void add_strain_derivatives(const LayerDensities& densities, const Block& block, const double* lambda,
+  void add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* lambda,
                               int lanes, std::span<double> work, StrainField& d_strains) const;
   /// Whether this rank has all nodes, so that owned and ghosted ones are the same.
   bool has_all_nodes() const;

@@ -20,12 +20,12 @@ struct MaterialSettings {
   /// turns
   std::vector<double> inherent_strain;
   std::optional<TurningStrain> turning_strain = std::nullopt;
-  std::vector<double> strain_scale = {};  ///< a factor an axis, for strains that turn
+  std::vector<double> strain_scale = {};  ///< one factor per axis, for strains that turn
 };
 
 enum class VoidModel { absent, quiet };
 
-/// docs/formulation.md 4.1.
+/// The material model, docs/formulation.md 4.1.
 struct ProcessSettings {
   double stiffness_penalty = 3.0;
   double strain_penalty = 3.0;

@@ -31,15 +31,14 @@ struct ProcessResult {
   std::vector<int> iterations;          ///< of each layer's solve, all layers
 };
 
-/// One row of adjoints: derivative of a functional with respect to the displacements in, with respect to the
-/// densities out.
+/// The derivative of a functional by the displacements: what an adjoint solve starts from.
 struct ProcessAdjoint {
   std::vector<double> displacement;    ///< dJ/du, [owned node][component]; empty: zero
   std::vector<LaneVector> increments;  ///< dJ/d(increment of a layer) on top, like ProcessResult; empty: zero
   std::vector<double> release;         ///< dJ/dv, [owned node][component]; empty: zero
 };
 
-/// Where the derivatives of a row go.
+/// Where the derivatives of a functional by densities and strains go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
   StrainField* strains =
@@ -52,7 +51,7 @@ struct ProcessDerivatives {
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
 /// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
-/// drho^(q-1) lambda^T f_0. Of what is measured after the release (Release), lambda_j on the supports is not
+/// drho^(q-1) lambda^T f_0. For what is measured after the release (Release), lambda_j on the supports is not
 /// 0 but the release's adjoint w.
 ///
 /// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the
@@ -76,9 +75,9 @@ class ProcessSimulation {
   /// the layer if one does not converge.
   const ProcessResult& simulate(const LayerDensities& densities, StrainField strains = {});
   /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to
-  /// the densities of this group's layers and to the strains, as far as they enter its layers; rows solved
-  /// together share the systems.
-  void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> rows,
+  /// the densities of this group's layers and to the strains, as far as they enter its layers. Functionals
+  /// solved together share the systems.
+  void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
                  std::span<const ProcessDerivatives> derivatives);
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves.
@@ -87,29 +86,35 @@ class ProcessSimulation {
   const StrainField& strains() const { return elements_.strains(); }
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
   void start_cold();
-  /// Iterations of the adjoint solves of the last pull_back, the largest of its rows for each layer.
+  /// Iterations of the adjoint solves of the last pull_back(), the largest of its functionals for each layer.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
   /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.
   std::vector<double> increment(int layer) const;
   const LayerGroups& groups() const { return groups_; }
-  /// Iterations a layer that the next simulation is dealt out by: the last one's, forward and adjoint. Equal
-  /// work where there are none, or not for as many layers.
+  /// Iterations per layer that the next simulation is dealt out by: the last one's, forward and adjoint.
+  /// Equal work where there are none, or not for as many layers.
   const std::vector<double>& expected_work() const { return expected_work_; }
   void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }
   std::string solver_description() const { return solver_->description(); }
 
  private:
+  /// Functionals to pull back, and how the supports move in the adjoints of each (empty: not at all).
+  struct Functionals {
+    std::span<const ProcessAdjoint> from;
+    std::span<const ProcessDerivatives> to;
+    std::span<const std::vector<double>> motions;
+
+    Functionals part(std::size_t first, std::size_t count) const {
+      return {from.subspan(first, count), to.subspan(first, count), motions.subspan(first, count)};
+    }
+  };
   void deal_out(int layers);
   void solve_block(const LayerDensities& densities, std::size_t number, LaneVector& load);
-  void pull_back_block(const LayerDensities& densities, std::size_t number,
-                       std::span<const ProcessAdjoint> rows, std::span<const ProcessDerivatives> derivatives,
-                       std::span<const std::vector<double>> motions, std::vector<LaneVector>& loads,
-                       std::vector<LaneVector>& adjoints);
-  void pull_back_rows(const LayerDensities& densities, std::size_t number,
-                      std::span<const ProcessAdjoint> rows, std::span<const ProcessDerivatives> derivatives,
-                      std::span<const std::vector<double>> motions, std::span<LaneVector> loads,
-                      std::span<LaneVector> adjoints);
+  void pull_back_block(const LayerDensities& densities, std::size_t number, const Functionals& functionals,
+                       std::vector<LaneVector>& loads, std::vector<LaneVector>& adjoints);
+  void pull_back_together(const LayerDensities& densities, std::size_t number, const Functionals& functionals,
+                          std::span<LaneVector> loads, std::span<LaneVector> adjoints);
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 

@@ -12,7 +12,7 @@
 namespace fabseq {
 
 /// sigma = sum_j [E_j C B du_j - (drho_j)^q E_0 C eps*] at the centres of the model's elements, [owned
-/// element][Voigt], stress unit, 0 outside the model. For the simulation's last result. Collective.
+/// element][Voigt], stress unit, 0 outside the model; from the simulation's last result. Collective.
 template <int Dim>
 std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
                                     const LayerDensities& densities);
@@ -29,7 +29,7 @@ struct StressExtremes {
   std::array<double, voigt_size<Dim>> lowest{}, highest{};
 };
 
-/// Of a stress like residual_stress()'s. Collective on the grid's communicator.
+/// Extremes of a stress laid out as residual_stress()'s. Collective on the grid's communicator.
 template <int Dim>
 StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const double> stress);
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "fabseq/lanes/lane_vector.h"
-#include "fabseq/solve/reference/assembled_system.h"
+#include "fabseq/solve/solve_report.h"
 
 #include <cstddef>
 #include <limits>
@@ -14,7 +14,7 @@
 
 namespace fabseq {
 
-/// Solves batches of layers. The systems of a batch share elements, supports and element matrix.
+/// Solves blocks of layers. The systems of a block share elements, supports and element matrix.
 template <int Dim>
 class ElasticitySolver {
  public:
@@ -25,13 +25,13 @@ class ElasticitySolver {
   /// when they were last set. Collective.
   virtual void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) = 0;
 
-  /// Solves every lane of the current batch for each of several sets of loads; values at supports are
-  /// ignored. Returns a report a set and lane, [set][lane]. Collective; does not throw if a lane does not
+  /// Solves every lane of the current block for each of several sets of loads; values at supports are
+  /// ignored. Returns one report per set and lane, [set][lane]. Collective; does not throw if a lane does not
   /// converge.
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
 
-  /// Of how many sets of loads a call makes the most: those beyond would wait for their turn and take memory.
+  /// The number of sets of loads that a call makes the most of: further ones would only wait and take memory.
   /// The same on all ranks.
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
@@ -39,11 +39,11 @@ class ElasticitySolver {
   /// to the last bit. Collective.
   virtual void start_cold() = 0;
 
-  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take
-  /// again, its operator included. Changes no result.
-  virtual void rest() {}
+  /// To be called when other phases come before the next solve: a solver that is to save memory gives back
+  /// what it can take again, its operator included. Changes no result.
+  virtual void give_back_memory() {}
 
-  /// One line for the log: what it is and how it was chosen.
+  /// One line for the log: which solver it is, with how many unknowns.
   virtual std::string description() const = 0;
 };
 

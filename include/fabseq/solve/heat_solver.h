@@ -4,7 +4,7 @@
 #pragma once
 
 #include "fabseq/lanes/lane_vector.h"
-#include "fabseq/solve/reference/assembled_system.h"
+#include "fabseq/solve/solve_report.h"
 
 #include <span>
 #include <vector>
@@ -19,7 +19,7 @@ namespace fabseq {
 template <int Dim>
 class HeatSolver {
  public:
-  /// Right-hand sides of a block at most.
+  /// The most right-hand sides in a block.
   static constexpr int widest = 8;
 
   virtual ~HeatSolver() = default;
@@ -29,8 +29,8 @@ class HeatSolver {
   virtual void set_operator(std::span<const double> diffusivity, double reaction) = 0;
 
   /// Solves K x = b for every lane of each of `loads`, at most `widest` lanes a block, on the owned nodes;
-  /// values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns a
-  /// report a right-hand side, block by block. Collective; does not throw if one does not converge.
+  /// values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns one
+  /// report per right-hand side, block by block. Collective; does not throw if one does not converge.
   virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                          std::span<LaneVector> solutions) = 0;
 
@@ -38,9 +38,9 @@ class HeatSolver {
   /// in a new solver, to the last bit. Collective.
   virtual void start_cold() = 0;
 
-  /// Other phases come before the next solve: a solver that is to save memory gives back what it can take
-  /// again, its operator included. Changes no result.
-  virtual void rest() {}
+  /// To be called when other phases come before the next solve: a solver that is to save memory gives back
+  /// what it can take again, its operator included. Changes no result.
+  virtual void give_back_memory() {}
 };
 
 }  // namespace fabseq

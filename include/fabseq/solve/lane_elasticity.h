@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The elasticity solver that solves all layers of a batch at once.
+/// The elasticity solver that solves all layers of a block at once.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -15,26 +15,28 @@
 
 namespace fabseq {
 
-/// A layer a lane: flexible conjugate gradients with lane multigrid. A lane that does not converge is solved
-/// again by the reference path, with a warning. Not a number anywhere: that lane's report says so at once.
+/// Flexible conjugate gradients with lane multigrid, one layer per lane. A lane that does not converge is
+/// solved again by the reference path, with a warning. If a lane holds what is no number, its report says so
+/// at once.
 template <int Dim>
 class LaneElasticity : public ElasticitySolver<Dim> {
  public:
-  /// Lanes of a batch at most.
+  /// The most lanes in a block.
   static constexpr int widest = 8;
 
-  /// `lanes`: of a batch at most; below `widest` the solver saves memory, see rest(). The grid and `domain`
-  /// must outlive the solver. `reference`: of the fallback; its tolerance is the lanes', too. Collective.
+  /// `lanes`: the most in a block; below `widest` the solver saves memory, see give_back_memory(). The grid
+  /// and `domain` must outlive the solver. `reference`: settings of the fallback, whose tolerance is the
+  /// lanes', too. Collective.
   LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                  int max_iterations, const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
-  /// As many as there are lanes for, beside the layers of the batch.
+  /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
   void start_cold() override;
-  void rest() override;
+  void give_back_memory() override;
   std::string description() const override;
 
  private:
@@ -56,10 +58,10 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   int most_lanes_;
   std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
   int first_layer_ = 0, lanes_ = 0;
-  int width_ = widest;              ///< of the solver that is set up for the batch
-  int sets_ = 0;                    ///< as often it has the batch's systems side by side
-  std::vector<double> not_finite_;  ///< stiffness values of each lane of the batch that are no numbers
-  std::vector<double> stiffness_;   ///< of the current batch, [element][lane], for the fallback
+  int width_ = widest;              ///< of the solver that is set up for the block
+  int sets_ = 0;                    ///< how often it has the block's systems side by side
+  std::vector<double> not_finite_;  ///< stiffness values per lane of the block that are no numbers
+  std::vector<double> stiffness_;   ///< of the current block, [element][lane], for the fallback
   LaneArray load_, displacement_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };

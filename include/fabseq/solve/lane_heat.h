@@ -16,24 +16,24 @@
 
 namespace fabseq {
 
-/// A right-hand side a lane: flexible conjugate gradients with lane multigrid. Right-hand sides that do not
-/// converge are solved again by the reference path, with a warning. Not a number in the operator or in a
-/// right-hand side: the report says so at once.
+/// Flexible conjugate gradients with lane multigrid, one right-hand side per lane. Right-hand sides that do
+/// not converge are solved again by the reference path, with a warning. If the operator or a right-hand side
+/// holds what is no number, its report says so at once.
 template <int Dim>
 class LaneHeat : public HeatSolver<Dim> {
  public:
   using HeatSolver<Dim>::widest;
 
-  /// `lanes`: of a block at most; below `widest` the solver saves memory, see rest(). The grid and `domain`
-  /// must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: of the fallback; its
-  /// tolerance is the lanes', too. Collective.
+  /// `lanes`: the most in a block; below `widest` the solver saves memory, see give_back_memory(). The grid
+  /// and `domain` must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: settings of
+  /// the fallback, whose tolerance is the lanes', too. Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
            const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void start_cold() override;
-  void rest() override;
+  void give_back_memory() override;
   static LaneCycle cycle();
 
  private:

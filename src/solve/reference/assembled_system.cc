@@ -44,7 +44,7 @@ AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
 
 template <int Dim>
 void AssembledSystem<Dim>::create_matrix() {
-  const int block = numbering_->components();
+  const int components = numbering_->components();
   const auto rows = static_cast<PetscInt>(numbering_->owned_nodes().size());
   const auto& grid = numbering_->grid();
   // A node couples to at most 3^Dim nodes: count those that are unknowns, here or on other ranks.
@@ -67,10 +67,10 @@ void AssembledSystem<Dim>::create_matrix() {
     });
   }
   check(MatCreate(grid.comm(), matrix_.receive()));
-  check(MatSetSizes(matrix_, rows * block, rows * block, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetSizes(matrix_, rows * components, rows * components, PETSC_DETERMINE, PETSC_DETERMINE));
   check(MatSetType(matrix_, MATAIJ));
-  check(MatSetBlockSize(matrix_, block));
-  check(MatXAIJSetPreallocation(matrix_, block, own.data(), other.data(), nullptr, nullptr));
+  check(MatSetBlockSize(matrix_, components));
+  check(MatXAIJSetPreallocation(matrix_, components, own.data(), other.data(), nullptr, nullptr));
   check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE));
   check(MatCreateVecs(matrix_, solution_.receive(), load_.receive()));
 }
@@ -125,11 +125,11 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
 
 template <int Dim>
 void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar* values) const {
-  const int block = numbering_->components();
+  const int components = numbering_->components();
   std::size_t position = 0;
   for (const int node : numbering_->owned_nodes())
-    for (int c = 0; c < block; ++c) {
-      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+    for (int c = 0; c < components; ++c) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * components + c;
       values[position++] = domain_.fixed[unknown] != 0 ? 0.0 : load[unknown];
     }
 }
@@ -137,12 +137,12 @@ void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar
 /// Aggregates couple a node's components: rounding reaches fixed ones, too.
 template <int Dim>
 void AssembledSystem<Dim>::scatter_solution(const PetscScalar* values, std::span<double> solution) const {
-  const int block = numbering_->components();
+  const int components = numbering_->components();
   std::fill(solution.begin(), solution.end(), 0.0);
   std::size_t position = 0;
   for (const int node : numbering_->owned_nodes())
-    for (int c = 0; c < block; ++c, ++position) {
-      const std::size_t unknown = static_cast<std::size_t>(node) * block + c;
+    for (int c = 0; c < components; ++c, ++position) {
+      const std::size_t unknown = static_cast<std::size_t>(node) * components + c;
       if (domain_.fixed[unknown] == 0) solution[unknown] = values[position];
     }
 }

@@ -6,6 +6,7 @@
 #include "fabseq/base/petsc.h"
 #include "fabseq/grid/unknown_numbering.h"
 #include "fabseq/solve/reference/preconditioner.h"
+#include "fabseq/solve/solve_report.h"
 #include "fabseq/solve/solver_settings.h"
 
 #include <initializer_list>
@@ -15,14 +16,6 @@
 #include <vector>
 
 namespace fabseq {
-
-/// How a solve ended.
-struct SolveReport {
-  int iterations = 0;
-  double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
-  bool converged = true;
-  std::string reason;  ///< PETSc's word for how it ended; empty for a zero right-hand side
-};
 
 /// What to solve with.
 struct AssembledSolverSettings {
@@ -44,7 +37,7 @@ class AssembledSystem {
   /// for 1 throughout.
   struct Term {
     std::span<const double> matrix;        ///< (components * corners)^2, row by row
-    std::span<const double> coefficients;  ///< one an element of the domain, in its order
+    std::span<const double> coefficients;  ///< one per element of the domain, in its order
   };
 
   /// Collective. `domain` must outlive the system; `numbering` is shared between systems on the same

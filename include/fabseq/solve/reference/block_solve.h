@@ -9,7 +9,7 @@
 
 namespace fabseq {
 
-/// How the columns of a block came out.
+/// How the solve of a block of columns ended.
 struct BlockReport {
   int iterations = 0;  ///< of all columns
   std::vector<double>

@@ -5,6 +5,7 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/elasticity_solver.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <map>
 #include <memory>
@@ -13,12 +14,12 @@
 
 namespace fabseq {
 
-/// One assembled system a layer, one layer at a time. Systems small enough are kept from the forward to the
+/// One assembled system per layer, one layer at a time. Systems small enough are kept from the forward to the
 /// adjoint solve.
 template <int Dim>
 class ReferenceElasticity : public ElasticitySolver<Dim> {
  public:
-  /// Systems up to this many unknowns are kept, a layer each: a factorization costs more than its memory.
+  /// Systems up to this many unknowns are kept, one per layer: a factorization costs more than its memory.
   static constexpr std::int64_t keep_limit = 40000;
 
   /// Collective. `domain` must outlive the solver.
@@ -41,7 +42,7 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   AssembledSolverSettings settings_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   int first_layer_ = 0, lanes_ = 0;
-  std::vector<double> coefficients_;  ///< [element][lane] of the current batch
+  std::vector<double> coefficients_;  ///< [element][lane] of the current block
   std::map<int, std::unique_ptr<AssembledSystem<Dim>>>
       systems_;                     ///< by layer where kept, else the only one under -1
   std::map<int, bool> up_to_date_;  ///< whether a kept layer's system holds its stiffness

@@ -5,6 +5,7 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/heat_solver.h"
+#include "fabseq/solve/reference/assembled_system.h"
 
 #include <memory>
 #include <vector>

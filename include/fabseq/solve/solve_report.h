@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// How the solve of a system ended.
+#pragma once
+
+#include "fabseq/lanes/lane_outcome.h"
+
+#include <limits>
+#include <string>
+
+namespace fabseq {
+
+/// Iterations after which the lane solvers leave a system to the reference path.
+constexpr int lane_iterations = 300;
+
+/// How a solve ended.
+struct SolveReport {
+  int iterations = 0;
+  double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
+  bool converged = true;
+  std::string
+      reason;  ///< PETSc's word for how it ended, or the lane solver's; empty for a zero right-hand side
+};
+
+/// The report of a lane: what is no number has no residual, either.
+inline SolveReport report_of(const LaneOutcome& outcome) {
+  if (!outcome.finite)
+    return {outcome.iterations, std::numeric_limits<double>::quiet_NaN(), false, "not a number"};
+  return {outcome.iterations, outcome.residual, outcome.converged,
+          outcome.converged ? "" : "iteration limit"};
+}
+
+}  // namespace fabseq
