@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A short run of every task leaves no memory behind (LeakSanitizer; only with sanitizers). What Open MPI
-leaves is listed in
-tests/leak_suppressions.txt. And the memory of a long run does not grow."""
+leaves is listed in tests/leak_suppressions.txt. And the memory of a long run does not grow."""
 
 import os
 import subprocess

@@ -188,7 +188,8 @@ class SrunTest(MpirunTest):
 class TimeTest(RunTest):
     def test_time_limit(self):
         """The least that Slurm has, one minute; it looks every 30 seconds whether the time is near. The run,
-        stopped on its way, is not done by then; it goes on when the warning has come, and the job comes back."""
+        stopped on its way, is not done by then; it goes on when the warning has come, and the job comes
+        back."""
         arguments = (*SMALL, "-max_iterations", 100)
         job = self.submit_run(*arguments, time_limit="1", options=["--signal=B:USR1@5"])
         job.wait_for_iterations(10)
