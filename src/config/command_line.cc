@@ -96,7 +96,8 @@ class Parser {
   CommandLine parse() {
     if (!words_.empty()) result_.petsc_arguments.push_back(words_.front());
     for (position_ = 1; position_ < words_.size(); ++position_) take(words_[position_]);
-    for (const std::string& word : words_) result_.text += (result_.text.empty() ? "" : " ") + quoted(word);
+    for (const std::string& word : words_)
+      result_.text.append(result_.text.empty() ? "" : " ").append(quoted(word));
     const bool only_prints = result_.help || result_.help_markdown || result_.version;
     if (result_.config_file.empty() && !only_prints) {
       throw InputError("-config: missing; allowed: -config FILE.json (-help lists all options)");
