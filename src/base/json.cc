@@ -113,7 +113,7 @@ void write(std::string& text, const Json& value, int indent, int level) {
   }
   const bool lines = indent >= 0 && (value.is_object() || nested);
   const auto new_line = [&](int at) {
-    if (lines) text.append("\n").append(static_cast<std::size_t>(indent * at), ' ');
+    if (lines) text.append("\n").append(static_cast<std::size_t>(indent) * static_cast<std::size_t>(at), ' ');
   };
   text += value.is_object() ? '{' : '[';
   const char* separator = "";

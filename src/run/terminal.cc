@@ -33,7 +33,7 @@ void Terminal::iteration(const Iterate& iterate, double seconds) {
   progress_.print(line);
 }
 
-void Terminal::table(const Summary& summary, const std::string& directory) {
+void Terminal::table(const Summary& summary, const std::string& directory) const {
   print("");
   print("sequence              first objective   planar / this   max displacement   layers");
   const auto print_sequence = [&](const char* name, const SequenceNumbers& numbers) {

@@ -52,7 +52,7 @@ SolveReport LaneFreeBody<Dim>::solve(std::span<const double> load, std::span<dou
   layout_.to_mesh(owned, 1, forces);
   motions_->balance(forces);
   const LaneStop stop{.tolerance = tolerance, .max_iterations = max_iterations};
-  const SolveReport report = report_of(solver_.solve(forces, solution, 1, stop)[0]);
+  SolveReport report = report_of(solver_.solve(forces, solution, 1, stop)[0]);
   layout_.to_owned(solution, 1, owned);
   std::copy(owned.values.begin(), owned.values.end(), displacement.begin());
   return report;

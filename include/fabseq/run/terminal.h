@@ -25,7 +25,7 @@ class Terminal {
   /// Ends the line of progress, so that other text can follow.
   void end_progress() { progress_.finish(); }
   /// All sequences of a run that was not interrupted, and how it ended.
-  void table(const Summary& summary, const std::string& directory);
+  void table(const Summary& summary, const std::string& directory) const;
 
  private:
   Progress progress_;
