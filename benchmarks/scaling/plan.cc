@@ -14,9 +14,9 @@
 #include "fabseq/config/command_line.h"
 #include "fabseq/lanes/lane_hierarchy.h"
 #include "fabseq/lanes/lane_multigrid.h"
-#include "fabseq/optimize/setup.h"
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/run/setup.h"
 #include "fabseq/sequence/heat_model.h"
 #include "fabseq/solve/lane_heat.h"
 

@@ -3,6 +3,9 @@
 /// them against a run.
 #include "fabseq/optimize/run_cost.h"
 
+#include "fabseq/layers/layer_model.h"
+#include "fabseq/optimize/group_choice.h"
+
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
@@ -101,7 +104,7 @@ TEST(RunCostTest, LayersFollowFromHeightAndTarget) {
   const test::PartOnGrid<3> whole({{2.0, 1.0, 2.0}, {8, 4, 8}, 1.0}, test::box({0, 0, 0}, {2, 1, 2}));
   const auto count = [&](const char* target, const char* layers = "\"auto\"") {
     const Config config = configure(solid, {{"layers.count", layers}, {"constraints.0.target", target}});
-    return resolved_layer_count(config, whole.part);
+    return make_layer_model(config.layers, config.projection, whole.part)->count();
   };
   EXPECT_EQ(count("0.5", "3"), 3);  // given
   const int coarse = count("0.5");
@@ -109,13 +112,17 @@ TEST(RunCostTest, LayersFollowFromHeightAndTarget) {
   EXPECT_LE(coarse, 5);
   EXPECT_EQ(count("10"), 1);
   EXPECT_GT(count("0.25"), coarse);
+  const Config config = configure(solid, {{"constraints.0.target", "0.25"}});
+  const auto model = make_layer_model(config.layers, config.projection, whole.part);
+  EXPECT_EQ(model->planar_count(2.0), 8);
+  EXPECT_EQ(model->planar_count(0.1), 1);
 }
 
 TEST(RunCostTest, TooManyLayersAreRefused) {
+  const test::PartOnGrid<3> whole({{2.0, 1.0, 2.0}, {8, 4, 8}, 1.0}, test::box({0, 0, 0}, {2, 1, 2}));
   const Config config = configure(solid, {{"layers.count", "\"auto\""}, {"constraints.0.target", "1e-6"}});
-  EXPECT_EQ(layers_of_target(config, 2.0, 7.0), 7);
-  EXPECT_EQ(layers_of_target(config, 2.0, 0.0), 1);
-  const std::string message = test::refusal([&] { (void)layers_of_target(config, 2.0, 2e6); });
+  const std::string message =
+      test::refusal([&] { (void)make_layer_model(config.layers, config.projection, whole.part); });
   EXPECT_EQ(message.rfind("/constraints/0/target: found 1e-06 for a height of 2", 0), 0U) << message;
 }
 
@@ -123,7 +130,7 @@ TEST(RunCostTest, LanesThatFitTheMemory) {
   const auto lanes = [](double unknowns, const Settings& settings = {}) {
     RunSize size = large();
     size.unknowns = unknowns;
-    return resolved_lanes(PETSC_COMM_WORLD, configure(solid, settings), size, 1);
+    return resolved_lanes(PETSC_COMM_WORLD, configure(solid, settings).solver, size, 1);
   };
   EXPECT_EQ(lanes(1e3), 8);
   EXPECT_EQ(lanes(1e14), 1);  // more than any machine's memory, whatever the lanes
