@@ -305,7 +305,8 @@ class CleanUpTest(SlurmTest):
             self.assertIsNotNone(folder)
             owner.kill()
         end = time.monotonic() + 60
-        while os.path.exists(folder) and time.monotonic() < end:
+        # The guard removes the folder, whose name is in its command line, and ends.
+        while (os.path.exists(folder) or processes_with(folder)) and time.monotonic() < end:
             time.sleep(0.1)
         self.assertFalse(os.path.exists(folder))
         self.assertEqual(processes_with(folder), [])
