@@ -32,7 +32,7 @@ done
 # Targets of the tests that ctest would run; scripts run the program.
 targets() {
   ctest --preset "$1" --show-only "${selection[@]}" | sed -nE 's/^ *Test +#[0-9]+: //p' |
-    sed -E 's/\.np[0-9]+$//; s/^(integration|faults|scripts)\..*/fabseq/; s/^benchmarks\.kernels$/kernels/' | sort -u
+    sed -E 's/\.np[0-9]+$//; s/^integration\.benchmarks$/scaling_plan/; s/^(integration|faults|scripts)\..*/fabseq/; s/^benchmarks\.kernels$/kernels/' | sort -u
 }
 
 for preset in "${presets[@]}"; do
