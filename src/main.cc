@@ -90,9 +90,6 @@ void run_task(const CommandLine& command_line, const Config& config) {
   }
 }
 
-/// What docs/reference.md holds between its marks; print() ends the last line.
-std::string reference_text() { return reference_table().substr(0, reference_table().size() - 1); }
-
 }  // namespace
 }  // namespace fabseq
 
@@ -111,7 +108,7 @@ int main(int argc, char** argv) {
   return run_session(command_line.petsc_arguments, [&] {
     if (!refusal.empty()) throw InputError(refusal);
     if (command_line.help) return print(help_text());
-    if (command_line.help_markdown) return print(reference_text());
+    if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
     return config.dimension == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);

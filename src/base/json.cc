@@ -105,13 +105,13 @@ class Builder : public nlohmann::json_sax<Json> {
 };
 
 void write(std::string& text, const Json& value, int indent, int level) {
-  const bool nested =
-      std::any_of(value.begin(), value.end(), [](const Json& item) { return item.is_structured(); });
-  if (!value.is_structured() || value.empty() || (value.is_array() && !nested && indent < 0)) {
+  if (!value.is_structured() || value.empty()) {
     text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
     return;
   }
-  const bool lines = indent >= 0 && (value.is_object() || nested);
+  const auto is_structured = [](const Json& item) { return item.is_structured(); };
+  const bool lines =
+      indent >= 0 && (value.is_object() || std::any_of(value.begin(), value.end(), is_structured));
   const auto new_line = [&](int at) {
     if (lines) text.append("\n").append(static_cast<std::size_t>(indent) * static_cast<std::size_t>(at), ' ');
   };

@@ -155,7 +155,9 @@ std::string reference_table() {
     }
     stream << "\n";
   }
-  return stream.str();
+  std::string text = stream.str();
+  text.pop_back();  // who prints it ends the line
+  return text;
 }
 
 }  // namespace fabseq

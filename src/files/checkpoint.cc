@@ -37,7 +37,8 @@ std::uint64_t checksum_of(const std::map<std::string, Json>& scalars) {
     } else if (value.is_number()) {
       add(value.get<double>());
     } else if (value.is_string()) {
-      checksum.add(value.get<std::string>().c_str(), value.get<std::string>().size() + 1);
+      const auto& text = value.get_ref<const std::string&>();
+      checksum.add(text.c_str(), text.size() + 1);
     }
   }
   return checksum.value();

@@ -49,7 +49,7 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line);
 
 /// Text of -help: usage, options, and the table of keys with unit, default, range and meaning.
 std::string help_text();
-/// Reference table of all config keys in Markdown, as it stands in docs/reference.md.
+/// List of all config keys in Markdown, as docs/reference.md holds it, without the end of its last line.
 std::string reference_table();
 
 }  // namespace fabseq
