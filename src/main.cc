@@ -111,6 +111,6 @@ int main(int argc, char** argv) {
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
-    return config.dimension == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);
+    return config.dimension() == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);
   });
 }

@@ -53,10 +53,10 @@ endfunction()
 set(FABSEQ_LABELS
     "kernels=^(lanes|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct)"
-    "files=^(files|faults|config)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
+    "files=^(files|faults|config|keys)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
-    "quick=^(base|parallel|grid|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
+    "quick=^(base|keys|parallel|grid|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)
   set(labels)
   foreach(entry ${FABSEQ_LABELS})

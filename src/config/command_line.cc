@@ -3,7 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/config/schema.h"
+#include "fabseq/config/config_keys.h"
 
 #include <algorithm>
 #include <cctype>
@@ -202,10 +202,8 @@ class Parser {
 
   /// An option that nobody will read is better found out now than after hours of computing.
   static void refuse_misspelt(const std::string& word) {
-    std::vector<std::string> known;
+    std::vector<std::string> known = flat_options();
     for (const OwnOption& option : own_options()) known.emplace_back(option.name);
-    for (const ConfigKey& key : config_keys())
-      if (!key.option.empty()) known.emplace_back(key.option);
     if (begins_like_petscs(word) && nearest_word(word, known, 2).empty()) return;
     std::string nearest = nearest_word(word, known);
     if (nearest.empty()) nearest = nearest_word(word, with_solver_prefixes(word), 2);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/config/config_difference.h"
 
-#include "fabseq/config/schema.h"
+#include "fabseq/keys/config_key.h"
 
 #include <algorithm>
 #include <array>

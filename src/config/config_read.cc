@@ -6,7 +6,7 @@
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/config_rules.h"
 #include "fabseq/config/reslicing.h"
-#include "fabseq/config/schema.h"
+#include "fabseq/keys/config_key.h"
 
 #include <algorithm>
 #include <cctype>

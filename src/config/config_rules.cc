@@ -2,7 +2,7 @@
 #include "fabseq/config/config_rules.h"
 
 #include "fabseq/base/error.h"
-#include "fabseq/config/schema.h"
+#include "fabseq/responses/response_type.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,10 +11,6 @@
 namespace fabseq {
 
 namespace {
-
-std::string entry(const char* list, std::size_t index, const char* key) {
-  return pointer_to(pointer_to(pointer_to("", std::string(list)), index), std::string(key));
-}
 
 /// A value as the user gave it.
 std::string given(const Config& config, const char* section, const char* key) {
@@ -59,66 +55,11 @@ void check_initial_diffusivity(const Config& config) {
          "\"distance\" or a number within bounds " + given(config, "sequence", "bounds"));
 }
 
-void check_node_set_of_term(const Config& config, const ObjectiveTerm& term, const std::string& pointer) {
-  std::vector<std::string> known;
-  for (const auto& member : config.node_sets) known.push_back(member.first);
-  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
-  if (term.nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
-  if (config.node_sets.contains(term.nodes)) return;
-  const std::string nearest = nearest_word(term.nodes, known);
-  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
-  refuse(pointer, "unknown node set " + shown(term.nodes) + hint, list);
-}
-
-void check_distortion(const Config& config, std::size_t index) {
-  const ObjectiveTerm& term = config.objective[index];
-  const std::string nodes = entry("objective", index, "nodes"), axis = entry("objective", index, "axis");
-  if (term.measure == "layerwise") {
-    if (!term.nodes.empty())
-      refuse(nodes, shown(term.nodes), "no node set with measure layerwise, which takes all nodes");
-  } else {
-    check_node_set_of_term(config, term, nodes);
-  }
-  if (term.measure == "flatness") {
-    if (term.axis < 0)
-      throw InputError(axis + ": missing; allowed: " + (config.dimension == 2 ? "x, y" : "x, y, z"));
-  } else if (term.axis >= 0) {
-    refuse(axis, shown(std::string(1, static_cast<char>('x' + term.axis))), "only with measure flatness");
-  }
-  if (term.mean && term.measure != "displacement") {
-    refuse(entry("objective", index, "mean"), "true with measure " + term.measure,
-           "true only with measure displacement");
-  }
-  if (term.after_release && term.measure == "layerwise") {
-    refuse(entry("objective", index, "after_release"), "true with measure layerwise",
-           "true only with measures displacement and flatness");
-  }
-  if (term.least_squares.value_or(false) && term.measure == "layerwise") {
-    refuse(entry("objective", index, "least_squares"), "true with measure layerwise",
-           "true only with measures displacement and flatness; \"auto\" or false");
-  }
-}
-
 /// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.
 std::string without_gradient(const Config& config) {
   const bool file = config.sequence.type == SequenceType::file;
   return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
          ", for which the gradient of the pseudo-time is not defined";
-}
-
-void check_gradient_is_defined(const Config& config, const std::string& pointer, const std::string& type) {
-  if (config.has_time_gradient()) return;
-  refuse(pointer, shown(type) + without_gradient(config),
-         "this type with sequence type heat, planar, or direct with location nodes");
-}
-
-/// Layers share the whole: they cannot all have more than an equal part.
-void check_least_volume(const Config& config, std::size_t index) {
-  const double fraction = config.constraints[index].fraction;
-  if (!config.layers.count || fraction * *config.layers.count <= 1.0) return;
-  refuse(entry("constraints", index, "fraction"),
-         shown(fraction) + " for each of " + std::to_string(*config.layers.count) + " layers",
-         "at most 1 / layers.count");
 }
 
 void check_strain(const Config& config) {
@@ -127,48 +68,35 @@ void check_strain(const Config& config) {
          "a list of numbers, or sequence type heat, planar, or direct with location nodes");
 }
 
-/// Terms of one kind of layers are refused with the other.
-void check_kind_of_layers(const Config& config, const std::string& pointer, const std::string& type) {
-  const bool of_subparts = type == "segmentation_alignment" || type == "subpart_volume";
-  const bool of_curved = type == "layer_uniformity" || type == "layer_thickness" ||
-                         type == "deposition_speed" || type == "minimum_layer_volume" || type == "last_layer";
-  const bool multi_planar = config.layers.multi_planar.has_value();
-  if (multi_planar ? !of_curved : !of_subparts) return;
-  refuse(pointer, shown(type) + " with layers of type \"" + (multi_planar ? "multi_planar" : "curved") + "\"",
-         std::string("this type with layers of type ") + (multi_planar ? "curved" : "multi_planar"));
+/// What a term needs: a kind of layers, and the gradient of the pseudo-time.
+void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {
+  const LayerKind kind = config.layers.multi_planar ? LayerKind::multi_planar : LayerKind::curved;
+  const auto name = [](LayerKind of) { return of == LayerKind::curved ? "curved" : "multi_planar"; };
+  if (type.layers != LayerKind::any && type.layers != kind)
+    refuse(pointer, shown(type.name) + " with layers of type \"" + name(kind) + "\"",
+           std::string("this type with layers of type ") + name(type.layers));
+  if (type.needs_time_gradient && !config.has_time_gradient())
+    refuse(pointer, shown(type.name) + without_gradient(config),
+           "this type with sequence type heat, planar, or direct with location nodes");
 }
 
-void check_alignment(const Config& config, std::size_t index) {
-  check_gradient_is_defined(config, entry("objective", index, "type"), config.objective[index].type);
-  for (const double timestamp : config.layers.multi_planar->timestamps)
-    if (timestamp + config.objective[index].band >= 1.0)
-      refuse(entry("objective", index, "band"),
-             shown(config.objective[index].band) + " after the timestamp " + shown(timestamp),
-             "a band that ends before 1");
-}
-
-void check_terms(const Config& config) {
-  for (std::size_t i = 0; i < config.objective.size(); ++i) {
-    const std::string& type = config.objective[i].type;
-    if (type == "distortion") check_distortion(config, i);
-    check_kind_of_layers(config, entry("objective", i, "type"), type);
-    if (type == "segmentation_alignment") check_alignment(config, i);
-    if (type == "layer_uniformity") check_gradient_is_defined(config, entry("objective", i, "type"), type);
-  }
-  for (std::size_t i = 0; i < config.constraints.size(); ++i) {
-    const std::string& type = config.constraints[i].type;
-    check_kind_of_layers(config, entry("constraints", i, "type"), type);
-    if (type == "layer_thickness") check_gradient_is_defined(config, entry("constraints", i, "type"), type);
-    if (type == "minimum_layer_volume") check_least_volume(config, i);
+void check_terms(const Config& config, const std::vector<Term>& terms, const std::string& list) {
+  TermPlace place{"", config.dimension(), {}, config.layers};
+  for (const auto& member : config.node_sets) place.node_sets.push_back(member.first);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    place.pointer = pointer_to(pointer_to("", list), i);
+    check_needs(config, *terms[i].type, pointer_to(place.pointer, "type"));
+    terms[i].type->check(terms[i], place);
   }
 }
 
 void check_angles(const Config& config) {
   const MultiPlanarSettings& layers = *config.layers.multi_planar;
-  const auto angles = static_cast<std::size_t>(config.dimension) - 1,
+  const auto angles = static_cast<std::size_t>(config.dimension()) - 1,
              subparts = static_cast<std::size_t>(layers.subparts);
   const std::string of_subparts = " for " + std::to_string(subparts) + " sub-parts";
-  if (layers.angles.size() != subparts * angles)
+  const Json& directions = config.effective.at("layers").at("angles");
+  if (directions.is_array() && directions.size() != subparts)
     refuse("/layers/angles", given(config, "layers", "angles") + of_subparts,
            "a list of angles for each of them");
   const Json& bounds = config.effective.at("layers").at("angle_bounds");
@@ -187,7 +115,8 @@ void check_angles(const Config& config) {
 void check_multi_planar(const Config& config) {
   const MultiPlanarSettings& layers = *config.layers.multi_planar;
   const std::vector<double>& timestamps = layers.timestamps;
-  if (timestamps.size() + 1 != static_cast<std::size_t>(layers.subparts) ||
+  const Json& times = config.effective.at("layers").at("timestamps");
+  if ((times.is_array() && times.size() + 1 != static_cast<std::size_t>(layers.subparts)) ||
       !std::is_sorted(timestamps.begin(), timestamps.end(), std::less_equal<>()))
     refuse("/layers/timestamps", given(config, "layers", "timestamps"),
            "\"auto\" or " + std::to_string(layers.subparts - 1) +
@@ -234,7 +163,8 @@ void check_rules(const Config& config) {
   check_direction(config, "baseline", config.baseline.direction);
   check_initial_diffusivity(config);
   check_strain(config);
-  check_terms(config);
+  check_terms(config, config.objective, "objective");
+  check_terms(config, config.constraints, "constraints");
   check_layers(config);
   check_projection(config);
   check_optimizer(config);

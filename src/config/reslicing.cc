@@ -4,8 +4,8 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/config/schema.h"
 #include "fabseq/files/hdf5_attribute.h"
+#include "fabseq/responses/response_type.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -40,20 +40,22 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
-bool needs_gradient(const Json& term) {
+bool needs_gradient(const Json& term, TermList list) {
   const Json* type = find_member(term, "type");
-  return type != nullptr && type->is_string() &&
-         (type->get<std::string>() == "layer_thickness" || type->get<std::string>() == "layer_uniformity");
+  if (type == nullptr || !type->is_string()) return false;
+  const ResponseType* known = find_response_type(list, type->get<std::string>());
+  return known != nullptr && known->layers != LayerKind::multi_planar && known->needs_time_gradient;
 }
 
-void leave_out_terms_of_gradient(Json& document, const std::string& list) {
-  Json* terms = find_member(document, list);
+void leave_out_terms_of_gradient(Json& document, TermList list) {
+  const std::string name = list == TermList::objective ? "objective" : "constraints";
+  Json* terms = find_member(document, name);
   if (terms == nullptr || !terms->is_array()) return;
   Json kept = Json::array();
   for (std::size_t i = 0; i < terms->size(); ++i) {
     const Json& term = (*terms)[i];
-    if (needs_gradient(term)) {
-      warn("-sequence: " + pointer_to(pointer_to("", list), i) + " (" + term.at("type").get<std::string>() +
+    if (needs_gradient(term, list)) {
+      warn("-sequence: " + pointer_to(pointer_to("", name), i) + " (" + term.at("type").get<std::string>() +
            ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
     } else {
       kept.push_back(term);
@@ -80,8 +82,8 @@ void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
     apply_override(document, "projection.beta", Json(beta).dump());
     apply_override(document, "projection.max", Json(beta).dump());
   }
-  leave_out_terms_of_gradient(document, "objective");
-  leave_out_terms_of_gradient(document, "constraints");
+  leave_out_terms_of_gradient(document, TermList::objective);
+  leave_out_terms_of_gradient(document, TermList::constraints);
 }
 
 }  // namespace fabseq

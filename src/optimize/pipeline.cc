@@ -2,6 +2,7 @@
 #include "fabseq/optimize/pipeline.h"
 
 #include "fabseq/optimize/stages.h"
+#include "fabseq/responses/response_type.h"
 #include "fabseq/solve/heat_solver.h"
 
 #include <algorithm>
@@ -28,7 +29,10 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> 
       elastic_(model.part, model.supports, model.settings.material, model.settings.process),
       process_(elastic_, make_elasticity_solver(model, elastic_, tolerance), model.groups,
                model.block_solver(), model.lanes) {
-  if (model.settings.has_release()) process_.release_with(release_solver(model.settings.solver, tolerance));
+  const auto& terms = model.settings.objective;
+  if (std::any_of(terms.begin(), terms.end(),
+                  [](const Term& term) { return term.type->measures_release(term); }))
+    process_.release_with(release_solver(model.settings.solver, tolerance));
 }
 
 template <int Dim>

@@ -2,6 +2,7 @@
 #include "fabseq/optimize/problem.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/responses/response_type.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,21 +28,20 @@ template <int Dim>
 Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
     : terms_(model.settings.objective), margin_(constraint_margin) {
   const ResponseContext<Dim> context = model.context();
-  for (const ObjectiveTerm& term : terms_) responses_.push_back(make_objective<Dim>(term, context));
-  for (const ConstraintTerm& term : model.settings.constraints)
-    responses_.push_back(make_constraint<Dim>(term, context));
+  for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
+    for (const Term& term : *list) responses_.push_back(term.type->make(term, context));
   configured_ = responses_.size();
-  add_functionals(context);
+  add_functionals();
 }
 
 /// Terms without weight get none: their rows would have no meaning.
 template <int Dim>
-void Problem<Dim>::add_functionals(const ResponseContext<Dim>& context) {
+void Problem<Dim>::add_functionals() {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (!terms_[i].may_be_squares() || terms_[i].weight == 0.0) continue;
-    auto functionals = make_functionals<Dim>(terms_[i], context);
+    if (terms_[i].weight == 0.0) continue;
+    auto functionals = responses_[i]->squares(terms_[i].scaling);
     if (!functionals || functionals->count() == 0) continue;
-    squares_.push_back({i, responses_.size(), functionals->complete(), terms_[i].least_squares.has_value()});
+    squares_.push_back({i, responses_.size(), functionals->complete(), functionals->asked_for()});
     responses_.push_back(std::move(functionals));
   }
 }
@@ -171,7 +171,7 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 template <int Dim>
 double Problem<Dim>::merit_unit() const {
   double unit = 0.0;
-  for (const ObjectiveTerm& term : terms_) unit += term.weight * term.normalize;
+  for (const Term& term : terms_) unit += term.weight * term.normalize;
   return unit;
 }
 

@@ -4,7 +4,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/process/process_simulation.h"
-#include "fabseq/responses/distortion_functionals.h"
+#include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 
 #include <algorithm>
@@ -50,13 +50,12 @@ double overhead(int domain_ranks) {
 template <int Dim>
 int functional_count(const ModelSettings& settings, const Part<Dim>& part) {
   std::map<std::string, NodeSet> node_sets;
+  for (const auto& [name, description] : settings.node_sets)
+    node_sets.emplace(name, make_node_set(part, name, description));
   const ResponseContext<Dim> context{part, node_sets, 1.0};
   int result = 0;
-  for (const ObjectiveTerm& term : settings.objective) {
-    if (!term.may_be_squares()) continue;
-    if (const auto set = settings.node_sets.find(term.nodes); set != settings.node_sets.end())
-      node_sets.try_emplace(term.nodes, make_node_set(part, term.nodes, set->second));
-    const auto functionals = make_functionals<Dim>(term, context);
+  for (const Term& term : settings.objective) {
+    const auto functionals = term.type->make(term, context)->squares(term.scaling);
     result += functionals ? functionals->count() : 0;
   }
   return result;

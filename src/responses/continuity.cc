@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/continuity.h"
-
+/// Constraint: the pseudo-time has no bumps, and so no layer begins in the air (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
+#include "fabseq/responses/response_type.h"
 
 #include <array>
 #include <cstdint>
@@ -19,11 +19,17 @@ struct Neighbours {
   int count = 0;
 };
 
+struct ContinuitySettings {
+  double limit = 1e-3;
+};
+
+/// Mean over the part elements outside the start region of (t_e - mean t of the face neighbours in the
+/// part)^2, at most `limit`. An element without neighbours counts as even. Collective construction.
 template <int Dim>
 class Continuity : public Response<Dim> {
  public:
-  Continuity(const ResponseContext<Dim>& context, double limit)
-      : part_(context.part), limit_(limit), halo_(context.part.grid(), ones()) {
+  Continuity(const ResponseContext<Dim>& context, const ContinuitySettings& settings)
+      : part_(context.part), limit_(settings.limit), halo_(context.part.grid(), ones()) {
     const std::size_t elements = part_.elements().size();
     const std::vector<double> in_part = halo_.gather(part_.expand(std::vector<double>(elements, 1.0)));
     std::int64_t counted = 0;
@@ -103,14 +109,15 @@ class Continuity : public Response<Dim> {
   double elements_counted_ = 0.0;            ///< of all ranks
 };
 
+const Registered<Continuity, ContinuitySettings> registered(
+    {.list = TermList::constraints, .name = "continuity"},
+    Section<ContinuitySettings>("constraints")
+        .key(
+            "limit", &ContinuitySettings::limit,
+            "Largest mean square of the difference between the pseudo-time of an element and the mean of its "
+            "neighbours",
+            {.range = "(0, inf)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_continuity(const ResponseContext<Dim>& context, double limit) {
-  return std::make_unique<Continuity<Dim>>(context, limit);
-}
-
-template std::unique_ptr<Response<2>> make_continuity<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_continuity<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

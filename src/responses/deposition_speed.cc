@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/deposition_speed.h"
-
+/// Constraint: every stage adds the same volume (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
+#include "fabseq/responses/response_type.h"
 
 namespace fabseq {
 
 namespace {
 
+struct DepositionSpeedSettings {
+  double slack = 1e-3;
+};
+
+/// Components V_j / V* - T_j for j = 1 ... N - 1, each between -slack and 0.
 template <int Dim>
 class DepositionSpeed : public Response<Dim> {
  public:
-  DepositionSpeed(const ResponseContext<Dim>& context, double slack) : context_(context), slack_(slack) {}
+  DepositionSpeed(const ResponseContext<Dim>& context, const DepositionSpeedSettings& settings)
+      : context_(context), slack_(settings.slack) {}
 
   std::string type() const override { return "deposition_speed"; }
 
@@ -48,14 +54,12 @@ class DepositionSpeed : public Response<Dim> {
   double slack_;
 };
 
+const Registered<DepositionSpeed, DepositionSpeedSettings> registered(
+    {.list = TermList::constraints, .name = "deposition_speed", .layers = LayerKind::curved},
+    Section<DepositionSpeedSettings>("constraints")
+        .key("slack", &DepositionSpeedSettings::slack,
+             "By how much the built volume may lag behind, relative to the part's", {.range = "(0, 1)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_deposition_speed(const ResponseContext<Dim>& context, double slack) {
-  return std::make_unique<DepositionSpeed<Dim>>(context, slack);
-}
-
-template std::unique_ptr<Response<2>> make_deposition_speed<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_deposition_speed<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

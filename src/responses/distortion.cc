@@ -1,18 +1,55 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/distortion.h"
-
+/// Distortion measures, all quadratic in the displacement (docs/formulation.md 5). `after_release`: of the
+/// part cut from its supports, u + v (4.3).
+#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/responses/distortion_functionals.h"
+#include "fabseq/responses/response_type.h"
 #include "fabseq/responses/set_displacement.h"
+
+#include <algorithm>
+#include <numeric>
 
 namespace fabseq {
 
 namespace {
 
+enum class Measure { displacement, flatness, layerwise };
+
+struct DistortionSettings {
+  Measure measure = Measure::displacement;
+  std::string nodes;  ///< name of a node set
+  int axis = -1;      ///< of flatness
+  bool mean = false;
+  bool after_release = false;
+  std::optional<bool> least_squares;  ///< none: where it pays
+
+  bool measures_release() const { return after_release; }
+  void check(const TermPlace& place) const;
+
+ private:
+  void check_node_set(const TermPlace& place) const;
+};
+
+/// The functionals of a measure on a node set, if the optimizer is to have them: "auto" leaves terms with the
+/// published scaling as published.
+template <int Dim>
+std::unique_ptr<SumOfSquares<Dim>> squares_of(const DistortionSettings& settings, TermScaling scaling,
+                                              const SetDisplacement<Dim>& set, std::vector<int> axes,
+                                              bool means, double factor) {
+  if (!settings.least_squares.value_or(scaling == TermScaling::current)) return nullptr;
+  return std::make_unique<DistortionFunctionals<Dim>>(set, std::move(axes), means, factor,
+                                                      settings.least_squares.has_value());
+}
+
+/// `displacement`: sum over the set's nodes of |u|^2 (or its mean).
 template <int Dim>
 class Displacement : public Response<Dim> {
  public:
-  Displacement(const SetDisplacement<Dim>& set, bool mean)
-      : set_(set), factor_(mean ? 1.0 / static_cast<double>(set.nodes().count) : 1.0) {}
+  Displacement(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
+      : set_(set),
+        settings_(settings),
+        factor_(settings.mean ? 1.0 / static_cast<double>(set.nodes().count) : 1.0) {}
 
   std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
@@ -35,15 +72,24 @@ class Displacement : public Response<Dim> {
         set_.add_derivative(node, axis, 2.0 * weight * factor_ * set_.at(state, node, axis), state, adjoint);
   }
 
+  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    std::vector<int> axes(Dim);
+    std::iota(axes.begin(), axes.end(), 0);
+    return squares_of(settings_, scaling, set_, std::move(axes), true, factor_);
+  }
+
  private:
   SetDisplacement<Dim> set_;
+  DistortionSettings settings_;
   double factor_;
 };
 
+/// `flatness` along an axis: mean over the set's nodes of (u_a - mean of u_a)^2.
 template <int Dim>
 class Flatness : public Response<Dim> {
  public:
-  Flatness(const SetDisplacement<Dim>& set, int axis) : set_(set), axis_(axis) {}
+  Flatness(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
+      : set_(set), settings_(settings), axis_(settings.axis) {}
 
   std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
@@ -70,6 +116,11 @@ class Flatness : public Response<Dim> {
     }
   }
 
+  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    return squares_of(settings_, scaling, set_, {axis_}, false,
+                      1.0 / static_cast<double>(set_.nodes().count));
+  }
+
  private:
   double mean(const PipelineState<Dim>& state) const {
     double total = 0.0;
@@ -78,9 +129,11 @@ class Flatness : public Response<Dim> {
   }
 
   SetDisplacement<Dim> set_;
+  DistortionSettings settings_;
   int axis_;
 };
 
+/// `layerwise`: sum over layers and all nodes of |increment|^2.
 template <int Dim>
 class Layerwise : public Response<Dim> {
  public:
@@ -107,33 +160,72 @@ class Layerwise : public Response<Dim> {
   }
 };
 
+template <int Dim>
+struct Distortion {
+  static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
+                                             const DistortionSettings& settings) {
+    if (settings.measure == Measure::layerwise) return std::make_unique<Layerwise<Dim>>();
+    const SetDisplacement<Dim> set(context.part, context.node_sets.at(settings.nodes),
+                                   settings.after_release);
+    if (settings.measure == Measure::flatness) return std::make_unique<Flatness<Dim>>(set, settings);
+    return std::make_unique<Displacement<Dim>>(set, settings);
+  }
+};
+
+void DistortionSettings::check_node_set(const TermPlace& place) const {
+  const std::string pointer = pointer_to(place.pointer, "nodes");
+  const std::vector<std::string>& known = place.node_sets;
+  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
+  if (nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
+  if (std::find(known.begin(), known.end(), nodes) != known.end()) return;
+  const std::string nearest = nearest_word(nodes, known);
+  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
+  refuse(pointer, "unknown node set " + shown(nodes) + hint, list);
+}
+
+void DistortionSettings::check(const TermPlace& place) const {
+  const auto at = [&](const char* key) { return pointer_to(place.pointer, key); };
+  const bool layerwise = measure == Measure::layerwise;
+  if (!layerwise) check_node_set(place);
+  if (layerwise && !nodes.empty())
+    refuse(at("nodes"), shown(nodes), "no node set with measure layerwise, which takes all nodes");
+  if (measure == Measure::flatness && axis < 0)
+    throw InputError(at("axis") + ": missing; allowed: " + (place.dimension == 2 ? "x, y" : "x, y, z"));
+  if (measure != Measure::flatness && axis >= 0)
+    refuse(at("axis"), shown(std::string(1, static_cast<char>('x' + axis))), "only with measure flatness");
+  if (mean && measure != Measure::displacement)
+    refuse(at("mean"), std::string("true with measure ") + (layerwise ? "layerwise" : "flatness"),
+           "true only with measure displacement");
+  const std::string on_sets = "true only with measures displacement and flatness";
+  if (layerwise && after_release) refuse(at("after_release"), "true with measure layerwise", on_sets);
+  if (layerwise && least_squares.value_or(false))
+    refuse(at("least_squares"), "true with measure layerwise", on_sets + "; \"auto\" or false");
+}
+
+Section<DistortionSettings> distortion_keys() {
+  using Its = DistortionSettings;
+  return Section<Its>("objective")
+      .key("measure", &Its::measure,
+           "Squared displacement over a node set, its flatness along an axis, or the squared displacement of "
+           "every "
+           "layer over all nodes",
+           {.words = "displacement flatness layerwise"})
+      .key("nodes", &Its::nodes, "Node set of displacement (required) and flatness (required)")
+      .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
+      .key("mean", &Its::mean, "Divide displacement by the number of nodes")
+      .key("after_release", &Its::after_release,
+           "Measure displacement or flatness after the release from plate or clamps")
+      .key("least_squares", &Its::least_squares,
+           "Hand displacement or flatness to the optimizer as a sum of squares, an elastic adjoint each; "
+           "auto: with "
+           "scaling current, while these hold most of it",
+           {.words = "auto"});
+}
+
+const Registered<Distortion, DistortionSettings> registered({.name = "distortion",
+                                                             .scaling = TermScaling::current},
+                                                            distortion_keys());
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_displacement_distortion(const Part<Dim>& part, const NodeSet& nodes,
-                                                            bool mean, bool after_release) {
-  return std::make_unique<Displacement<Dim>>(SetDisplacement<Dim>(part, nodes, after_release), mean);
-}
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_flatness_distortion(const Part<Dim>& part, const NodeSet& nodes, int axis,
-                                                        bool after_release) {
-  return std::make_unique<Flatness<Dim>>(SetDisplacement<Dim>(part, nodes, after_release), axis);
-}
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_layerwise_distortion() {
-  return std::make_unique<Layerwise<Dim>>();
-}
-
-#define FABSEQ_INSTANTIATE(Dim)                                                                           \
-  template std::unique_ptr<Response<Dim>> make_displacement_distortion<Dim>(const Part<Dim>&,             \
-                                                                            const NodeSet&, bool, bool);  \
-  template std::unique_ptr<Response<Dim>> make_flatness_distortion<Dim>(const Part<Dim>&, const NodeSet&, \
-                                                                        int, bool);                       \
-  template std::unique_ptr<Response<Dim>> make_layerwise_distortion<Dim>();
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
 
 }  // namespace fabseq

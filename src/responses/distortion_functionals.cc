@@ -56,10 +56,11 @@ std::vector<SetFunction> linear_functions(const SetDisplacement<Dim>& set) {
 
 template <int Dim>
 DistortionFunctionals<Dim>::DistortionFunctionals(const SetDisplacement<Dim>& set, std::vector<int> axes,
-                                                  bool means, double factor)
+                                                  bool means, double factor, bool asked_for)
     : set_(set),
       axes_(std::move(axes)),
       root_of_factor_(std::sqrt(factor)),
+      asked_for_(asked_for),
       functions_(linear_functions(set)),
       complete_(static_cast<std::int64_t>(functions_.size()) == set.nodes().count) {
   if (!means) functions_.erase(functions_.begin());
@@ -91,34 +92,7 @@ void DistortionFunctionals<Dim>::add_derivative(int component, double weight, co
     set_.add_derivative(nodes[i], axis, weight * root_of_factor_ * function[i], state, adjoint);
 }
 
-template <int Dim>
-std::unique_ptr<DistortionFunctionals<Dim>> make_displacement_functionals(const Part<Dim>& part,
-                                                                          const NodeSet& nodes, bool mean,
-                                                                          bool after_release) {
-  std::vector<int> axes(Dim);
-  std::iota(axes.begin(), axes.end(), 0);
-  const double factor = mean ? 1.0 / static_cast<double>(nodes.count) : 1.0;
-  return std::make_unique<DistortionFunctionals<Dim>>(SetDisplacement<Dim>(part, nodes, after_release),
-                                                      std::move(axes), true, factor);
-}
-
-template <int Dim>
-std::unique_ptr<DistortionFunctionals<Dim>> make_flatness_functionals(const Part<Dim>& part,
-                                                                      const NodeSet& nodes, int axis,
-                                                                      bool after_release) {
-  return std::make_unique<DistortionFunctionals<Dim>>(SetDisplacement<Dim>(part, nodes, after_release),
-                                                      std::vector<int>{axis}, false,
-                                                      1.0 / static_cast<double>(nodes.count));
-}
-
-#define FABSEQ_INSTANTIATE(Dim)                                                            \
-  template class DistortionFunctionals<Dim>;                                               \
-  template std::unique_ptr<DistortionFunctionals<Dim>> make_displacement_functionals<Dim>( \
-      const Part<Dim>&, const NodeSet&, bool, bool);                                       \
-  template std::unique_ptr<DistortionFunctionals<Dim>> make_flatness_functionals<Dim>(     \
-      const Part<Dim>&, const NodeSet&, int, bool);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+template class DistortionFunctionals<2>;
+template class DistortionFunctionals<3>;
 
 }  // namespace fabseq

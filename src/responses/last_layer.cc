@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/last_layer.h"
-
+/// Constraint: the part ends with a layer of some size, not with a sliver (docs/formulation.md 6).
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,11 +19,18 @@ constexpr double caution = 3.0;
 /// Of the norm, which is nearly the largest entry.
 constexpr int power = 8;
 
+struct LastLayerSettings {
+  double least_volume = 0.05;
+};
+
+/// One component: by how much elements are later than the last layer j that holds `least_volume` of the mean
+/// volume V*/N or more, (sum_e max(0, N (t_e - T_j) + 0.25)^8)^(1/8) in layers, at most 0.25. So no element
+/// belongs to a later layer. 0 where the last of all layers is as large. Curved layers only.
 template <int Dim>
 class LastLayer : public Response<Dim> {
  public:
-  LastLayer(const ResponseContext<Dim>& context, double least_volume)
-      : grid_(context.part.grid()), least_of_all_(least_volume * context.part.volume()) {}
+  LastLayer(const ResponseContext<Dim>& context, const LastLayerSettings& settings)
+      : grid_(context.part.grid()), least_of_all_(settings.least_volume * context.part.volume()) {}
 
   std::string type() const override { return "last_layer"; }
 
@@ -81,14 +88,13 @@ class LastLayer : public Response<Dim> {
   double least_of_all_;  ///< least volume times the number of layers
 };
 
+const Registered<LastLayer, LastLayerSettings> registered(
+    {.list = TermList::constraints, .name = "last_layer", .layers = LayerKind::curved},
+    Section<LastLayerSettings>("constraints")
+        .key("least_volume", &LastLayerSettings::least_volume,
+             "No element may be later than the last layer with as much volume, relative to the mean of all",
+             {.range = "(0, 1)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_last_layer(const ResponseContext<Dim>& context, double least_volume) {
-  return std::make_unique<LastLayer<Dim>>(context, least_volume);
-}
-
-template std::unique_ptr<Response<2>> make_last_layer<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_last_layer<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/layer_thickness.h"
-
+/// Constraint: the mean thickness of every layer stays near its target (docs/formulation.md 6).
 #include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
 
 #include <algorithm>
 
@@ -9,11 +9,24 @@ namespace fabseq {
 
 namespace {
 
+struct LayerThicknessSettings {
+  double target = 0.0;        ///< length unit
+  double tolerance = 0.1;     ///< relative
+  double least_volume = 0.0;  ///< of the mean volume; layers with less are slivers
+
+  double target_thickness() const { return target; }
+};
+
+/// Components d_j / target, each between 1 - tolerance and 1 + tolerance. Layers with less than
+/// `least_volume` of the mean volume V*/N fade towards 1, which they reach where they vanish; 0: none does.
 template <int Dim>
 class LayerThickness : public Response<Dim> {
  public:
-  LayerThickness(const ResponseContext<Dim>& context, double target, double tolerance, double least_volume)
-      : context_(context), target_(target), tolerance_(tolerance), least_volume_(least_volume) {}
+  LayerThickness(const ResponseContext<Dim>& context, const LayerThicknessSettings& settings)
+      : context_(context),
+        target_(settings.target),
+        tolerance_(settings.tolerance),
+        least_volume_(settings.least_volume) {}
 
   std::string type() const override { return "layer_thickness"; }
 
@@ -78,17 +91,22 @@ class LayerThickness : public Response<Dim> {
   double target_, tolerance_, least_volume_;
 };
 
+const Registered<LayerThickness, LayerThicknessSettings> registered(
+    {.list = TermList::constraints,
+     .name = "layer_thickness",
+     .layers = LayerKind::curved,
+     .needs_time_gradient = true},
+    Section<LayerThicknessSettings>("constraints")
+        .key("target", &LayerThicknessSettings::target, "Mean thickness of each layer",
+             {.required = true, .range = "(0, inf)", .unit = "length", .option = "-target"})
+        .key("tolerance", &LayerThicknessSettings::tolerance, "Allowed deviation, relative to the target",
+             {.range = "(0, 1)", .option = "-thickness_tolerance"})
+        .key(
+            "least_volume", &LayerThicknessSettings::least_volume,
+            "Layers with less volume, relative to the mean of all, fade out of the constraint; 0: all layers "
+            "count, however small",
+            {.range = "[0, 1)", .option = "-least_volume"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_layer_thickness(const ResponseContext<Dim>& context, double target,
-                                                    double tolerance, double least_volume) {
-  return std::make_unique<LayerThickness<Dim>>(context, target, tolerance, least_volume);
-}
-
-template std::unique_ptr<Response<2>> make_layer_thickness<2>(const ResponseContext<2>&, double, double,
-                                                              double);
-template std::unique_ptr<Response<3>> make_layer_thickness<3>(const ResponseContext<3>&, double, double,
-                                                              double);
 
 }  // namespace fabseq

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/layer_uniformity.h"
-
+/// Objective: |grad t| shall be uniform within each layer (docs/formulation.md 6).
 #include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
 
 #include <cmath>
 
@@ -19,10 +19,18 @@ struct Partials {
   double deviation = 0.0, weight = 0.0, mean = 0.0;
 };
 
+enum class UniformityForm { sum_of_squares, variance };
+
+struct UniformitySettings {
+  UniformityForm form = UniformityForm::sum_of_squares;
+};
+
 template <int Dim>
 class Uniformity : public Response<Dim> {
  public:
   explicit Uniformity(const ResponseContext<Dim>& context) : context_(context) {}
+  static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
+                                             const UniformitySettings& settings);
 
   std::string type() const override { return "layer_uniformity"; }
 
@@ -55,8 +63,9 @@ class Uniformity : public Response<Dim> {
   ResponseContext<Dim> context_;
 };
 
+/// `sum_of_squares`: sum over layers of sum_e drho_e (M_e - m_j)^2.
 template <int Dim>
-class SumOfSquares : public Uniformity<Dim> {
+class SumOfSquaredDeviations : public Uniformity<Dim> {
  public:
   using Uniformity<Dim>::Uniformity;
 
@@ -71,6 +80,8 @@ class SumOfSquares : public Uniformity<Dim> {
   Partials partials(const LayerStatistics&, int) const override { return {1.0, 0.0, 0.0}; }
 };
 
+/// `variance`: mean over the layers that are not empty of the squared coefficient of variation; free of
+/// scales.
 template <int Dim>
 class Variance : public Uniformity<Dim> {
  public:
@@ -108,23 +119,22 @@ class Variance : public Uniformity<Dim> {
   }
 };
 
+template <int Dim>
+std::unique_ptr<Response<Dim>> Uniformity<Dim>::make(const ResponseContext<Dim>& context,
+                                                     const UniformitySettings& settings) {
+  if (settings.form == UniformityForm::variance) return std::make_unique<Variance<Dim>>(context);
+  return std::make_unique<SumOfSquaredDeviations<Dim>>(context);
+}
+
+const Registered<Uniformity, UniformitySettings> registered(
+    {.name = "layer_uniformity",
+     .layers = LayerKind::curved,
+     .needs_time_gradient = true,
+     .weight_option = "-alpha"},
+    Section<UniformitySettings>("objective")
+        .key("form", &UniformitySettings::form, "Form of the deviation of the thickness within each layer",
+             {.words = "sum_of_squares variance"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity(const ResponseContext<Dim>& context) {
-  return std::make_unique<SumOfSquares<Dim>>(context);
-}
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_variance_uniformity(const ResponseContext<Dim>& context) {
-  return std::make_unique<Variance<Dim>>(context);
-}
-
-#define FABSEQ_INSTANTIATE(Dim)                                                                             \
-  template std::unique_ptr<Response<Dim>> make_sum_of_squares_uniformity<Dim>(const ResponseContext<Dim>&); \
-  template std::unique_ptr<Response<Dim>> make_variance_uniformity<Dim>(const ResponseContext<Dim>&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
 
 }  // namespace fabseq

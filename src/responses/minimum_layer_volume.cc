@@ -1,17 +1,32 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/minimum_layer_volume.h"
-
+/// Constraint: no layer vanishes (docs/formulation.md 7).
 #include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
 
 namespace fabseq {
 
 namespace {
 
+struct MinimumLayerVolumeSettings {
+  double fraction = 0.01;
+
+  /// Layers share the whole: they cannot all have more than an equal part.
+  void check(const TermPlace& place) const {
+    if (!place.layers.count || fraction * *place.layers.count <= 1.0) return;
+    refuse(pointer_to(place.pointer, "fraction"),
+           shown(fraction) + " for each of " + std::to_string(*place.layers.count) + " layers",
+           "at most 1 / layers.count");
+  }
+};
+
+/// Components V_min - (volume of layer j), each at most 0; V_min is `fraction` of the part's volume. With
+/// variable time points this keeps them in order, too: a layer that ends before it begins has a negative
+/// volume.
 template <int Dim>
 class MinimumLayerVolume : public Response<Dim> {
  public:
-  MinimumLayerVolume(const ResponseContext<Dim>& context, double fraction)
-      : grid_(context.part.grid()), least_(fraction * context.part.volume()) {}
+  MinimumLayerVolume(const ResponseContext<Dim>& context, const MinimumLayerVolumeSettings& settings)
+      : grid_(context.part.grid()), least_(settings.fraction * context.part.volume()) {}
 
   std::string type() const override { return "minimum_layer_volume"; }
 
@@ -41,15 +56,12 @@ class MinimumLayerVolume : public Response<Dim> {
   double least_;
 };
 
+const Registered<MinimumLayerVolume, MinimumLayerVolumeSettings> registered(
+    {.list = TermList::constraints, .name = "minimum_layer_volume", .layers = LayerKind::curved},
+    Section<MinimumLayerVolumeSettings>("constraints")
+        .key("fraction", &MinimumLayerVolumeSettings::fraction,
+             "Least volume of each layer, relative to the part's", {.range = "(0, 1)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_minimum_layer_volume(const ResponseContext<Dim>& context,
-                                                         double fraction) {
-  return std::make_unique<MinimumLayerVolume<Dim>>(context, fraction);
-}
-
-template std::unique_ptr<Response<2>> make_minimum_layer_volume<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_minimum_layer_volume<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/segmentation_alignment.h"
-
+/// Objective: lines between sub-parts shall be short, and across the print direction of what comes next
+/// (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/layers/smooth_step.h"
+#include "fabseq/responses/response_type.h"
 
 #include <array>
 #include <cmath>
@@ -17,11 +18,24 @@ constexpr double sharpness = 100.0;
 /// Of |grad t|^2, 1/length^2.
 constexpr double regularization = 1e-9;
 
+struct SegmentationAlignmentSettings {
+  double band = 0.1;
+
+  void check(const TermPlace& place) const {
+    for (const double timestamp : place.layers.multi_planar->timestamps)
+      if (timestamp + band >= 1.0)
+        refuse(pointer_to(place.pointer, "band"), shown(band) + " after the timestamp " + shown(timestamp),
+               "a band that ends before 1");
+  }
+};
+
+/// sum_{i < N_P} sum_e rho_e E_B (v . n_{i+1} + 1), E_B the elements up to `band` in pseudo-time after
+/// timestamp i, v = -grad t / |grad t|. NaN without sub-parts.
 template <int Dim>
 class SegmentationAlignment : public Response<Dim> {
  public:
-  SegmentationAlignment(const ResponseContext<Dim>& context, double band)
-      : part_(context.part), band_(band) {}
+  SegmentationAlignment(const ResponseContext<Dim>& context, const SegmentationAlignmentSettings& settings)
+      : part_(context.part), band_(settings.band) {}
 
   std::string type() const override { return "segmentation_alignment"; }
 
@@ -96,14 +110,12 @@ class SegmentationAlignment : public Response<Dim> {
   double band_;
 };
 
+const Registered<SegmentationAlignment, SegmentationAlignmentSettings> registered(
+    {.name = "segmentation_alignment", .layers = LayerKind::multi_planar, .needs_time_gradient = true},
+    Section<SegmentationAlignmentSettings>("objective")
+        .key("band", &SegmentationAlignmentSettings::band,
+             "Width, in pseudo-time, of the band after each segmentation line", {.range = "(0, 1)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_segmentation_alignment(const ResponseContext<Dim>& context, double band) {
-  return std::make_unique<SegmentationAlignment<Dim>>(context, band);
-}
-
-template std::unique_ptr<Response<2>> make_segmentation_alignment<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_segmentation_alignment<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

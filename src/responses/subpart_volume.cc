@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/subpart_volume.h"
-
+/// Constraint: no sub-part has more than its share of the part (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
+#include "fabseq/responses/response_type.h"
 
 #include <limits>
 
@@ -9,14 +9,19 @@ namespace fabseq {
 
 namespace {
 
+struct SubpartVolumeSettings {
+  double tolerance = 0.01;
+};
+
+/// Components V_i / (V* / N_P) - 1, one a sub-part, each at most `tolerance`. NaN without sub-parts.
 template <int Dim>
 class SubpartVolume : public Response<Dim> {
  public:
-  SubpartVolume(const ResponseContext<Dim>& context, double tolerance)
+  SubpartVolume(const ResponseContext<Dim>& context, const SubpartVolumeSettings& settings)
       : comm_(context.part.grid().comm()),
         undefined_(context.sub_parts, std::numeric_limits<double>::quiet_NaN()),
         volume_fraction_(context.part.grid().element_volume() / context.part.volume()),
-        tolerance_(tolerance) {}
+        tolerance_(settings.tolerance) {}
 
   std::string type() const override { return "subpart_volume"; }
 
@@ -56,14 +61,13 @@ class SubpartVolume : public Response<Dim> {
   double volume_fraction_, tolerance_;
 };
 
+const Registered<SubpartVolume, SubpartVolumeSettings> registered(
+    {.list = TermList::constraints, .name = "subpart_volume", .layers = LayerKind::multi_planar},
+    Section<SubpartVolumeSettings>("constraints")
+        .key("tolerance", &SubpartVolumeSettings::tolerance,
+             "By how much a sub-part may exceed its equal share of the volume, relative to that",
+             {.range = "[0, 1)"}));
+
 }  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_subpart_volume(const ResponseContext<Dim>& context, double tolerance) {
-  return std::make_unique<SubpartVolume<Dim>>(context, tolerance);
-}
-
-template std::unique_ptr<Response<2>> make_subpart_volume<2>(const ResponseContext<2>&, double);
-template std::unique_ptr<Response<3>> make_subpart_volume<3>(const ResponseContext<3>&, double);
 
 }  // namespace fabseq

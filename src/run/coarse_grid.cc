@@ -3,9 +3,9 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
-#include "fabseq/config/schema.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/files/output_directory.h"
+#include "fabseq/keys/config_key.h"
 
 #include <algorithm>
 #include <array>

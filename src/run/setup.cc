@@ -5,6 +5,7 @@
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
 #include "fabseq/process/release.h"
+#include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/interpolation.h"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ int Setup<Dim>::most_layers_of_a_sequence() const {
 template <int Dim>
 void Setup<Dim>::require_release() const {
   for (std::size_t i = 0; i < config.objective.size(); ++i) {
-    if (!config.objective[i].after_release) continue;
+    if (!config.objective[i].type->measures_release(config.objective[i])) continue;
     const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
     if (!reason.empty())
       refuse("/objective/" + std::to_string(i) + "/after_release", "true, but " + reason,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/config/command_line.h"
 
-#include "fabseq/config/schema.h"
+#include "fabseq/config/config_keys.h"
 
 #include <gtest/gtest.h>
 
@@ -143,12 +143,10 @@ TEST(CommandLineTest, RestartAndWallTime) {
 }
 
 TEST(CommandLineTest, EveryFlatOptionIsUniqueAndNamesAKey) {
-  std::set<std::string_view> seen;
-  for (const ConfigKey& key : config_keys()) {
-    if (key.option.empty()) continue;
-    EXPECT_TRUE(seen.insert(key.option).second) << key.option;
-    EXPECT_EQ(key.option.front(), '-');
-    const std::string option(key.option);
+  std::set<std::string> seen;
+  for (const std::string& option : flat_options()) {
+    EXPECT_TRUE(seen.insert(option).second) << option;
+    EXPECT_EQ(option.front(), '-');
     const CommandLine line = parse({"-config", "c", option.c_str(), "1"});
     ASSERT_EQ(line.overrides.size(), 1U) << option;
     EXPECT_EQ(line.petsc_arguments.size(), 1U) << option;
@@ -157,16 +155,18 @@ TEST(CommandLineTest, EveryFlatOptionIsUniqueAndNamesAKey) {
 
 TEST(CommandLineTest, HelpAndReferenceNameEveryKey) {
   const std::string help = help_text(), reference = reference_table();
-  std::set<std::string_view> sections;
-  for (const ConfigSection& section : config_sections()) sections.insert(section.path);
-  for (const ConfigKey& key : config_keys()) {
-    EXPECT_EQ(sections.count(key.section), 1U) << key.section;
-    EXPECT_FALSE(key.meaning.empty()) << key.name;
-    if (key.type == KeyType::unavailable) continue;
-    EXPECT_NE(help.find(std::string(key.meaning)), std::string::npos) << key.name;
-    EXPECT_NE(reference.find("- `" + std::string(key.name) + "`"), std::string::npos) << key.name;
-    if (!key.option.empty()) {
-      EXPECT_NE(help.find("\n  " + std::string(key.option) + " "), std::string::npos) << key.option;
+  std::set<std::string> sections;
+  for (const SectionKeys& section : config_sections()) {
+    EXPECT_TRUE(sections.insert(section.path).second) << section.path;
+    for (const ConfigKey& key : section.keys) {
+      EXPECT_EQ(key.section, section.path) << key.name;
+      EXPECT_FALSE(key.meaning.empty()) << key.name;
+      if (key.type == KeyType::unavailable) continue;
+      EXPECT_NE(help.find(key.meaning), std::string::npos) << key.name;
+      EXPECT_NE(reference.find("- `" + key.name + "`"), std::string::npos) << key.name;
+      if (!key.option.empty()) {
+        EXPECT_NE(help.find("\n  " + key.option + " "), std::string::npos) << key.option;
+      }
     }
   }
   for (const char* option : {"-restart DIR", "-max_wall_time TIME"})

@@ -121,7 +121,7 @@ TEST_F(ReadConfigTest, WeakStrainPenaltyIsAWarning) {
   if (rank_of(PETSC_COMM_WORLD) == 0) {
     EXPECT_EQ(
         warning,
-        "warning: /process/strain_penalty: found 2, less than stiffness_penalty (3): half-built elements "
+        "warning: /process/strain_penalty: found 2, less than stiffness_penalty (3.0): half-built elements "
         "shrink more than they resist\n");
   } else {
     EXPECT_EQ(warning, "");

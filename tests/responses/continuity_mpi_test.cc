@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Continuity against a double loop over the gathered pseudo-time, its derivative against differences
 /// (formulation 7).
-#include "fabseq/responses/continuity.h"
-
 #include <gtest/gtest.h>
 
+#include "support/response.h"
 #include "support/small_parts.h"
 #include <map>
 #include <string>
@@ -18,7 +17,8 @@ class ContinuityCase {
  public:
   explicit ContinuityCase(std::vector<char> start)
       : start_(std::move(start)),
-        response_(make_continuity<Dim>({part(), node_sets_, 1.0, start_}, 2e-3)),
+        response_(test::make_response<Dim>(TermList::constraints, R"({"type": "continuity", "limit": 2e-3})",
+                                           {part(), node_sets_, 1.0, start_})),
         time_{test::noise_field(part(), 0.0, 1.0), {}, {}},
         layers_(),
         process_() {}

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Distortion as a sum of squares (formulation 9): the functionals against fits by hand, what they leave,
 /// their gradients.
-#include "fabseq/responses/distortion.h"
-#include "fabseq/responses/distortion_functionals.h"
-
 #include <gtest/gtest.h>
 
 #include "support/pipeline_case.h"
+#include "support/response.h"
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -32,6 +30,18 @@ class DistortionFunctionalsTest : public testing::Test {
   static constexpr int dim = T::value;
   using Case = test::PipelineCase<dim>;
 
+  static std::unique_ptr<Response<dim>> displacement(const Case& pipeline, bool mean = false) {
+    const std::string term = R"({"type": "distortion", "nodes": "tip", "mean": )" + to_text(mean) + "}";
+    return test::make_response<dim>(TermList::objective, term, pipeline.setup.context());
+  }
+  static std::unique_ptr<Response<dim>> flatness(const Case& pipeline, const char* nodes) {
+    const std::string term = R"({"type": "distortion", "measure": "flatness", "axis": "x", "nodes": ")" +
+                             std::string(nodes) + "\"}";
+    return test::make_response<dim>(TermList::objective, term, pipeline.setup.context());
+  }
+  static std::unique_ptr<SumOfSquares<dim>> squares(const std::unique_ptr<Response<dim>>& distortion) {
+    return distortion->squares(TermScaling::current);
+  }
   static ProcessResult result_of(const std::vector<double>& displacement) {
     ProcessResult result;
     result.displacement = displacement;
@@ -68,10 +78,8 @@ double sum_of_squares(const std::vector<double>& values) {
 TYPED_TEST(DistortionFunctionalsTest, DependentFunctionsAreDropped) {
   constexpr int Dim = TypeParam::value;
   typename TestFixture::Case pipeline;
-  const auto& sets = pipeline.setup.node_sets;
-  const Part<Dim>& part = pipeline.setup.part;
-  EXPECT_EQ(make_displacement_functionals(part, sets.at("tip"), false, false)->count(), Dim * Dim);
-  EXPECT_EQ(make_flatness_functionals(part, sets.at("top"), 0, false)->count(), Dim - 1);
+  EXPECT_EQ(this->squares(this->displacement(pipeline))->count(), Dim * Dim);
+  EXPECT_EQ(this->squares(this->flatness(pipeline, "top"))->count(), Dim - 1);
 }
 
 TYPED_TEST(DistortionFunctionalsTest, LinearDisplacementsLeaveNoRest) {
@@ -80,18 +88,12 @@ TYPED_TEST(DistortionFunctionalsTest, LinearDisplacementsLeaveNoRest) {
   const auto state = pipeline.run(pipeline.wavy_design());
   const ProcessResult linear = this->result_of(this->linear_displacement(pipeline.setup.grid));
   const PipelineState<Dim> moved{state.time, state.layers, linear};
-  const Part<Dim>& part = pipeline.setup.part;
-  const NodeSet &tip = pipeline.setup.node_sets.at("tip"), &top = pipeline.setup.node_sets.at("top");
-  for (const bool mean : {false, true}) {
-    const double whole = make_displacement_distortion(part, tip, mean, false)->values(moved)[0];
-    const auto functionals = make_displacement_functionals(part, tip, mean, false);
+  for (const auto& distortion : {this->displacement(pipeline, false), this->displacement(pipeline, true),
+                                 this->flatness(pipeline, "top")}) {
+    const double whole = distortion->values(moved)[0];
     EXPECT_GT(whole, 0.01);
-    EXPECT_NEAR(sum_of_squares(functionals->values(moved)), whole, 1e-12 * whole);
+    EXPECT_NEAR(sum_of_squares(this->squares(distortion)->values(moved)), whole, 1e-12 * whole);
   }
-  const double whole = make_flatness_distortion(part, top, 0, false)->values(moved)[0];
-  EXPECT_GT(whole, 0.01);
-  EXPECT_NEAR(sum_of_squares(make_flatness_functionals(part, top, 0, false)->values(moved)), whole,
-              1e-12 * whole);
 }
 
 /// What they leave of rough displacements is what a fit of constant and slopes leaves. On a face of the grid
@@ -135,7 +137,7 @@ TYPED_TEST(DistortionFunctionalsTest, TheRestIsThatOfALinearFit) {
     }
     rest += sum_of_squares(left);
   }
-  const auto functionals = make_displacement_functionals(part, tip, false, false);
+  const auto functionals = this->squares(this->displacement(pipeline));
   EXPECT_GT(rest, 0.1 * whole);
   EXPECT_NEAR(whole - sum_of_squares(functionals->values(moved)), rest, 1e-11 * whole);
   EXPECT_FALSE(functionals->complete());
@@ -144,11 +146,10 @@ TYPED_TEST(DistortionFunctionalsTest, TheRestIsThatOfALinearFit) {
 TYPED_TEST(DistortionFunctionalsTest, FewNodesLeaveNothing) {
   constexpr int Dim = TypeParam::value;
   typename TestFixture::Case pipeline(Settings{{"node_sets.tip.samples", "2"}});
-  const NodeSet& ends = pipeline.setup.node_sets.at("tip");
-  const auto functionals = make_displacement_functionals(pipeline.setup.part, ends, false, false);
+  const auto functionals = this->squares(this->displacement(pipeline));
   EXPECT_EQ(functionals->count(), 2 * Dim);
   EXPECT_TRUE(functionals->complete());
-  EXPECT_EQ(make_flatness_functionals(pipeline.setup.part, ends, 0, false)->count(), 1);
+  EXPECT_EQ(this->squares(this->flatness(pipeline, "tip"))->count(), 1);
 }
 
 /// Through the whole pipeline, on the plate and after the release.

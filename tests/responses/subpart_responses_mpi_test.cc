@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Responses of sub-parts against sums over the gathered fields, their derivatives against differences
 /// (formulation 7).
-#include "fabseq/responses/segmentation_alignment.h"
-#include "fabseq/responses/subpart_volume.h"
+#include "fabseq/base/mpi.h"
 
 #include <gtest/gtest.h>
 
+#include "support/response.h"
 #include "support/small_parts.h"
 #include <cmath>
 #include <map>
@@ -44,13 +44,24 @@ struct Case {
   ProcessResult process{};
 };
 
+template <int Dim>
+auto subpart_volume(const Case<Dim>& c) {
+  return test::make_response<Dim>(TermList::constraints, R"({"type": "subpart_volume", "tolerance": 0.02})",
+                                  c.context());
+}
+template <int Dim>
+auto segmentation_alignment(const Case<Dim>& c, double band) {
+  const std::string term = R"({"type": "segmentation_alignment", "band": )" + to_text(band) + "}";
+  return test::make_response<Dim>(TermList::objective, term, c.context());
+}
+
 template <class T>
 class SubpartResponsesTest : public testing::Test {};
 TYPED_TEST_SUITE(SubpartResponsesTest, test::Dimensions);
 
 TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
   Case<TypeParam::value> c;
-  const auto response = make_subpart_volume(c.context(), 0.02);
+  const auto response = subpart_volume(c);
   EXPECT_EQ(response->type(), "subpart_volume");
   EXPECT_FALSE(response->uses_displacements());
   const auto values = response->values(c.state());
@@ -76,10 +87,10 @@ TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
 TYPED_TEST(SubpartResponsesTest, AreUndefinedWithoutSubParts) {
   Case<TypeParam::value> c;
   c.layers.sub_parts = {};
-  const auto volumes = make_subpart_volume(c.context(), 0.0)->values(c.state());
+  const auto volumes = subpart_volume(c)->values(c.state());
   EXPECT_EQ(volumes.size(), 3u);
   EXPECT_TRUE(std::isnan(volumes[2]));
-  EXPECT_TRUE(std::isnan(make_segmentation_alignment(c.context(), 0.1)->values(c.state())[0]));
+  EXPECT_TRUE(std::isnan(segmentation_alignment(c, 0.1)->values(c.state())[0]));
 }
 
 template <int Dim>
@@ -107,7 +118,7 @@ double expected_alignment(const Case<Dim>& c, double band) {
 TYPED_TEST(SubpartResponsesTest, AlignmentFollowsTheFormula) {
   const Case<TypeParam::value> c;
   for (const double band : {0.1, 0.25}) {
-    const auto response = make_segmentation_alignment(c.context(), band);
+    const auto response = segmentation_alignment(c, band);
     EXPECT_EQ(response->type(), "segmentation_alignment");
     EXPECT_NEAR(response->values(c.state())[0], expected_alignment(c, band), 1e-11);
   }
@@ -116,7 +127,7 @@ TYPED_TEST(SubpartResponsesTest, AlignmentFollowsTheFormula) {
 TYPED_TEST(SubpartResponsesTest, AlignmentDerivativeAgreesWithDifferences) {
   constexpr int Dim = TypeParam::value;
   Case<Dim> c;
-  const auto response = make_segmentation_alignment(c.context(), 0.2);
+  const auto response = segmentation_alignment(c, 0.2);
   PipelineAdjoint<Dim> adjoint(4);
   response->add_derivative(0, 0.7, c.state(), adjoint);
   const auto check = [&](std::vector<double>& values, const std::vector<double>& derivative,

@@ -22,8 +22,7 @@ struct OutputSettings {
 
 /// A validated config.
 struct Config : ModelSettings {
-  std::string name;
-  int dimension = 3;
+  std::string name = "fabseq";
   OptimizerSettings optimizer;
   OutputSettings output;
 
@@ -37,7 +36,7 @@ struct Config : ModelSettings {
   }
 };
 
-/// Validates `document` (config text parsed, -set and flat options applied) against the table of keys and
+/// Validates `document` (config text parsed, -set and flat options applied) against the sections of keys and
 /// fills in defaults. `directory`: absolute directory that relative paths in the config refer to. Not
 /// collective; the same on all ranks. Throws InputError with the JSON pointer of the offending key, what was
 /// found and what is allowed.

@@ -5,6 +5,6 @@
 
 namespace fabseq {
 
-enum class SolverCycle { v, w, k };
+enum class SolverCycle { k, w, v };
 
 }  // namespace fabseq

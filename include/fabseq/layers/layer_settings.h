@@ -3,11 +3,16 @@
 /// How the pseudo-time is cut into layers.
 #pragma once
 
+#include "fabseq/part/pieces.h"
+
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace fabseq {
+
+template <class Settings>
+class Section;
 
 /// No part has as many layers; more are a slip, such as a target thickness in another unit.
 constexpr int most_layers = 10000;
@@ -45,5 +50,12 @@ struct ProjectionSettings {
   std::optional<double> max;  ///< none: 13.5 N
   bool binary = false;
 };
+
+/// Sections "layers" and "projection".
+Section<LayerSettings> layer_keys();
+Section<ProjectionSettings> projection_keys();
+/// What "auto" stands for, once the plate is known: equal steps between the sub-parts, print directions along
+/// the plate's normal; bounds of the angles for each angle of each sub-part.
+void complete_layers(MultiPlanarSettings& layers, const BuildPlate& plate, int dimension);
 
 }  // namespace fabseq

@@ -3,16 +3,15 @@
 /// What is built and simulated, and what is asked of it: the settings of all modules that a Model is made of.
 #pragma once
 
-#include "fabseq/grid/grid.h"
+#include "fabseq/grid/domain_settings.h"
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/part/part.h"
 #include "fabseq/process/process_settings.h"
-#include "fabseq/responses/term_settings.h"
+#include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/solver_settings.h"
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,11 +25,10 @@ struct BaselineSettings {
   std::vector<double> direction;  ///< empty: the plate's normal
 };
 
-/// Vectors have an entry per axis.
-struct ModelSettings {
-  std::vector<double> size;
-  std::vector<int> elements;
-  double thickness = 1.0;
+/// Section "baseline".
+Section<BaselineSettings> baseline_keys();
+
+struct ModelSettings : DomainSettings {
   PartDescription part;
   BuildPlate plate;
   std::map<std::string, NodeSetDescription> node_sets;
@@ -39,26 +37,9 @@ struct ModelSettings {
   SequenceSettings sequence;
   LayerSettings layers;
   ProjectionSettings projection;
-  std::vector<ObjectiveTerm> objective;
-  std::vector<ConstraintTerm> constraints;
+  std::vector<Term> objective, constraints;
   BaselineSettings baseline;
   SolverSettings solver;
-
-  /// Whether a term measures after the release.
-  bool has_release() const {
-    return std::any_of(objective.begin(), objective.end(),
-                       [](const ObjectiveTerm& term) { return term.after_release; });
-  }
-  template <int Dim>
-  Domain<Dim> domain() const {
-    Domain<Dim> result;
-    for (int axis = 0; axis < Dim; ++axis) {
-      result.size[axis] = size[axis];
-      result.elements[axis] = elements[axis];
-    }
-    result.thickness = thickness;
-    return result;
-  }
 };
 
 }  // namespace fabseq

@@ -4,6 +4,9 @@
 #pragma once
 
 #include "fabseq/mma/mma_settings.h"
+#include "fabseq/sequence/sequence_settings.h"
+
+#include <optional>
 
 namespace fabseq {
 
@@ -12,8 +15,8 @@ struct OptimizerSettings {
   double change_tolerance = 0.0;
   double objective_tolerance = 0.0;
   int window = 5;  ///< iterations over which both are looked at
-  double move_limit = 0.05,
-         final_move_limit = 0.004;  ///< of the variable's range; "auto" already resolved by scale
+  std::optional<double> given_move_limit, given_final_move_limit;  ///< of the config; none: by the sequence
+  double move_limit = 0.05, final_move_limit = 0.004;              ///< of the variable's range
   MmaSettings mma;
   double constraint_margin = 0.95;
   int binary_iterations = 0;                         ///< the last ones, judged by binary layers
@@ -21,5 +24,10 @@ struct OptimizerSettings {
   int coarse_grids = 1;                              ///< among which they are shared out
   int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one
 };
+
+/// Section "optimizer".
+Section<OptimizerSettings> optimizer_keys();
+/// Sets the move limits: as given, or what suits the sequence.
+void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence);
 
 }  // namespace fabseq

@@ -5,7 +5,6 @@
 
 #include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/pipeline.h"
-#include "fabseq/responses/distortion_functionals.h"
 
 #include <memory>
 #include <span>
@@ -88,12 +87,12 @@ class Problem {
     bool always = false;       ///< residuals whatever their share of the term
   };
 
-  void add_functionals(const ResponseContext<Dim>& context);
+  void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
   GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 
-  std::vector<ObjectiveTerm> terms_;
+  std::vector<Term> terms_;
   double margin_;
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
   std::size_t configured_ = 0;                             ///< terms and constraints

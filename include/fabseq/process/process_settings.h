@@ -8,6 +8,9 @@
 
 namespace fabseq {
 
+template <class Settings>
+class Section;
+
 /// Inherent strain along and across the layers, docs/formulation.md 4.2.
 struct TurningStrain {
   double tangential = 0.0, normal = 0.0;
@@ -32,5 +35,9 @@ struct ProcessSettings {
   double min_stiffness = 1e-9;
   VoidModel void_model = VoidModel::absent;
 };
+
+/// Sections "material" and "process".
+Section<MaterialSettings> material_keys();
+Section<ProcessSettings> process_keys();
 
 }  // namespace fabseq

@@ -15,13 +15,14 @@ namespace fabseq {
 /// its products with functions that are orthonormal over the set's nodes, 1, x, y, z in this order less what
 /// depends on those before.
 template <int Dim>
-class DistortionFunctionals : public Response<Dim> {
+class DistortionFunctionals : public SumOfSquares<Dim> {
  public:
   /// \param axes     displacement components
   /// \param means    whether the constant parts count, too; without them J is one of deviations from the mean
   /// \param factor   J is `factor` times the sum of squares over the nodes
   /// Collective construction.
-  DistortionFunctionals(const SetDisplacement<Dim>& set, std::vector<int> axes, bool means, double factor);
+  DistortionFunctionals(const SetDisplacement<Dim>& set, std::vector<int> axes, bool means, double factor,
+                        bool asked_for);
 
   std::string type() const override { return "least_squares"; }
   bool uses_displacements() const override { return true; }
@@ -29,34 +30,19 @@ class DistortionFunctionals : public Response<Dim> {
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override;
 
-  /// Number of functionals.
-  int count() const { return static_cast<int>(axes_.size() * functions_.size()); }
-  /// Whether there is no rest, whatever the displacements: the set has no more nodes than there are
-  /// functions.
-  bool complete() const { return complete_; }
+  int count() const override { return static_cast<int>(axes_.size() * functions_.size()); }
+  /// There is no rest where the set has no more nodes than there are functions.
+  bool complete() const override { return complete_; }
+  bool asked_for() const override { return asked_for_; }
 
  private:
   SetDisplacement<Dim> set_;
   std::vector<int> axes_;
   double root_of_factor_;
+  bool asked_for_;
   std::vector<std::vector<double>> functions_;  ///< [function][owned node of the set]
   bool complete_;
 };
-
-/// Of make_displacement_distortion() and make_flatness_distortion(), whose arguments these are.
-template <int Dim>
-std::unique_ptr<DistortionFunctionals<Dim>> make_displacement_functionals(const Part<Dim>& part,
-                                                                          const NodeSet& nodes, bool mean,
-                                                                          bool after_release);
-template <int Dim>
-std::unique_ptr<DistortionFunctionals<Dim>> make_flatness_functionals(const Part<Dim>& part,
-                                                                      const NodeSet& nodes, int axis,
-                                                                      bool after_release);
-
-/// Registry (src/responses/registry.cc): the functionals of an objective term, nullptr if it has none.
-template <int Dim>
-std::unique_ptr<DistortionFunctionals<Dim>> make_functionals(const ObjectiveTerm& term,
-                                                             const ResponseContext<Dim>& context);
 
 extern template class DistortionFunctionals<2>;
 extern template class DistortionFunctionals<3>;

@@ -6,7 +6,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/process/process_simulation.h"
-#include "fabseq/responses/term_settings.h"
+#include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
 
 #include <map>
@@ -57,6 +57,9 @@ struct ConstraintRow {
   double violation(double value) const { return sign * (value - bound) / scale; }
 };
 
+template <int Dim>
+class SumOfSquares;
+
 /// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are
 /// collective on the grid's communicator unless they say otherwise; each layer group makes them for itself,
 /// but values of what is said to use displacements are asked for by all groups.
@@ -77,13 +80,21 @@ class Response {
   /// As a constraint: the rows for the optimizer, allowed ranges shrunk to `margin` times their width; margin
   /// 1 is the user's constraint. Empty for responses that are objectives. Not collective.
   virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
+  /// As an objective with that scaling: what the optimizer may be given in its place. nullptr where it is no
+  /// sum of squares, or shall not be handed over as one. Collective.
+  virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
 };
 
-/// Registry of responses (src/responses/registry.cc): the one place that knows them all.
+/// Components whose squares add up to the value of an objective less a rest >= 0 (docs/formulation.md 9).
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_objective(const ObjectiveTerm& term, const ResponseContext<Dim>& context);
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_constraint(const ConstraintTerm& term,
-                                               const ResponseContext<Dim>& context);
+class SumOfSquares : public Response<Dim> {
+ public:
+  /// Number of components.
+  virtual int count() const = 0;
+  /// Whether there is no rest, whatever the displacements.
+  virtual bool complete() const = 0;
+  /// Whether the user asks for them, even where they hold little of the value.
+  virtual bool asked_for() const = 0;
+};
 
 }  // namespace fabseq

@@ -11,6 +11,9 @@
 
 namespace fabseq {
 
+template <class Settings>
+class Section;
+
 enum class SequenceType { heat, direct, planar, file };
 enum class DesignLocation { elements, nodes };
 enum class VariableScale { log, linear };
@@ -33,5 +36,8 @@ struct SequenceSettings {
   std::string file;                                    ///< file: absolute path of an HDF5 file
   std::string dataset = "time";                        ///< file: its dataset, axes [z][y][x]
 };
+
+/// Section "sequence".
+Section<SequenceSettings> sequence_keys();
 
 }  // namespace fabseq

@@ -9,6 +9,9 @@
 
 namespace fabseq {
 
+template <class Settings>
+class Section;
+
 enum class SolverPath { lanes, reference };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
@@ -21,5 +24,8 @@ struct SolverSettings {
   std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
   std::optional<int> lanes;         ///< none: by memory
 };
+
+/// Section "solver".
+Section<SolverSettings> solver_keys();
 
 }  // namespace fabseq

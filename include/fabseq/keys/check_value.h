@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Check of a single value against its declaration in the table of config keys.
+/// Check of a single value against its declaration.
 #pragma once
 
-#include "fabseq/config/schema.h"
+#include "fabseq/keys/config_key.h"
 
 #include <string>
 

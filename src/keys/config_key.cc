@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/schema.h"
+#include "fabseq/keys/config_key.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +81,7 @@ std::string plain_values(const ConfigKey& key, int dimension) {
     case KeyType::node_sets:
       return "an object";
     case KeyType::unavailable:
+    case KeyType::of_member:
       return "nothing";
   }
   return "";
@@ -121,23 +122,7 @@ std::vector<std::string> split(std::string_view text, char separator) {
 }
 
 std::string subsection(const ConfigKey& key) {
-  return key.section.empty() ? std::string(key.name) : std::string(key.section) + "." + std::string(key.name);
-}
-
-std::string dotted_path(const ConfigKey& key) {
-  const bool in_list = std::any_of(config_keys().begin(), config_keys().end(), [&](const ConfigKey& other) {
-    return other.type == KeyType::sections && subsection(other) == key.section;
-  });
-  if (!in_list || key.variant.empty()) return subsection(key);
-  return std::string(key.section) + "." + std::string(key.variant) + "." + std::string(key.name);
-}
-
-const ConfigKey* find_flat_option(std::string_view option) {
-  if (option.empty()) return nullptr;
-  for (const ConfigKey& key : config_keys()) {
-    if (key.option == option) return &key;
-  }
-  return nullptr;
+  return key.section.empty() ? key.name : key.section + "." + key.name;
 }
 
 std::string flat_option_value(const ConfigKey& key, const std::string& text) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
-#include "fabseq/config/schema_value.h"
+#include "fabseq/config/config_keys.h"
+#include "fabseq/keys/check_value.h"
 
 #include <algorithm>
 
@@ -41,31 +42,35 @@ class Completion {
     const Keys keys = keys_of(path, variant);
     refuse_strangers(value, pointer, path, variant, keys);
     Json result = Json::object();
-    for (const ConfigKey* key : keys) add(result, *key, find_member(value, std::string(key->name)), pointer);
+    for (const ConfigKey* key : keys) add(result, *key, find_member(value, key->name), pointer);
     return result;
   }
 
  private:
+  /// Declarations of a section.
+  static const std::vector<ConfigKey>& declared(std::string_view path) {
+    const auto& sections = config_sections();
+    return std::find_if(sections.begin(), sections.end(),
+                        [&](const SectionKeys& section) { return section.path == path; })
+        ->keys;
+  }
+
   /// Keys of a section that exist in this dimension.
   Keys keys_of(std::string_view path, std::string_view variant) const {
     Keys result;
-    for (const ConfigKey& key : config_keys()) {
-      if (key.section != path || (!key.variant.empty() && key.variant != variant)) continue;
+    for (const ConfigKey& key : declared(path)) {
+      if (!key.variant.empty() && key.variant != variant) continue;
       if (key.dimension == 0 || key.dimension == context_.dimension) result.push_back(&key);
     }
     return result;
   }
 
-  /// The object's "type", if the table has keys that depend on it.
+  /// The object's "type", if there are keys that depend on it.
   std::string variant_of(const Json& value, const std::string& pointer, const std::string& path) const {
-    const ConfigKey* type = nullptr;
-    bool varies = false;
-    for (const ConfigKey& key : config_keys()) {
-      if (key.section != path) continue;
-      if (key.name == "type") type = &key;
-      varies = varies || !key.variant.empty();
-    }
-    if (type == nullptr || !varies) return "";
+    const std::vector<ConfigKey>& keys = declared(path);
+    const auto type =
+        std::find_if(keys.begin(), keys.end(), [](const ConfigKey& key) { return key.name == "type"; });
+    if (type == keys.end()) return "";
     Json holder = Json::object();
     add(holder, *type, find_member(value, "type"), pointer);
     return holder.at("type").get<std::string>();
@@ -91,8 +96,8 @@ class Completion {
   /// A key that domains of another dimension have deserves more than "unknown key".
   void refuse_other_dimension(const std::string& pointer, const Json& found, std::string_view path,
                               const std::string& name) const {
-    for (const ConfigKey& key : config_keys()) {
-      if (key.section != path || key.name != name || key.dimension == 0) continue;
+    for (const ConfigKey& key : declared(path)) {
+      if (key.name != name || key.dimension == 0) continue;
       refuse(pointer, shown(found),
              key.dimension == 2 ? "only in 2D, that is with 2 entries in domain.elements"
                                 : "only in 3D, that is with 3 entries in domain.elements");
@@ -101,7 +106,8 @@ class Completion {
 
   /// Adds the checked value of a key, or its default, to `result`.
   void add(Json& result, const ConfigKey& key, const Json* given, const std::string& parent) const {
-    const std::string name(key.name), pointer = pointer_to(parent, name);
+    const std::string& name = key.name;
+    const std::string pointer = pointer_to(parent, name);
     if (given != nullptr) {
       result[name] = checked(key, *given, pointer);
       return;
@@ -109,7 +115,7 @@ class Completion {
     if (key.required)
       throw InputError(pointer + ": missing; allowed: " + allowed_values(key, context_.dimension));
     const bool other = context_.dimension == 2 && !key.default_2d.empty();
-    const std::string text(other ? key.default_2d : key.default_value);
+    const std::string& text = other ? key.default_2d : key.default_value;
     if (!text.empty()) result[name] = checked(key, parse_json(text, "default of " + name), pointer);
   }
 
@@ -172,17 +178,14 @@ class Completion {
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(sources), is_source);
     if (!value.is_object()) refuse(pointer, shown(value), "an object with one of " + name_list(sources));
     refuse_strangers(value, pointer, "shape", "", keys);
-    const auto is_given = [&](const ConfigKey* key) {
-      return find_member(value, std::string(key->name)) != nullptr;
-    };
+    const auto is_given = [&](const ConfigKey* key) { return find_member(value, key->name) != nullptr; };
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(given), is_given);
     if (given.size() != 1) {
       refuse(pointer, given.empty() ? "no shape" : name_list(given), "exactly one of " + name_list(sources));
     }
     Json result = Json::object();
     for (const ConfigKey* key : keys) {
-      if (!is_source(key) || key == given.front())
-        add(result, *key, find_member(value, std::string(key->name)), pointer);
+      if (!is_source(key) || key == given.front()) add(result, *key, find_member(value, key->name), pointer);
     }
     return result;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// How schema and config speak to the user.
-#include "fabseq/base/error.h"
-#include "fabseq/config/schema.h"
+#include "fabseq/keys/message.h"
+
+#include "fabseq/base/json.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The table of config keys for people: -help and the reference in the manual.
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/schema.h"
+#include "fabseq/config/config_keys.h"
 
 #include <algorithm>
 #include <sstream>
@@ -53,20 +53,18 @@ std::string allowed_text(const ConfigKey& key) {
 
 std::string default_text(const ConfigKey& key) {
   if (key.required) return "required";
-  std::string text(key.default_value);
-  if (!key.default_2d.empty()) text += ", in 2D " + std::string(key.default_2d);
+  std::string text = key.default_value;
+  if (!key.default_2d.empty()) text += ", in 2D " + key.default_2d;
   return text.empty() ? "none" : text;
 }
 
-std::string title(const ConfigSection& section) {
-  std::string path(section.path);
-  return path.empty() ? std::string(section.title) : path + ": " + std::string(section.title);
+std::string title(const SectionKeys& section) {
+  return section.path.empty() ? section.title : section.path + ": " + section.title;
 }
 
 /// "heat: scale" where the key exists only for one type.
 std::string key_name(const ConfigKey& key) {
-  return key.variant.empty() ? std::string(key.name)
-                             : std::string(key.variant) + ": " + std::string(key.name);
+  return key.variant.empty() ? key.name : key.variant + ": " + key.name;
 }
 
 std::string padded(const std::string& text, std::size_t width) {
@@ -75,11 +73,11 @@ std::string padded(const std::string& text, std::size_t width) {
 
 void write_flat_options(std::ostream& stream) {
   stream << "\nOptions for frequent keys (unit, default):\n";
-  for (const ConfigKey& key : config_keys()) {
-    if (key.option.empty()) continue;
-    const std::string unit = key.unit.empty() ? "" : std::string(key.unit) + ", ";
-    stream << "  " << padded(std::string(key.option), 24) << padded(dotted_path(key), 42) << "(" << unit
-           << default_text(key) << ")\n";
+  for (const std::string& option : flat_options()) {
+    const ConfigKey& key = *find_flat_option(option);
+    const std::string unit = key.unit.empty() ? "" : key.unit + ", ";
+    stream << "  " << padded(option, 24) << padded(dotted_path(key), 42) << "(" << unit << default_text(key)
+           << ")\n";
   }
 }
 
@@ -117,14 +115,14 @@ void write_item(std::ostream& stream, const std::string& text) {
 std::string reference_entry(const ConfigKey& key) {
   std::string text = code(key.name);
   if (!key.variant.empty()) text += ", only for " + code(key.variant);
-  text += ": " + std::string(key.meaning) + ". ";
+  text += ": " + key.meaning + ". ";
   const bool has_default = !key.required && default_text(key) != "none";
   if (key.required) text += "Required";
   if (has_default) text += "Default: " + code(key.default_value);
   if (!key.required && !has_default) text += "No default";
   if (!key.default_2d.empty()) text += ", in 2D " + code(key.default_2d);
   text += "; allowed: " + allowed_text(key);
-  if (!key.unit.empty()) text += "; unit: " + std::string(key.unit);
+  if (!key.unit.empty()) text += "; unit: " + key.unit;
   if (!key.option.empty()) text += "; option " + code(key.option);
   return text + ".";
 }
@@ -136,23 +134,20 @@ std::string help_text() {
   stream << usage;
   write_flat_options(stream);
   stream << "\nConfig keys:\n";
-  for (const ConfigSection& section : config_sections()) {
+  for (const SectionKeys& section : config_sections()) {
     stream << "\n" << title(section) << "\n";
-    for (const ConfigKey& key : config_keys()) {
-      if (key.section == section.path && is_listed(key)) write_key(stream, key);
-    }
+    for (const ConfigKey& key : section.keys)
+      if (is_listed(key)) write_key(stream, key);
   }
   return stream.str();
 }
 
 std::string reference_table() {
   std::ostringstream stream;
-  for (const ConfigSection& section : config_sections()) {
-    const std::string path(section.path);
-    stream << "### " << (path.empty() ? "" : code(path) + ": ") << section.title << "\n\n";
-    for (const ConfigKey& key : config_keys()) {
-      if (key.section == section.path && is_listed(key)) write_item(stream, reference_entry(key));
-    }
+  for (const SectionKeys& section : config_sections()) {
+    stream << "### " << (section.path.empty() ? "" : code(section.path) + ": ") << section.title << "\n\n";
+    for (const ConfigKey& key : section.keys)
+      if (is_listed(key)) write_item(stream, reference_entry(key));
     stream << "\n";
   }
   std::string text = stream.str();

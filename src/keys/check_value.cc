@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/schema_value.h"
+#include "fabseq/keys/check_value.h"
 
 #include <algorithm>
 #include <cmath>

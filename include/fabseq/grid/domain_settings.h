@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// The box and its grid, as a config has them.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+
+#include <vector>
+
+namespace fabseq {
+
+template <class Settings>
+class Section;
+
+/// Vectors have an entry per axis.
+struct DomainSettings {
+  std::vector<double> size;
+  std::vector<int> elements;
+  double thickness = 1.0;
+
+  int dimension() const { return static_cast<int>(elements.size()); }
+  template <int Dim>
+  Domain<Dim> domain() const {
+    Domain<Dim> result;
+    for (int axis = 0; axis < Dim; ++axis) {
+      result.size[axis] = size[axis];
+      result.elements[axis] = elements[axis];
+    }
+    result.thickness = thickness;
+    return result;
+  }
+};
+
+/// Section "domain".
+Section<DomainSettings> domain_keys();
+
+}  // namespace fabseq

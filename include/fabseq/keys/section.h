@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// The keys of an object in the config, bound to the members of a settings struct.
+#pragma once
+
+#include "fabseq/keys/member.h"
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fabseq {
+
+/// Where a reader is, for its messages.
+struct KeyPlace {
+  std::string pointer;  ///< of the value (RFC 6901)
+  int dimension;        ///< of the domain, 2 or 3
+};
+
+/// Each key is declared once: name, member, range, unit, option, meaning. Type and default are the member's.
+/// From that come the declarations against which a document is checked and completed, and read().
+///
+///     Section<ProcessSettings>("process", "Process simulation")
+///         .key("min_stiffness", &ProcessSettings::min_stiffness, "Stiffness of ...", {.range = "(0, 1)"});
+template <class Settings>
+class Section {
+ public:
+  /// Sets what a value says.
+  using Reader = std::function<void(Settings& settings, const Json& value, const KeyPlace& place)>;
+
+  /// `path`: dotted, in the config.
+  explicit Section(std::string path, std::string title = "") : own_{std::move(path), std::move(title), {}} {}
+
+  /// Keys declared from here on exist only where the object's "type" is this; empty: in all.
+  Section& only_for(std::string type) {
+    variant_ = std::move(type);
+    return *this;
+  }
+
+  /// A key bound to a member, by a pointer to it or a function that returns a reference.
+  template <class Binding>
+  Section& key(const char* name, Binding member, const char* meaning, ConfigKey key = {}) {
+    const Settings defaults{};
+    const auto& initial = std::invoke(member, defaults);
+    key.type = type_of(key, initial);
+    if (!key.required && key.default_value.empty()) key.default_value = text_of(key, initial);
+    return add(name, meaning, key, [member, key](Settings& settings, const Json& value, const KeyPlace&) {
+      read_member(key, value, std::invoke(member, settings));
+    });
+  }
+
+  /// A key with a reader of its own: type and default are as declared.
+  Section& key(const char* name, const char* meaning, ConfigKey key, Reader read) {
+    return add(name, meaning, std::move(key), std::move(read));
+  }
+
+  /// A key that holds an object: another section, read into what `member` refers to.
+  template <class Binding, class Part>
+  Section& section(const char* name, Binding member, const char* meaning, const Section<Part>& keys,
+                   ConfigKey key = {}) {
+    if (key.type == KeyType::of_member) key.type = KeyType::section;
+    for (SectionKeys& declared : keys.declarations()) declare(std::move(declared));
+    return add(name, meaning, std::move(key),
+               [member, keys](Settings& settings, const Json& value, const KeyPlace& place) {
+                 keys.read(std::invoke(member, settings), value, place);
+               });
+  }
+
+  /// The keys of another section with the same path, here and now.
+  template <class Binding, class Part>
+  Section& keys(Binding member, const Section<Part>& other) {
+    for (SectionKeys& declared : other.declarations()) {
+      if (declared.path != own_.path) {
+        declare(std::move(declared));
+        continue;
+      }
+      for (ConfigKey& key : declared.keys) {
+        key.variant = variant_;
+        own_.keys.push_back(std::move(key));
+      }
+    }
+    return then([member, other](Settings& settings, const Json& value, const KeyPlace& place) {
+      other.read(std::invoke(member, settings), value, place);
+    });
+  }
+
+  /// Documents a section that this one's own readers look after.
+  Section& declare(SectionKeys section) {
+    further_.push_back(std::move(section));
+    return *this;
+  }
+
+  /// What is to be done with the whole object, after the keys declared so far.
+  Section& then(Reader read) {
+    readers_.push_back({variant_, "", std::move(read)});
+    return *this;
+  }
+
+  /// The declarations, this section's first, then those of its sub-sections.
+  std::vector<SectionKeys> declarations() const {
+    std::vector<SectionKeys> result = {own_};
+    result.insert(result.end(), further_.begin(), further_.end());
+    return result;
+  }
+
+  /// Reads a completed object. Throws InputError for what a key's own reader finds.
+  void read(Settings& settings, const Json& object, const KeyPlace& place) const {
+    const Json* type = find_member(object, "type");
+    for (const auto& [variant, name, read] : readers_) {
+      if (!variant.empty() && (type == nullptr || *type != variant)) continue;
+      const Json* value = name.empty() ? &object : find_member(object, name);
+      if (value == nullptr) continue;
+      read(settings, *value,
+           name.empty() ? place : KeyPlace{pointer_to(place.pointer, name), place.dimension});
+    }
+  }
+
+ private:
+  struct BoundKey {
+    std::string variant, name;  ///< without a name: of the whole object
+    Reader read;
+  };
+
+  Section& add(const char* name, const char* meaning, ConfigKey key, Reader read) {
+    key.name = name;
+    key.meaning = meaning;
+    key.section = own_.path;
+    key.variant = variant_;
+    own_.keys.push_back(std::move(key));
+    readers_.push_back({variant_, name, std::move(read)});
+    return *this;
+  }
+
+  SectionKeys own_;
+  std::vector<SectionKeys> further_;
+  std::vector<BoundKey> readers_;
+  std::string variant_;
+};
+
+}  // namespace fabseq

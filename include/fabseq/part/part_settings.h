@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// Parts, shapes and node sets as a config has them.
+#pragma once
+
+#include "fabseq/keys/section.h"
+#include "fabseq/part/node_set.h"
+
+#include <string>
+
+namespace fabseq {
+
+/// Section "part": a shape or voxels.
+Section<PartDescription> part_keys();
+/// Section "node_sets.NAME": a shape, and which of its nodes.
+Section<NodeSetDescription> node_set_keys();
+/// The sections of all shapes, "shape" and "shape.*".
+std::vector<SectionKeys> shape_declarations();
+
+/// The shape in a completed config object (one shape key, maybe others beside it). Throws InputError for
+/// empty boxes, cylinders without length and normals of length 0.
+Shape make_shape(const Json& value, const KeyPlace& place);
+/// "z-": the lower end of the last axis.
+BuildPlate make_plate(const std::string& face);
+
+}  // namespace fabseq

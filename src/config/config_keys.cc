@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/config/config_keys.h"
+
+#include "fabseq/part/part_settings.h"
+#include "fabseq/responses/response_type.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+/// A base class of Config, as what a section is read into.
+template <class Base>
+Base& base_of(Config& config) {
+  return config;
+}
+
+Section<OutputSettings> output_keys() {
+  using Its = OutputSettings;
+  return Section<Its>("output", "Output")
+      .key("every", &Its::every, "Iterations between two dumps of the fields; 0: none",
+           {.range = "[0, inf)", .unit = "iterations", .option = "-output_every"})
+      .key("checkpoint_every", &Its::checkpoint_every, "Iterations between two checkpoints; 0: none",
+           {.range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every"})
+      .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"});
+}
+
+void add_part(Section<Config>& keys) {
+  using Its = Config;
+  const auto shape_of = [](std::optional<Shape> PartDescription::*member) {
+    return [member](Its& config, const Json& value, const KeyPlace& place) {
+      config.part.*member = make_shape(value, place);
+    };
+  };
+  keys.section("part", &Its::part,
+               "What is to be built: a shape, evaluated at element centres, or a voxel file", part_keys(),
+               {.type = KeyType::part, .required = true})
+      .key("build_plate", "Face of the box that is the build plate",
+           {.type = KeyType::face,
+            .default_value = to_text("z-"),
+            .default_2d = to_text("y-"),
+            .option = "-build_plate"},
+           [](Its& config, const Json& value, const KeyPlace&) {
+             config.plate = make_plate(value.get<std::string>());
+           })
+      .key("substrate",
+           "What stands from the start, such as a base plate: elements whose centre is in the shape; they "
+           "are no "
+           "part",
+           {.type = KeyType::shape}, shape_of(&PartDescription::substrate))
+      .key("clamps",
+           "Nodes inside or on the shape are held in place of the plate's; with a substrate and without "
+           "clamps: its "
+           "lowest nodes along the plate's normal",
+           {.type = KeyType::shape}, shape_of(&PartDescription::clamps))
+      .key("node_sets",
+           "Named sets of nodes for distortion terms: nodes inside or on a shape that touch the part or the "
+           "substrate",
+           {.type = KeyType::node_sets, .default_value = "{}"},
+           [](Its& config, const Json& value, const KeyPlace& place) {
+             for (const auto& [name, set] : value.items())
+               node_set_keys().read(config.node_sets[name], set,
+                                    {pointer_to(place.pointer, name), place.dimension});
+           })
+      .declare(node_set_keys().declarations().front());
+}
+
+void add_terms(Section<Config>& keys) {
+  using Its = Config;
+  const auto terms_of = [](std::vector<Term> ModelSettings::*member, TermList list) {
+    return [member, list](Its& config, const Json& value, const KeyPlace&) {
+      for (const Json& term : value) (config.*member).push_back(make_term(list, term));
+    };
+  };
+  keys.key("objective", "Terms of the objective, summed with their weights",
+           {.type = KeyType::sections, .required = true}, terms_of(&Its::objective, TermList::objective))
+      .key("constraints", "Constraints", {.type = KeyType::sections, .default_value = "[]"},
+           terms_of(&Its::constraints, TermList::constraints))
+      .declare(term_keys(TermList::objective))
+      .declare(term_keys(TermList::constraints));
+}
+
+Section<Config> all_keys() {
+  using Its = Config;
+  const ConfigKey required{.required = true}, optional{.default_value = "{}"};
+  Section<Its> keys("", "Top level");
+  keys.key("name", &Its::name, "Name of the case; output goes to output/NAME unless -output says otherwise",
+           {.option = "-name"})
+      .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
+  add_part(keys);
+  keys.section("material", &Its::material, "Material", material_keys(), optional)
+      .section("process", &Its::process, "Process simulation", process_keys(), optional)
+      .section("sequence", &Its::sequence, "Fabrication sequence", sequence_keys(), required)
+      .section("layers", &Its::layers, "Layers", layer_keys(), required)
+      .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);
+  add_terms(keys);
+  return keys.section("baseline", &Its::baseline, "Planar sequence for comparison", baseline_keys(), optional)
+      .section("optimizer", &Its::optimizer, "Optimizer", optimizer_keys(), optional)
+      .section("solver", &Its::solver, "Linear solver", solver_keys(), optional)
+      .section("output", &Its::output, "Output", output_keys(), optional);
+}
+
+/// Calls `visit` for every key.
+template <class Visit>
+void for_each_key(const Visit& visit) {
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& key : section.keys) visit(key);
+}
+
+}  // namespace
+
+const Section<Config>& config_section() {
+  static const Section<Config> section = all_keys();
+  return section;
+}
+
+const std::vector<SectionKeys>& config_sections() {
+  static const std::vector<SectionKeys> sections = config_section().declarations();
+  return sections;
+}
+
+std::string dotted_path(const ConfigKey& key) {
+  bool in_list = false;
+  for_each_key([&](const ConfigKey& other) {
+    in_list = in_list || (other.type == KeyType::sections && subsection(other) == key.section);
+  });
+  return in_list && !key.variant.empty() ? key.section + "." + key.variant + "." + key.name : subsection(key);
+}
+
+const ConfigKey* find_flat_option(std::string_view option) {
+  const ConfigKey* found = nullptr;
+  for_each_key([&](const ConfigKey& key) {
+    if (!option.empty() && key.option == option) found = &key;
+  });
+  return found;
+}
+
+std::vector<std::string> flat_options() {
+  std::vector<std::string> result;
+  for_each_key([&](const ConfigKey& key) {
+    if (!key.option.empty()) result.push_back(key.option);
+  });
+  return result;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/keys/section.h"
+#include "fabseq/optimize/model_settings.h"
+#include "fabseq/optimize/optimizer_settings.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+Section<MmaSettings> asymptote_keys() {
+  using Its = MmaSettings;
+  return Section<Its>("optimizer.asymptotes", "Asymptotes")
+      .key("initial", &Its::asymptote_initial, "First distance, relative to the variable's range",
+           {.range = "(0, 10]"})
+      .key("increase", &Its::asymptote_increase, "Factor while a variable moves on in one direction",
+           {.range = "[1, inf)"})
+      .key("decrease", &Its::asymptote_decrease, "Factor when a variable turns", {.range = "(0, 1]"})
+      .key("floor", &Its::asymptote_floor, "Least distance, relative to the variable's range",
+           {.range = "(0, 10]"});
+}
+
+/// Largest step where the config leaves it to us, docs/formulation.md 9: measured for diffusivities on the
+/// log scale and for times, published for diffusivities themselves.
+double automatic_move_limit(const SequenceSettings& sequence) {
+  if (sequence.type == SequenceType::direct) return 0.02;
+  return sequence.scale == VariableScale::log ? 0.05 : 0.2;
+}
+
+/// When and how a run ends.
+void add_ends(Section<OptimizerSettings>& keys) {
+  using Its = OptimizerSettings;
+  keys.key("max_iterations", &Its::max_iterations, "Iterations at most",
+           {.range = "[1, inf)", .option = "-max_iterations"})
+      .key("change_tolerance", &Its::change_tolerance,
+           "Converged when no variable moves by as much, relative to its range, in `window` iterations at "
+           "the last "
+           "sharpness; 0: never",
+           {.range = "[0, inf)", .option = "-change_tolerance"})
+      .key("objective_tolerance", &Its::objective_tolerance,
+           "Converged when there is a feasible iterate and the objective varies by less, relative to what "
+           "its terms "
+           "are scaled to, in `window` iterations at the last sharpness; 0: never",
+           {.range = "[0, inf)", .option = "-objective_tolerance"})
+      .key("window", &Its::window, "Iterations over which the two tolerances are looked at",
+           {.range = "[1, 10000]", .unit = "iterations", .option = "-window"});
+}
+
+void add_steps(Section<OptimizerSettings>& keys) {
+  using Its = OptimizerSettings;
+  keys.key("move_limit", &Its::given_move_limit,
+           "Largest step of a variable, relative to its range; auto: 0.05 on the log, 0.2 on the linear "
+           "scale, 0.02 "
+           "for times (direct)",
+           {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
+      .key("final_move_limit", &Its::given_final_move_limit,
+           "The same at the end of the run; auto: 0.004 on the log scale, else move_limit",
+           {.range = "(0, 1]", .words = "auto", .option = "-final_move_limit"})
+      .section("asymptotes", &Its::mma, "Asymptotes", asymptote_keys(), {.default_value = "{}"})
+      .key("constraint_margin", &Its::constraint_margin,
+           "Share of the constraints' tolerance handed to the optimizer",
+           {.range = "(0, 1]", .option = "-constraint_margin"});
+}
+
+void add_phases(Section<OptimizerSettings>& keys) {
+  using Its = OptimizerSettings;
+  keys.key("binary_iterations", &Its::binary_iterations,
+           "The last so many iterates are judged by their binary layers, for one more simulation each; the "
+           "best of "
+           "them is the result",
+           {.range = "[0, inf)", .option = "-binary_iterations"})
+      .key("coarse_iterations", &Its::coarse_iterations,
+           "Iterations at half the resolution before the others; the schedules of sharpness and move limit "
+           "go over "
+           "all of them",
+           {.range = "[0, inf)", .option = "-coarse_iterations"})
+      .key("coarse_grids", &Its::coarse_grids,
+           "Grids that share the coarse iterations in equal parts, each of half the resolution of the next: "
+           "2 begins "
+           "at a quarter",
+           {.range = "[1, 4]", .option = "-coarse_grids"})
+      .key("earlier_iterations", &Its::earlier_iterations,
+           "Iterations by which the schedules are ahead, where -design comes from an earlier run",
+           {.range = "[0, inf)"})
+      .key("later_iterations", &Its::later_iterations,
+           "Iterations of a later run that the move limit is planned for", {.range = "[0, inf)"});
+}
+
+}  // namespace
+
+Section<OptimizerSettings> optimizer_keys() {
+  Section<OptimizerSettings> keys("optimizer", "Optimizer (method of moving asymptotes)");
+  add_ends(keys);
+  add_steps(keys);
+  add_phases(keys);
+  return keys;
+}
+
+void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence) {
+  optimizer.move_limit = optimizer.given_move_limit.value_or(automatic_move_limit(sequence));
+  const bool log_scale = sequence.scale == VariableScale::log;
+  const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;
+  optimizer.final_move_limit = optimizer.given_final_move_limit.value_or(final_limit);
+}
+
+Section<BaselineSettings> baseline_keys() {
+  using Its = BaselineSettings;
+  return Section<Its>("baseline", "Planar sequence the result is compared with")
+      .key("layers", &Its::layers,
+           "Number of planar layers; auto: height divided by the target thickness, else layers.count",
+           {.range = "[1, 10000]", .words = "auto", .option = "-baseline_layers"})
+      .key("direction", &Its::direction, "Build direction, of any length; auto: the plate's normal",
+           {.words = "auto"});
+}
+
+}  // namespace fabseq

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+/// The keys of shapes, and what a section cannot say of them.
+#include "fabseq/part/part_settings.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace fabseq {
+
+namespace {
+
+using Its = Shape;
+
+bool all_zero(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
+}
+
+Section<Shape> box_keys() {
+  return Section<Its>("shape.box", "Box along the axes")
+      .key("min", &Its::first, "Lower corner", {.required = true, .unit = "length"})
+      .key("max", &Its::second, "Upper corner", {.required = true, .unit = "length"})
+      .then([](Its& box, const Json& value, const KeyPlace& place) {
+        for (std::size_t i = 0; i < box.first.size(); ++i)
+          if (box.first[i] > box.second[i])
+            refuse(pointer_to(pointer_to(place.pointer, "max"), i), shown(value.at("max")[i]),
+                   "a number >= " + shown(value.at("min")[i]) + " (that entry of min)");
+      });
+}
+
+Section<Shape> half_space_keys() {
+  return Section<Its>("shape.half_space", "Half space")
+      .key("point", &Its::first, "Point on the plane", {.required = true, .unit = "length"})
+      .key("normal", &Its::second, "Outward normal, of any length", {.required = true})
+      .then([](Its& half_space, const Json& value, const KeyPlace& place) {
+        if (all_zero(half_space.second))
+          refuse(pointer_to(place.pointer, "normal"), shown(value.at("normal")), "a vector other than 0");
+      });
+}
+
+Section<Shape> cylinder_keys() {
+  return Section<Its>("shape.cylinder", "Cylinder with flat ends")
+      .key("from", &Its::first, "Centre of one end", {.required = true, .unit = "length"})
+      .key("to", &Its::second, "Centre of the other end", {.required = true, .unit = "length"})
+      .key("radius", &Its::radius, "Radius", {.required = true, .range = "(0, inf)", .unit = "length"})
+      .then([](Its& cylinder, const Json& value, const KeyPlace& place) {
+        if (cylinder.first == cylinder.second)
+          refuse(pointer_to(place.pointer, "to"), shown(value.at("to")), "another point than from");
+      });
+}
+
+Section<Shape> sphere_keys() {
+  return Section<Its>("shape.sphere", "Sphere, in two dimensions a disc")
+      .key("center", &Its::first, "Centre", {.required = true, .unit = "length"})
+      .key("radius", &Its::radius, "Radius", {.required = true, .range = "(0, inf)", .unit = "length"});
+}
+
+Section<Shape> polygon_keys() {
+  return Section<Its>("shape.polygon", "Polygon, in three dimensions extruded through the box")
+      .key("points", "Corners, in three dimensions in the two other axes in ascending order",
+           {.type = KeyType::points, .required = true, .unit = "length"},
+           [](Its& polygon, const Json& value, const KeyPlace&) {
+             polygon.points = value.get<std::vector<std::array<double, 2>>>();
+           })
+      .key("axis", &Its::axis, "Axis along which it is extruded",
+           {.type = KeyType::axis, .required = true, .dimension = 3});
+}
+
+struct Primitive {
+  const char* name;
+  Shape::Kind kind;
+  int dimension;  ///< the only one in which it exists; 0: both
+  const char* meaning;
+  Section<Shape> keys;
+};
+
+const std::vector<Primitive>& primitives() {
+  static const std::vector<Primitive> list = {
+      {"box", Shape::Kind::box, 0, "Box along the axes", box_keys()},
+      {"half_space", Shape::Kind::half_space, 0, "(x - point) · normal <= 0", half_space_keys()},
+      {"cylinder", Shape::Kind::cylinder, 3, "Cylinder with flat ends", cylinder_keys()},
+      {"sphere", Shape::Kind::sphere, 0, "Sphere or disc", sphere_keys()},
+      {"polygon", Shape::Kind::polygon, 0, "Polygon, even-odd rule", polygon_keys()}};
+  return list;
+}
+
+struct Combination {
+  const char* name;
+  Shape::Kind kind;
+  const char* meaning;
+};
+
+constexpr Combination combinations[] = {
+    {"union", Shape::Kind::union_of, "Points in at least one of the shapes"},
+    {"intersection", Shape::Kind::intersection, "Points in all of the shapes"},
+    {"difference", Shape::Kind::difference, "Points in the first of the shapes and in none of the others"}};
+
+Section<Shape> shape_keys() {
+  Section<Its> result(
+      "shape",
+      "Shapes, for `part`, `substrate`, `clamps`, node sets and `start`: an object with exactly one of");
+  for (const Primitive& primitive : primitives()) {
+    const auto of_kind = [kind = primitive.kind](Its& shape) -> Its& {
+      shape.kind = kind;
+      return shape;
+    };
+    result.section(primitive.name, of_kind, primitive.meaning, primitive.keys,
+                   {.dimension = primitive.dimension});
+  }
+  for (const Combination& combination : combinations)
+    result.key(
+        combination.name, combination.meaning, {.type = KeyType::shapes},
+        [kind = combination.kind](Its& shape, const Json& value, const KeyPlace& place) {
+          shape.kind = kind;
+          for (std::size_t i = 0; i < value.size(); ++i)
+            shape.operands.push_back(make_shape(value[i], {pointer_to(place.pointer, i), place.dimension}));
+        });
+  return result;
+}
+
+}  // namespace
+
+std::vector<SectionKeys> shape_declarations() { return shape_keys().declarations(); }
+
+Shape make_shape(const Json& value, const KeyPlace& place) {
+  static const Section<Shape> keys = shape_keys();
+  Shape shape;
+  keys.read(shape, value, place);
+  return shape;
+}
+
+}  // namespace fabseq

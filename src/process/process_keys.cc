@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/keys/section.h"
+#include "fabseq/process/process_settings.h"
+
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// The strain with strain_scale applied: shear by the root of the product of its two axes,
+/// docs/formulation.md 4.5.
+std::vector<double> scaled_strain(std::vector<double> strain, const std::vector<double>& scale) {
+  const std::size_t dimension = scale.size();
+  for (std::size_t axis = 0; axis < dimension; ++axis) strain[axis] *= scale[axis];
+  for (std::size_t shear = dimension; shear < strain.size(); ++shear) {  // xy, yz, zx
+    const std::size_t first = shear - dimension, second = first + 1 < dimension ? first + 1 : 0;
+    strain[shear] *= std::sqrt(scale[first] * scale[second]);
+  }
+  return strain;
+}
+
+void read_strain(MaterialSettings& material, const Json& value, const KeyPlace&) {
+  if (value.is_object())
+    material.turning_strain =
+        TurningStrain{value.at("tangential").get<double>(), value.at("normal").get<double>()};
+  else
+    material.inherent_strain = value.get<std::vector<double>>();
+}
+
+}  // namespace
+
+Section<MaterialSettings> material_keys() {
+  using Its = MaterialSettings;
+  return Section<Its>("material", "Material; displacements do not depend on Young's modulus")
+      .key("young", &Its::young, "Young's modulus",
+           {.range = "(0, inf)", .unit = "stress", .option = "-young"})
+      .key("poisson", &Its::poisson, "Poisson's ratio", {.range = "(-1, 0.5)", .option = "-poisson"})
+      .key("inherent_strain",
+           "Inherent strain: a Voigt vector, engineering shear, or values along and across the layers, with "
+           "which "
+           "it turns",
+           {.type = KeyType::strain,
+            .default_value = "[-0.01, -0.01, -0.01, 0, 0, 0]",
+            .default_2d = "[-0.01, -0.01, 0]"},
+           read_strain)
+      .key("strain_scale", &Its::strain_scale,
+           "Factors on the inherent strain, axis by axis; shear by the root of the product of its two",
+           {.default_value = "[1, 1, 1]", .default_2d = "[1, 1]", .range = "[0, inf)"})
+      .then([](Its& material, const Json&, const KeyPlace&) {
+        if (!material.turning_strain)
+          material.inherent_strain = scaled_strain(material.inherent_strain, material.strain_scale);
+      });
+}
+
+Section<ProcessSettings> process_keys() {
+  using Its = ProcessSettings;
+  return Section<Its>("process", "Process simulation")
+      .key("stiffness_penalty", &Its::stiffness_penalty, "Exponent p of the stage density in the stiffness",
+           {.range = "[1, inf)"})
+      .key("strain_penalty", &Its::strain_penalty,
+           "Exponent q of the layer density in the inherent strain; should not be below p",
+           {.range = "[1, inf)"})
+      .key("min_stiffness", &Its::min_stiffness,
+           "Stiffness of what is not built yet, relative to the material's", {.range = "(0, 1)"})
+      .key("void", &Its::void_model,
+           "Elements outside the part are left out (absent) or carry the least stiffness (quiet)",
+           {.words = "absent quiet", .option = "-void"});
+}
+
+}  // namespace fabseq
