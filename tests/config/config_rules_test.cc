@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+/// Relations between keys that are refused.
+#include <gtest/gtest.h>
+
+#include "support/small_configs.h"
+#include <string>
+
+namespace fabseq {
+namespace {
+
+TEST(ConfigRulesTest, Names) {
+  EXPECT_EQ(solid_error("name", "\"a/b\""),
+            "/name: found \"a/b\"; allowed: a text without '/' and control characters, other than . and ..");
+  EXPECT_EQ(solid_error("name", "\"..\"").rfind("/name: found \"..\"; ", 0), 0U);
+  EXPECT_EQ(solid_error("name", "\"\""), "/name: found \"\"; allowed: a text");
+  const std::string set = R"({"box": {"min": [0, 0, 0], "max": [1, 1, 1]}})";
+  for (const std::string name : {"", "a.b", "a/b", "a\\nb"}) {
+    const std::string message = solid_error("node_sets", "{\"" + name + "\": " + set + "}");
+    EXPECT_EQ(message.rfind("/node_sets/", 0), 0U) << message;
+    EXPECT_NE(message.find("; allowed: names without '.', '/' and control characters, not empty"),
+              std::string::npos)
+        << message;
+  }
+  EXPECT_EQ(solid_error("node_sets.top.samples", "1"),
+            "/node_sets/top/samples: found 1; allowed: 0 (all nodes) or an integer >= 2");
+}
+
+TEST(ConfigRulesTest, NodeSetsOfTerms) {
+  EXPECT_EQ(solid_error("objective.0.nodes", "tpo"),
+            "/objective/0/nodes: found unknown node set \"tpo\", did you mean \"top\"?; allowed: edge, top");
+  EXPECT_EQ(solid_error("objective.0.nodes", "bottom"),
+            "/objective/0/nodes: found unknown node set \"bottom\"; allowed: edge, top");
+  EXPECT_EQ(solid_error("objective.0", R"({"type": "distortion"})"),
+            "/objective/0/nodes: missing; allowed: name of a node set (edge, top)");
+  EXPECT_EQ(error_of(solid, {{"node_sets", "{}"}}),
+            "/objective/0/nodes: found unknown node set \"top\"; allowed: none, as node_sets is empty");
+  EXPECT_EQ(solid_error("objective.0.measure", "layerwise"),
+            "/objective/0/nodes: found \"top\"; allowed: no node set with measure layerwise, which takes all "
+            "nodes");
+  EXPECT_EQ(solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise"})"), "no error");
+}
+
+TEST(ConfigRulesTest, KeysThatNeedEachOther) {
+  EXPECT_EQ(error_of(solid, {{"layers.count", "auto"}, {"constraints", "[]"}}),
+            "/layers/count: found \"auto\" without a layer_thickness constraint; allowed: an integer in [1, "
+            "10000], "
+            "or \"auto\" with a "
+            "constraint of type layer_thickness");
+  const std::string file = R"({"type": "file", "file": "t.h5"})";
+  const std::string reason =
+      " with sequence type \"file\", for which the gradient of the pseudo-time is not defined; allowed: this "
+      "type with "
+      "sequence type heat, planar, or direct with location nodes";
+  EXPECT_EQ(error_of(solid, {{"sequence", file}}), "/objective/1/type: found \"layer_uniformity\"" + reason);
+  EXPECT_EQ(error_of(solid, {{"sequence", file}, {"objective", "[]"}}),
+            "/constraints/0/type: found \"layer_thickness\"" + reason);
+  const std::string of_elements =
+      " with sequence type \"direct\" and location \"elements\"" + reason.substr(reason.find(", for which"));
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}}),
+            "/objective/1/type: found \"layer_uniformity\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}, {"objective", "[]"}}),
+            "/constraints/0/type: found \"layer_thickness\"" + of_elements);
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct", "location": "nodes"})"}}), "no error");
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "direction": [0, 0, 0]})"}}),
+            "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
+  EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),
+            "/baseline/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
+}
+
+TEST(ConfigRulesTest, DirectSequences) {
+  const auto error = [](const std::string& keys) {
+    return error_of(plane, {{"sequence", R"({"type": "direct", )" + keys + "}"}});
+  };
+  EXPECT_EQ(error(R"("location": "node")"), "/sequence/location: found \"node\"; allowed: elements, nodes");
+  EXPECT_EQ(error(R"("start": "plte")"),
+            "/sequence/start: found \"plte\"; allowed: \"plate\" or an object with one shape");
+  EXPECT_EQ(error(R"("start": 3)").rfind("/sequence/start: found 3; allowed: ", 0), 0U);
+  EXPECT_EQ(error(R"("start": {"box": {"min": [1, 0], "max": [0, 0]}})"),
+            "/sequence/start/box/max/0: found 0; allowed: a number >= 1 (that entry of min)");
+  EXPECT_EQ(error(R"("start": {"box": {"min": [0, 0], "max": [0, 0]}})"), "no error");
+  EXPECT_EQ(error(R"("bounds": [0, 1])").rfind("/sequence/bounds: unknown key for type \"direct\"", 0), 0U);
+}
+
+TEST(ConfigRulesTest, LeastVolumesOfAllLayersMustFit) {
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.3})"),
+            "/constraints/0/fraction: found 0.3 for each of 4 layers; allowed: at most 1 / layers.count");
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "minimum_layer_volume", "fraction": 0.25})"),
+            "no error");
+}
+
+TEST(ConfigRulesTest, StrainsThatTurn) {
+  const std::string allowed =
+      "; allowed: a list of 6 numbers (xx, yy, zz, xy, yz, zx) or {\"tangential\": number, \"normal\": "
+      "number}";
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"), "no error");
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01})"),
+            "/material/inherent_strain: found {\"tangential\":-0.01}" + allowed);
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": -0.01, "normals": 0})"),
+            "/material/inherent_strain: found {\"tangential\":-0.01,\"normals\":0}" + allowed);
+  EXPECT_EQ(solid_error("material.inherent_strain", R"({"tangential": "all", "normal": 0})"),
+            "/material/inherent_strain/tangential: found \"all\"; allowed: a number");
+  EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "file", "file": "a.h5"})"},
+                             {"objective", "[]"},
+                             {"constraints", "[]"},
+                             {"material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"}}),
+            "/material/inherent_strain: found {\"tangential\":-0.01,\"normal\":0} with sequence type "
+            "\"file\", for which "
+            "the gradient of the pseudo-time is not defined; allowed: a list of numbers, or sequence type "
+            "heat, planar, or direct with location nodes");
+  const Settings turning = {{"material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"},
+                            {"sequence", R"({"type": "direct"})"}};
+  EXPECT_NE(error_of(plane, turning).find("/material/inherent_strain: "), std::string::npos);
+  EXPECT_NE(error_of(plane, turning).find("\"direct\" and location \"elements\""), std::string::npos);
+}
+
+TEST(ConfigRulesTest, SubstrateClampsAndRelease) {
+  EXPECT_EQ(solid_error("substrate", R"({"box": {"min": [0, 0, 0], "max": [2, 1, 0.5]}})"), "no error");
+  for (const std::string key : {"substrate", "clamps"}) {
+    EXPECT_EQ(solid_error(key, R"({"box": {"min": [0, 0, 0]}})"),
+              "/" + key + "/box/max: missing; allowed: a list of 3 numbers");
+    EXPECT_EQ(solid_error(key, "{}").rfind("/" + key + ": found no shape; allowed: exactly one of box, ", 0),
+              0U);
+    EXPECT_EQ(solid_error(key, R"({"box": {"min": [1, 0, 0], "max": [0, 1, 1]}})"),
+              "/" + key + "/box/max/0: found 0; allowed: a number >= 1 (that entry of min)");
+    EXPECT_EQ(
+        solid_error(key, R"({"voxels": {"file": "a.h5"}})").rfind("/" + key + "/voxels: unknown key", 0), 0U);
+  }
+  EXPECT_EQ(solid_error("objective.0.after_release", "true"), "no error");
+  EXPECT_EQ(
+      solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise", "after_release": true})"),
+      "/objective/0/after_release: found true with measure layerwise; allowed: true only with measures "
+      "displacement "
+      "and flatness");
+}
+
+TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
+  for (const char* value : {"true", "false", "auto"})
+    EXPECT_EQ(solid_error("objective.0.least_squares", value), "no error") << value;
+  EXPECT_EQ(solid_error("objective.0.least_squares", "1"),
+            "/objective/0/least_squares: found 1; allowed: \"auto\" or true or false");
+  const auto layerwise = [](const std::string& squares) {
+    return solid_error("objective.0",
+                       R"({"type": "distortion", "measure": "layerwise", "least_squares": )" + squares + "}");
+  };
+  EXPECT_EQ(layerwise("false"), "no error");
+  EXPECT_EQ(layerwise(R"("auto")"), "no error");
+  EXPECT_EQ(layerwise("true"),
+            "/objective/0/least_squares: found true with measure layerwise; allowed: true only with measures "
+            "displacement and flatness; \"auto\" or false");
+}
+
+/// `keys` are those of the layers beside their type.
+std::string multi_planar_error(const char* text, const std::string& keys, const Settings& more = {}) {
+  Settings settings = {{"layers", "{\"type\": \"multi_planar\"" + keys + "}"},
+                       {"objective", R"([{"type": "distortion", "measure": "layerwise"}])"},
+                       {"constraints", "[]"}};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return error_of(text, settings);
+}
+
+TEST(ConfigRulesTest, MultiPlanarLayers) {
+  const std::string two = R"(, "subparts": 2)";
+  EXPECT_EQ(multi_planar_error(solid, two), "no error");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [1.2]], "fixed": ["time"])"), "no error");
+  EXPECT_EQ(multi_planar_error(plane, ""), "/layers/subparts: missing; allowed: an integer in [1, 100]");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "count": 3)")
+                .rfind("/layers/count: unknown key for type \"multi_planar\"", 0),
+            0U);
+  for (const char* timestamps : {"[0.2, 0.4]", "[]"})
+    EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": )" + timestamps),
+              std::string("/layers/timestamps: found ") + parse_json(timestamps, "test").dump() +
+                  "; allowed: \"auto\" or 1 ascending numbers in (0, 1), one less than subparts");
+  EXPECT_EQ(multi_planar_error(plane, R"(, "subparts": 3, "timestamps": [0.4, 0.4])")
+                .rfind("/layers/timestamps", 0),
+            0U);
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": [1.0])"),
+            "/layers/timestamps/0: found 1.0; allowed: \"auto\" or a list of numbers in (0, 1)");
+  EXPECT_EQ(multi_planar_error(solid, two + R"(, "angles": [[0.3], [1.2]])"),
+            "/layers/angles/0: found [0.3]; allowed: a list of 2 numbers");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3]])"),
+            "/layers/angles: found [[0.3]] for 2 sub-parts; allowed: a list of angles for each of them");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [-0.1]])"),
+            "/layers/angles/1/0: found -0.1; allowed: a number within its bounds, 0.0 to 1.5708");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3], [-0.1]], "angle_bounds": [-1, 1])"),
+            "no error");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angle_bounds": [[0, 2], [0, 2], [0, 2]])"),
+            "/layers/angle_bounds: found 3 pairs; allowed: one pair, 1 or 2");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "angle_bounds": [1, 0])").rfind("/layers/angle_bounds", 0),
+            0U);
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "fixed": ["angles", "time"])"),
+            "/layers/fixed: found [\"angles\",\"time\"]; allowed: [], [\"angles\"] or [\"time\"]");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "fixed": ["angle"])"),
+            "/layers/fixed/0: found \"angle\"; allowed: angles, time");
+  EXPECT_EQ(
+      multi_planar_error(plane, two, {{"projection.beta", "20"}}),
+      "/projection/beta: found 20; allowed: \"auto\" with layers of type multi_planar, whose sharpness is "
+      "layers.sharpness");
+}
+
+TEST(ConfigRulesTest, TermsOfTheOtherKindOfLayers) {
+  const std::string two = R"(, "subparts": 2)";
+  EXPECT_EQ(solid_error("constraints.0", R"({"type": "subpart_volume"})"),
+            "/constraints/0/type: found \"subpart_volume\" with layers of type \"curved\"; allowed: this "
+            "type with layers "
+            "of type multi_planar");
+  EXPECT_EQ(solid_error("objective.0", R"({"type": "segmentation_alignment"})").rfind("/objective/0/type", 0),
+            0U);
+  for (const std::string name : {"layer_thickness", "deposition_speed", "minimum_layer_volume"}) {
+    const std::string target = name == "layer_thickness" ? R"(, "target": 1)" : "";
+    const std::string term = "[{\"type\": \"" + name + "\"" + target + "}]";
+    EXPECT_EQ(multi_planar_error(solid, two, {{"constraints", term}}),
+              "/constraints/0/type: found \"" + name +
+                  "\" with layers of type \"multi_planar\"; allowed: this type with "
+                  "layers of type curved");
+  }
+  EXPECT_EQ(multi_planar_error(solid, two, {{"objective", R"([{"type": "layer_uniformity"}])"}})
+                .rfind("/objective/0/type", 0),
+            0U);
+  const std::string late = R"(, "subparts": 2, "timestamps": [0.92])";
+  EXPECT_EQ(multi_planar_error(solid, late, {{"objective", R"([{"type": "segmentation_alignment"}])"}}),
+            "/objective/0/band: found 0.1 after the timestamp 0.92; allowed: a band that ends before 1");
+  EXPECT_EQ(
+      multi_planar_error(
+          solid, two,
+          {{"sequence", R"({"type": "direct"})"}, {"objective", R"([{"type": "segmentation_alignment"}])"}})
+          .rfind("/objective/0/type: found \"segmentation_alignment\" with sequence type \"direct\"", 0),
+      0U);
+  // The strain of planar layers turns with them: it needs no gradient.
+  EXPECT_EQ(multi_planar_error(solid, two,
+                               {{"sequence", R"({"type": "direct"})"},
+                                {"material.inherent_strain", R"({"tangential": 1, "normal": 0})"}}),
+            "no error");
+}
+
+}  // namespace
+}  // namespace fabseq
