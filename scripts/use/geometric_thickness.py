@@ -15,9 +15,7 @@ the outer boundary is not an isosurface but the end of the part, and one close t
 Prints a table and writes RUN_DIR/geometric_thickness.json.
 """
 
-import json
 import os
-import sys
 
 import h5py
 import numpy as np
@@ -27,8 +25,8 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStatic
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
-from drawing import parser_of
-from read_run import RunError, read_json
+from command_line import RunError, parser_of, run_script, write_json
+from read_run import read_json
 
 FARTHEST = 1.3  # of the target
 MOST_DRAWS = 50  # rounds of drawing again; a layer that then has too few points is reported with those
@@ -42,15 +40,14 @@ def main():
     parser.add_argument("--points", type=int, default=1000, help="points per layer (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the random numbers (default: %(default)s)")
     arguments = parser.parse_args()
-    try:
-        record = measure(arguments.directory, arguments.target, arguments.points, arguments.seed)
-    except RunError as error:
-        sys.exit(f"geometric_thickness.py: {error}")
-    path = os.path.join(arguments.directory, "geometric_thickness.json")
-    with open(path, "w", encoding="utf-8") as file:
-        json.dump(record, file, indent=1)
-        file.write("\n")
-    print(table(record))
+    print(table(write_record(arguments.directory, arguments.target, arguments.points, arguments.seed)))
+
+
+def write_record(directory, *how):
+    """Writes geometric_thickness.json, and returns what is in it."""
+    record = measure(directory, *how)
+    write_json(os.path.join(directory, "geometric_thickness.json"), record)
+    return record
 
 
 def measure(directory, target=None, points=1000, seed=1):
@@ -257,4 +254,4 @@ def table(record):
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -12,9 +12,9 @@ unless said otherwise. `--table` also prints the main figures. Without a display
 
 import logging
 import os
-import sys
 
-from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of
+from command_line import parser_of, run_script
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK
 
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # the first run would announce its font cache
 import matplotlib.pyplot as plt
@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib import colormaps, ticker
 
 import render_part
-from read_run import Run, RunError, duration
+from read_run import Run, duration
 from virtual_display import ensure_display
 
 WIDTH = 16.0  # inches
@@ -38,10 +38,7 @@ def main():
     parser.add_argument("picture", metavar="PICTURE.png", nargs="?")
     parser.add_argument("--table", action="store_true", help="print the main figures")
     arguments = parser.parse_args()
-    try:
-        run = Run(arguments.directory)
-    except RunError as error:
-        sys.exit(f"overview.py: {error}")
+    run = Run(arguments.directory)
     ensure_display()
     draw(run, arguments.picture or os.path.join(arguments.directory, "overview.png"))
     if arguments.table:
@@ -94,7 +91,7 @@ class Pictures:
 
     def __init__(self, run):
         fields, config = run.fields, run.config
-        self.part = render_part.VoxelPart(fields["density"], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
+        self.part = render_part.VoxelPart(fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
         self.layers = [fields["planar/layer"], fields["layer"]]
         self.displacements = [render_part.node_vectors(self.part, fields[name])
                               for name in ("planar/displacement", "displacement")]
@@ -307,4 +304,4 @@ def thickness_row(run, blocks):
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)
