@@ -11,6 +11,7 @@ of medians over the iterations but the first (unless there is only one). A solve
 set-up, assembly and loads. The last column is the faster reference method by the lanes. Memory bandwidth (a
 triad, one core) stands beside them, before and after: compare figures of one run only.
 """
+import itertools
 import os
 import statistics
 import tempfile
@@ -27,17 +28,15 @@ def measure(options, method, tolerance, directory):
     lines = program_run.iterate(options, options.ranks, directory, method_options(method, tolerance))
     peak = lines[-1]["peak_memory_bytes"] / 1e9
     lines = lines[1:] or lines
-    iterations = [line["solver_iterations"] for line in lines]
-    solves = [len(i["primal"]) + len(i["adjoint"]) for i in iterations]
+    counts = {kind: [line["solver_iterations"][kind] for line in lines] for kind in ("primal", "adjoint")}
+    solves = [len(primal) + len(adjoint) for primal, adjoint in zip(*counts.values(), strict=True)]
     record = {phase: statistics.median(line["seconds"][phase] for line in lines) for phase in PHASES}
     record["seconds_per_solve"] = statistics.median(
         (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves, strict=True))
-    for kind in ("primal", "adjoint"):
-        record["iterations_" + kind] = statistics.median(i for lists in iterations for i in lists[kind])
-        record["most_iterations_" + kind] = max(i for lists in iterations for i in lists[kind])
-    record["solves"] = solves[-1]
-    record["peak_memory_gigabytes"] = peak
-    return record
+    for kind, lists in counts.items():
+        of_all = list(itertools.chain(*lists))
+        record |= {f"iterations_{kind}": statistics.median(of_all), f"most_iterations_{kind}": max(of_all)}
+    return {**record, "solves": solves[-1], "peak_memory_gigabytes": peak}
 
 
 def solver_settings(options, method, tolerance, directory):
@@ -50,24 +49,12 @@ def solver_settings(options, method, tolerance, directory):
     record = {"description": printed.splitlines()[0], "config": program_run.read_json(output, "config.json")["solver"]}
     if petsc:
         with open(view, encoding="utf-8") as file:
-            record["petsc"] = first_solver(file.read().splitlines())
+            lines = file.read().splitlines()
+        # A solver per layer, all with the same options.
+        second = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")][1:2]
+        record["petsc"] = lines[:second[0] if second else None]
         os.remove(view)
     return record
-
-
-def first_solver(lines):
-    """Of what PETSc says of one solver per layer, all with the same options."""
-    starts = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")]
-    return lines[:starts[1]] if len(starts) > 1 else lines
-
-
-def choose_tolerances(options, errors):
-    def choose(method):
-        if method == LANES:
-            return options.tolerance
-        return options.reference_tolerance or errors.matching_tolerance(method, options.tolerance)
-
-    return {method: choose(method) for method in options.methods}
 
 
 def print_settings(settings):
@@ -124,7 +111,8 @@ def main():
         errors = None
         if options.error or (references and options.reference_tolerance is None):
             errors = DisplacementErrors(options, directory, options.exact or (references + ["multigrid"])[0])
-        tolerances = choose_tolerances(options, errors)
+        tolerances = {m: options.tolerance if m == LANES else options.reference_tolerance
+                      or errors.matching_tolerance(m, options.tolerance) for m in options.methods}
         if errors:
             for method in options.methods:
                 errors.error(method, tolerances[method])
@@ -134,7 +122,7 @@ def main():
             measure(options, method, tolerances[method], os.path.join(directory, method))])
     results = {method: program_run.medians(of_method) for method, of_method in samples.items()}
     print_settings(settings)
-    print(f"\n{os.path.basename(options.config)}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
+    print(f"\n{options.title}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
           f"repetitions, {program_run.machine_text(triad)}")
     print_table(options.methods, tolerances, results, errors.found if errors else {})
     program_run.write_results(options, {
@@ -143,4 +131,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

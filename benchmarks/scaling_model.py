@@ -204,7 +204,7 @@ def parse_arguments():
     parts.add_argument("--case", default="v_shape", choices=list(CASES))
     parts.add_argument("--splits", nargs="+", type=parse_split, default=[(1, 1)], metavar="GxD")
     for command in (checks, predicts, parts):
-        command.add_argument("--plan", default=program_run.built("benchmarks/scaling_plan"), metavar="PROGRAM",
+        command.add_argument("--plan", metavar="PROGRAM", default=os.path.join(os.path.dirname(program_run.PROGRAM), "benchmarks", "scaling_plan"),
                              help="default: build/release/benchmarks/scaling_plan")
     for command in (predicts, parts):
         for field in dataclasses.fields(Machine):

@@ -12,7 +12,8 @@ import textwrap
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
-from read_run import Run, RunError, duration, read_json
+from command_line import RunError
+from read_run import Run, duration, read_json
 
 OVERVIEW = "<!-- cases -->", "<!-- end of cases -->"
 PAGE = "<!-- case -->", "<!-- end of case -->"

@@ -5,6 +5,7 @@ import argparse
 import csv
 import json
 import os
+import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -35,6 +36,18 @@ def run_script(main):
         main()
     except (RunError, OSError) as error:
         sys.exit(f"{os.path.basename(sys.argv[0])}: {error}")
+
+
+def run_command(command, capture=True, **more):
+    """Runs a command in the environment of all scripts, where there may be more ranks than cores. Raises
+    RunError if it failed."""
+    command = list(map(str, command))
+    in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
+    result = subprocess.run(["bash", "-c", in_environment, os.path.join(ROOT, "scripts", "environment.sh"), *command],
+                            capture_output=capture, text=True, check=False, **more)
+    if result.returncode != 0:
+        raise RunError(f"status {result.returncode}: {' '.join(command)}\n{(result.stderr or '').strip()}".strip())
+    return result
 
 
 def write_json(path, content):

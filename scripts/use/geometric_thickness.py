@@ -15,6 +15,7 @@ the outer boundary is not an isosurface but the end of the part, and one close t
 Prints a table and writes RUN_DIR/geometric_thickness.json.
 """
 
+import itertools
 import os
 
 import h5py
@@ -82,8 +83,7 @@ def measure_layers(time, time_points, farthest, points, seed):
     random = np.random.default_rng(seed)
     used = max(j for j in range(1, len(time_points)) if time.largest > time_points[j - 1])
     rows = []
-    for j in range(1, len(time_points)):
-        lower, upper = time_points[j - 1], time_points[j]
+    for j, (lower, upper) in enumerate(itertools.pairwise(time_points), start=1):
         if j == 1:
             lower = max(lower, time.smallest) + END * (upper - lower)
         if j == used:

@@ -186,7 +186,8 @@ def add_light(renderer):
 def add_ghost(renderer, part):
     solid = part.dimension == 3
     behind = (0, 0, 0 if solid else 1e-3 * max(part.size))
-    actor = add_actor(renderer, poly_data(part.nodes - behind, part.faces), (0.55, 0.58, 0.62), 0.16 if solid else 0.35, lit=solid)
+    shell = poly_data(part.nodes - behind, part.faces)
+    actor = add_actor(renderer, shell, (0.55, 0.58, 0.62), opacity=0.16 if solid else 0.35, lit=solid)
     if solid:
         actor.GetProperty().FrontfaceCullingOn()  # only its far side, or it would veil the displaced part
 

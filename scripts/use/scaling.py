@@ -41,23 +41,15 @@ class Measurement:
         self.seconds = {key: statistics.median(line["seconds"][key] for line in lines) for key in lines[0]["seconds"]}
 
 
-def compared(seconds, ranks, baseline_seconds, baseline_ranks):
-    """Speed-up, efficiency and Karp-Flatt serial fraction; None where there is none."""
-    q = ranks / baseline_ranks
-    if seconds <= 0 or baseline_seconds <= 0:
-        return {"speed_up": None if seconds <= 0 else 0.0, "efficiency": None, "karp_flatt": None}
-    ratio = seconds / baseline_seconds
-    return {"speed_up": 1 / ratio, "efficiency": 1 / (ratio * q), "karp_flatt": (ratio - 1 / q) / (1 - 1 / q) if q != 1 else None}
-
-
 def row_of(measurement, baseline):
-    def against_baseline(phase):
-        return compared(measurement.seconds[phase], measurement.ranks, baseline.seconds[phase], baseline.ranks)
-
+    q = measurement.ranks / baseline.ranks
+    ratio = measurement.seconds["total"] / baseline.seconds["total"]
     row = {"ranks": measurement.ranks, "baseline_ranks": baseline.ranks, "iterations": measurement.iterations,
-           "seconds": measurement.seconds["total"], **against_baseline("total")}
+           "seconds": measurement.seconds["total"], "speed_up": 1 / ratio, "efficiency": 1 / (ratio * q),
+           "karp_flatt": (ratio - 1 / q) / (1 - 1 / q) if q > 1 else None}
     for phase in PHASES:
-        row |= {phase: measurement.seconds[phase], f"{phase}_speed_up": against_baseline(phase)["speed_up"]}
+        seconds = measurement.seconds[phase]
+        row |= {phase: seconds, f"{phase}_speed_up": baseline.seconds[phase] / seconds if seconds > 0 else None}
     return row
 
 
