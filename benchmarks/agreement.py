@@ -39,34 +39,26 @@ def write_wavy(options, directory):
     return [word for key, value in changes.items() for word in ("-set", f"{key}={json.dumps(value)}")]
 
 
-def simulate(options, method, ranks, directory, extra):
-    """Temperature (if there is one), displacement after every layer, norms of the layers' displacements."""
-    program_run.run(options, ranks, directory, ["-task", "simulate", "-set", "output.stages=true", "-layer_groups", 1, *extra,
-                                                *program_run.method_options(method, options.tolerance)])
-    with h5py.File(os.path.join(directory, "result.h5"), "r") as file:
-        found = {"stages": file["stages/displacement"][()], "norms": file["layer_displacement_norms"][()],
-                 "displacement": file["displacement"][()]}
-        if "temperature" in file:
-            found["temperature"] = file["temperature"][()]
-    return found
-
-
-def evaluate(options, method, ranks, directory):
-    method_options = program_run.method_options(method, options.tolerance)
-    program_run.run(options, ranks, directory, ["-task", "evaluate", "-layer_groups", 1, *method_options])
-    gradients = {}
-    with h5py.File(os.path.join(directory, "gradients.h5"), "r") as file:
-        file.visititems(lambda name, item: gradients.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    return gradients
+def solve(options, method, ranks, directory, wavy):
+    """Temperature (if there is one), displacement after every layer, norms of the layers' displacements; and
+    gradients, unless the layers are wavy."""
+    solver = ["-layer_groups", 1, *program_run.method_options(method, options.tolerance)]
+    program_run.run(options, ranks, directory, ["-task", "simulate", "-set", "output.stages=true", *wavy, *solver])
+    found = program_run.read_fields(os.path.join(directory, "result.h5"))
+    if wavy:
+        return found, {}
+    program_run.run(options, ranks, directory, ["-task", "evaluate", *solver])
+    return found, program_run.read_fields(os.path.join(directory, "gradients.h5"))
 
 
 def difference(found, correct):
     return np.abs(found - correct).max() / max(np.abs(correct).max(), 1e-300)
 
 
-def compare(found, correct, gradients, correct_gradients):
-    record = {"each stage": max(difference(a, b) for a, b in zip(found["stages"], correct["stages"], strict=True)),
-              "layers' norms": float(np.max(np.abs(found["norms"] - correct["norms"]) / np.maximum(correct["norms"], 1e-300))),
+def compare(found, gradients, correct, correct_gradients):
+    norms, stages = "layer_displacement_norms", "stages/displacement"
+    record = {"each stage": max(difference(*pair) for pair in zip(found[stages], correct[stages], strict=True)),
+              "layers' norms": float(np.max(np.abs(found[norms] - correct[norms]) / np.maximum(correct[norms], 1e-300))),
               "displacement": difference(found["displacement"], correct["displacement"])}
     if "temperature" in correct:
         record["temperature"] = difference(found["temperature"], correct["temperature"])
@@ -85,15 +77,12 @@ def main():
     options = program_run.parse(parser)
     results = {}
     with tempfile.TemporaryDirectory() as directory:
-        extra = write_wavy(options, directory) if options.wavy is not None else []
+        wavy = write_wavy(options, directory) if options.wavy is not None else []
         output = os.path.join(directory, "run")
-        correct = simulate(options, options.reference, 2, output, extra)
-        correct_gradients = {} if extra else evaluate(options, options.reference, 2, output)
+        correct = solve(options, options.reference, 2, output, wavy)
         for ranks in options.ranks:
-            found = simulate(options, LANES, ranks, output, extra)
-            gradients = {} if extra else evaluate(options, LANES, ranks, output)
-            results[ranks] = compare(found, correct, gradients, correct_gradients)
-            print(f"{os.path.basename(options.config)}, {len(correct['norms'])} layers, {options.reference} at "
+            results[ranks] = compare(*solve(options, LANES, ranks, output, wavy), *correct)
+            print(f"{options.title}, {len(correct[0]['layer_displacement_norms'])} layers, {options.reference} at "
                   f"{options.tolerance:g}, lanes on {ranks}: "
                   + ", ".join(f"{key} {value:.1e}" for key, value in results[ranks].items()), flush=True)
     if options.json:
@@ -101,4 +90,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

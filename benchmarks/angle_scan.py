@@ -14,18 +14,15 @@ objective across it is printed.
 import json
 import math
 import os
-import shutil
 import tempfile
 
-import h5py
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 
 import program_run
 from program_run import ROOT
+
+import drawing  # noqa: F401 (before matplotlib)
+import matplotlib.pyplot as plt
 
 HALVINGS = 26
 
@@ -34,14 +31,13 @@ class Scan:
     """Evaluations of one config at one angle each."""
 
     def __init__(self, arguments, folder):
-        self.arguments, self.folder = arguments, folder
+        self.arguments = arguments
         self.output = os.path.join(folder, "evaluation")
         self.angles = self.run()["angles"]
 
     def run(self, *more):
-        shutil.rmtree(self.output, ignore_errors=True)
         program_run.run_command([self.arguments.program, "-config", self.arguments.config, "-task", "evaluate",
-                                 "-output", self.output, *self.arguments.rest, *more])
+                                 "-output", self.output, "-overwrite", *self.arguments.rest, *more])
         return program_run.read_json(self.output, "evaluation.json")
 
     def at(self, angle):
@@ -50,13 +46,11 @@ class Scan:
         angles = [list(row) for row in self.angles]
         angles[number][0] = angle
         evaluation = self.run("-set", f"layers.angles={json.dumps(angles)}")
-        with h5py.File(os.path.join(self.output, "gradients.h5"), "r") as file:
-            slope = file["objective_0/angles"][number, 0]
-        return evaluation["responses"][0]["value"], slope, len(evaluation["layers"])
+        gradients = program_run.read_fields(os.path.join(self.output, "gradients.h5"))
+        return evaluation["responses"][0]["value"], gradients["objective_0/angles"][number, 0], len(evaluation["layers"])
 
     def step(self, low, high, layers):
-        """Where between two angles the number of layers leaves `layers`, and the relative step of the
-        objective there."""
+        """The angle where the number of layers leaves `layers`, and the objective's relative step there."""
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self.at(middle)[2] == layers else (low, middle)
@@ -88,14 +82,14 @@ def draw(path, angles, values, slopes, layers, steps):
 
 
 def main():
-    parser = program_run.make_parser(__doc__)
+    parser = program_run.parser_of(__doc__)
     parser.add_argument("--config", default=os.path.join(ROOT, "configs", "multi_planar_2d.json"))
     parser.add_argument("--subpart", type=int, default=2, help="whose angle is turned, from 1")
     parser.add_argument("--points", type=int, default=181)
     parser.add_argument("--range", nargs=2, type=float, default=(0.0, 90.0), help="degrees")
     parser.add_argument("--picture", default=os.path.join(ROOT, "docs", "multi_planar_angle.svg"))
     program_run.add_program_option(parser)
-    arguments = program_run.parse(parser)
+    arguments = program_run.command_line.parse(parser)
     with tempfile.TemporaryDirectory() as folder:
         scan = Scan(arguments, folder)
         angles = np.radians(np.linspace(*arguments.range, arguments.points))
@@ -110,4 +104,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

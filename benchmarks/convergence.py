@@ -6,24 +6,17 @@
     benchmarks/convergence.py build/release/benchmarks/hard_cases convergence.png [CASE...]
 """
 import csv
-import subprocess
 import sys
 
-import matplotlib
+import program_run
 
-matplotlib.use("Agg")
+import drawing  # noqa: F401 (before matplotlib)
 import matplotlib.pyplot as plt
 
 CASES = ["normal", "quiet", "wavy_sharp", "column_2", "sheets", "walls"]
 ITERATIONS = 40
 CURVES = {"error": ("true error of u", "black"), "preconditioned_residual": ("preconditioned residual", "tab:blue"),
           "residual": ("residual |f - Ku| / |f|", "tab:red")}
-
-
-def history(program, case):
-    printed = subprocess.run([program, "-scale", "0.5", "-history", str(ITERATIONS), "-only", case],
-                             check=True, capture_output=True, text=True).stdout
-    return list(csv.DictReader(printed.splitlines()))
 
 
 def main():
@@ -33,16 +26,16 @@ def main():
     cases = cases or CASES
     figure, all_axes = plt.subplots(2, -(-len(cases) // 2), figsize=(11, 7), sharey=True, squeeze=False)
     for case, axes in zip(cases, all_axes.flat):
-        lines = history(program, case)
-        steps = [int(line["iteration"]) for line in lines]
+        printed = program_run.run_command([program, "-scale", 0.5, "-history", ITERATIONS, "-only", case]).stdout
+        lines = [{key: float(line[key]) for key in ("iteration", *CURVES)} for line in csv.DictReader(printed.splitlines())]
         for key, (label, color) in CURVES.items():
-            axes.semilogy(steps, [float(line[key]) for line in lines], color=color, label=label)
+            axes.semilogy([line["iteration"] for line in lines], [line[key] for line in lines], color=color, label=label)
         axes.set_ylim(1e-9, 1e3)
         axes.set_title(case)
         axes.set_xlabel("iteration")
         axes.grid(alpha=0.3)
         # How far the error lies from what the solver judges by, where there are digits left.
-        ratios = [float(line["error"]) / float(line["preconditioned_residual"]) for line in lines if float(line["error"]) > 1e-9]
+        ratios = [line["error"] / line["preconditioned_residual"] for line in lines if line["error"] > 1e-9]
         print(f"{case}: error / preconditioned residual {min(ratios):.2g} to {max(ratios):.2g}, in the end {ratios[-1]:.2g}")
     all_axes[0][0].legend()
     figure.tight_layout()
@@ -50,4 +43,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

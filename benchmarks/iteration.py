@@ -5,21 +5,84 @@
     benchmarks/iteration.py configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE
     PROGRAM]
 
-The tolerance of each reference method is the one that gives its displacement the same true error as the
-lanes' unless --reference-tolerance names one. Figures are medians over the repetitions, which run by turns,
-of medians over the iterations but the first (unless there is only one). A solve's seconds hold its share of
-set-up, assembly and loads. The last column is the faster reference method by the lanes. Memory bandwidth (a
-triad, one core) stands beside them, before and after: compare figures of one run only.
+Each reference method has the tolerance that gives its displacement the same true error as the lanes' unless
+--reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over
+the iterations but the first (unless there is only one). docs/performance.md explains them. Memory bandwidth
+(a triad, one core) stands beside them, before and after: compare figures of one run only.
 """
+import itertools
+import math
 import os
 import statistics
 import tempfile
 
+import numpy as np
+
 import program_run
-from displacement_error import TIGHT, DisplacementErrors
-from program_run import LANES, METHODS, PHASES, REFERENCES, method_options
+from program_run import LANES, METHODS, PHASES, REFERENCES, RunError, method_options
 
 COMPARED = [*PHASES, "seconds_per_solve", "peak_memory_gigabytes"]
+TIGHT = 1e-11
+# Two errors this close to each other count as equal: one CG iteration more or less is about that.
+CLOSE = 1.5
+TRIES = 4
+# Below this, differences may be the exact solve's own error.
+SMALLEST = 1e-9
+
+
+class DisplacementErrors:
+    """True errors of the displacement, and the tolerance that gives a reference method the lanes' error.
+
+    A solver stops at a relative residual that its own preconditioner measures, so that a tolerance means
+    different errors with different solvers. Displacements after the last layer, of `-task simulate`, are
+    compared with those of a tight solve by the method `exact`: |u - u_exact| / |u_exact| over all nodes.
+    """
+
+    def __init__(self, options, directory, exact):
+        self.options, self.directory, self.exact = options, directory, exact
+        self.found = {}  # by method and tolerance
+        self.expected = self.displacement(exact, TIGHT)
+
+    def displacement(self, method, tolerance):
+        output = os.path.join(self.directory, "simulate")
+        layers = ["-layers", self.options.error_layers] if self.options.error_layers else []
+        arguments = ["-task", "simulate", *layers, *method_options(method, tolerance)]
+        path = os.path.join(output, "result.h5")
+        try:
+            program_run.run(self.options, self.options.ranks, output, arguments)
+        except RunError:  # of the release, which comes last, at a tight tolerance; the displacement is there by then
+            if not os.path.exists(path):
+                raise
+        result = program_run.read_fields(path)["displacement"]
+        os.remove(path)
+        return result
+
+    def error(self, method, tolerance):
+        key = method, tolerance
+        if key not in self.found:
+            difference = self.displacement(method, tolerance) - self.expected
+            self.found[key] = float(np.linalg.norm(difference) / np.linalg.norm(self.expected))
+            print(f"error {self.found[key]:.2e} of {method} at tolerance {tolerance:.2e}", flush=True)
+        return self.found[key]
+
+    def matching_tolerance(self, method, tolerance):
+        """Tolerance at which a reference method is closest to the lanes' error at `tolerance`."""
+        wanted = max(self.error(LANES, tolerance), SMALLEST)
+        distance = {}
+        trial = tolerance
+        for _ in range(TRIES):
+            ratio = max(self.error(method, trial), SMALLEST) / wanted
+            distance[trial] = abs(math.log(ratio))
+            if distance[trial] <= math.log(CLOSE):
+                break
+            trial = float(f"{min(trial / ratio, 0.5):.2g}")
+            if trial in distance:
+                break
+        return min(distance, key=distance.get)
+
+    def record(self):
+        return {"exact": self.exact, "tolerance_of_exact": TIGHT,
+                "errors": [{"method": m, "tolerance": t, "error": e} for (m, t), e in self.found.items()]}
 
 
 def measure(options, method, tolerance, directory):
@@ -27,17 +90,15 @@ def measure(options, method, tolerance, directory):
     lines = program_run.iterate(options, options.ranks, directory, method_options(method, tolerance))
     peak = lines[-1]["peak_memory_bytes"] / 1e9
     lines = lines[1:] or lines
-    iterations = [line["solver_iterations"] for line in lines]
-    solves = [len(i["primal"]) + len(i["adjoint"]) for i in iterations]
+    counts = {kind: [line["solver_iterations"][kind] for line in lines] for kind in ("primal", "adjoint")}
+    solves = [len(primal) + len(adjoint) for primal, adjoint in zip(*counts.values(), strict=True)]
     record = {phase: statistics.median(line["seconds"][phase] for line in lines) for phase in PHASES}
     record["seconds_per_solve"] = statistics.median(
         (line["seconds"]["primal"] + line["seconds"]["adjoint"]) / count for line, count in zip(lines, solves, strict=True))
-    for kind in ("primal", "adjoint"):
-        record["iterations_" + kind] = statistics.median(i for lists in iterations for i in lists[kind])
-        record["most_iterations_" + kind] = max(i for lists in iterations for i in lists[kind])
-    record["solves"] = solves[-1]
-    record["peak_memory_gigabytes"] = peak
-    return record
+    for kind, lists in counts.items():
+        of_all = list(itertools.chain(*lists))
+        record |= {f"iterations_{kind}": statistics.median(of_all), f"most_iterations_{kind}": max(of_all)}
+    return {**record, "solves": solves[-1], "peak_memory_gigabytes": peak}
 
 
 def solver_settings(options, method, tolerance, directory):
@@ -50,24 +111,12 @@ def solver_settings(options, method, tolerance, directory):
     record = {"description": printed.splitlines()[0], "config": program_run.read_json(output, "config.json")["solver"]}
     if petsc:
         with open(view, encoding="utf-8") as file:
-            record["petsc"] = first_solver(file.read().splitlines())
+            lines = file.read().splitlines()
+        # A solver per layer, all with the same options.
+        second = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")][1:2]
+        record["petsc"] = lines[:second[0] if second else None]
         os.remove(view)
     return record
-
-
-def first_solver(lines):
-    """Of what PETSc says of one solver per layer, all with the same options."""
-    starts = [i for i, line in enumerate(lines) if line.startswith("KSP Object:")]
-    return lines[:starts[1]] if len(starts) > 1 else lines
-
-
-def choose_tolerances(options, errors):
-    def choose(method):
-        if method == LANES:
-            return options.tolerance
-        return options.reference_tolerance or errors.matching_tolerance(method, options.tolerance)
-
-    return {method: choose(method) for method in options.methods}
 
 
 def print_settings(settings):
@@ -124,7 +173,8 @@ def main():
         errors = None
         if options.error or (references and options.reference_tolerance is None):
             errors = DisplacementErrors(options, directory, options.exact or (references + ["multigrid"])[0])
-        tolerances = choose_tolerances(options, errors)
+        tolerances = {m: options.tolerance if m == LANES else options.reference_tolerance
+                      or errors.matching_tolerance(m, options.tolerance) for m in options.methods}
         if errors:
             for method in options.methods:
                 errors.error(method, tolerances[method])
@@ -134,7 +184,7 @@ def main():
             measure(options, method, tolerances[method], os.path.join(directory, method))])
     results = {method: program_run.medians(of_method) for method, of_method in samples.items()}
     print_settings(settings)
-    print(f"\n{os.path.basename(options.config)}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
+    print(f"\n{options.title}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
           f"repetitions, {program_run.machine_text(triad)}")
     print_table(options.methods, tolerances, results, errors.found if errors else {})
     program_run.write_results(options, {
@@ -143,4 +193,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

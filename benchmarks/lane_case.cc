@@ -12,33 +12,15 @@ using fabseq::Index;
 using fabseq::LaneArray;
 using fabseq::Point;
 
-namespace {
-
-constexpr double min_stiffness = 1e-9;
-constexpr double penalty = 3.0;
-
-}  // namespace
-
-DrawnPart graded_v_shape() {
-  DrawnPart part;
-  part.contains = [](const Point<3>& at, const Index<3>&) {
-    return (at[2] < 0.6 || at[0] > 1.2) && at[2] > at[0] - 1.0;
-  };
-  part.time = [](const Point<3>& at, const Index<3>&) { return 0.35 * at[2] + 0.15 * at[0]; };
-  return part;
-}
+constexpr double min_stiffness = 1e-9, penalty = 3.0;
 
 DrawnPart drawn_v_shape(int elements, double sharpness) {
-  DrawnPart part = graded_v_shape();
-  part.elements = {elements, elements / 2, elements};
-  part.sharpness = sharpness;
-  return part;
+  return {.elements = {elements, elements / 2, elements}, .sharpness = sharpness};
 }
 
 DrawnPart drawn_box(int elements) {
-  DrawnPart part = drawn_v_shape(elements, first_sharpness);
-  part.contains = [](const Point<3>&, const Index<3>&) { return true; };
-  return part;
+  return {.elements = {elements, elements / 2, elements},
+          .contains = [](const auto&, auto&) { return true; }};
 }
 
 LaneCase::LaneCase(MPI_Comm comm, const DrawnPart& part)
@@ -102,9 +84,8 @@ LaneArray LaneCase::load() {
 }
 
 double LaneCase::filled() const {
-  const auto in_part = std::count_if(elements_.begin(), elements_.end(),
-                                     [](const Element& element) { return element.in_part; });
-  return static_cast<double>(fabseq::sum(grid_.comm(), static_cast<std::int64_t>(in_part))) /
+  const std::int64_t in_part = std::ranges::count(elements_, true, &Element::in_part);
+  return static_cast<double>(fabseq::sum(grid_.comm(), in_part)) /
          static_cast<double>(grid_.all_elements().count());
 }
 

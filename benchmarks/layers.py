@@ -6,19 +6,16 @@
     benchmarks/layers.py benchmarks/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot
     FILE]
 
-Layers are solved in batches of eight lanes; what is left over, in narrower ones. Without --phases each run is
-a `-task simulate` from a cold start; measured is its phase `primal`: loads, set-up and solve of every layer.
+Without --phases each run is a `-task simulate` from a cold start; measured is its phase `primal`: loads,
+set-up and solve of every layer, in batches of eight lanes and what is left over in narrower ones.
 
-With --phases each run is an optimization of a few iterations: seconds of each phase of an iteration, over the
-number of layers, as in figure 37 of Di Girolamo 2024, which is printed as a picture only; beside it stand the
-figures of its table 4 (N = 25, 16 cores). What figure 37 is said to show: heat adjoint and elasticity per
-layer about constant, MMA per layer growing. Thickness constraints have as target the config's times its
-number of layers by N, so that the layers fit into the part.
+With --phases each run is an optimization of a few iterations, beside the figures of table 4 of Di Girolamo
+2024 (N = 25, 16 cores). Thickness constraints have as target the config's times its number of layers by N, so
+that the layers fit into the part.
 
 Medians over the repetitions, which run by turns, and over the iterations after the warm-up.
 """
 import os
-import statistics
 import tempfile
 
 import program_run
@@ -32,15 +29,17 @@ PUBLISHED_LAYERS = 25
 PUBLISHED = {"heat": 0.078 + 2.482, "primal": 28.508, "adjoint": 63.006, "responses": 0.135, "optimizer": 37.117}
 
 
-def measure_primal(options, layers, ranks, directory):
-    arguments = ["-task", "simulate", "-layers", layers, *method_options(options.method, options.tolerance)]
-    program_run.run(options, ranks, directory, arguments)
-    return program_run.read_json(directory, "summary.json")["seconds"]["primal"]
+def measure(options, layers, ranks, targets, directory):
+    """Of each iteration after the warm-up; without targets, of a simulation."""
+    arguments = ["-layers", layers, *method_options(options.method, options.tolerance)]
+    if targets:
+        return program_run.time_iterations(options, ranks, directory, [*arguments, *targets(layers)])
+    program_run.run(options, ranks, directory, ["-task", "simulate", *arguments])
+    return [{"primal": program_run.read_json(directory, "summary.json")["seconds"]["primal"]}]
 
 
 def fitting_targets(options, directory):
-    """For a number of layers N, options of the program that keep N times the thickness target what it is in
-    the config."""
+    """Options that keep N times the thickness target what it is in the config, for any number of layers N."""
     count = program_run.problem_size(options, directory)["layer_count"]
     constraints = program_run.resolved_config(options, os.path.join(directory, "settings")).get("constraints", [])
     targets = {i: c["target"] * count for i, c in enumerate(constraints) if c["type"] == "layer_thickness"}
@@ -48,40 +47,34 @@ def fitting_targets(options, directory):
                            for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
 
 
-def measure_phases(options, layers, ranks, targets, directory):
-    """Seconds by phase of each iteration after the warm-up."""
-    arguments = ["-layers", layers, *targets(layers), *method_options(options.method, options.tolerance)]
-    return [line["seconds"] for line in program_run.iterate(options, ranks, directory, arguments)[options.warm_up:]]
-
-
 def print_primal(options, seconds):
-    print(f"{'layers':>6s}" + "".join(f"{f'{r} rank' + ('s' if r > 1 else ''):>11s}{'per layer':>10s}" for r in options.ranks)
-          + (f"{'speed-up':>10s}" if len(options.ranks) > 1 else ""))
+    several = len(options.ranks) > 1
+    print(f"{'layers':>6s}" + "".join(f"{f'{r} rank' + 's' * (r > 1):>11s}{'per layer':>10s}" for r in options.ranks)
+          + (f"{'speed-up':>10s}" if several else ""))
     for layers in options.layers:
-        of_ranks = [statistics.median(seconds[layers, ranks]) for ranks in options.ranks]
-        line = "".join(f"{s:11.3f}{s / layers:10.4f}" for s in of_ranks)
-        print(f"{layers:6d}{line}" + (f"{of_ranks[0] / of_ranks[-1]:10.2f}" if len(of_ranks) > 1 else ""))
+        of_ranks = [seconds[layers, ranks]["primal"] for ranks in options.ranks]
+        print(f"{layers:6d}" + "".join(f"{s:11.3f}{s / layers:10.4f}" for s in of_ranks)
+              + (f"{of_ranks[0] / of_ranks[-1]:10.2f}" if several else ""))
 
 
-def print_phases(rows):
+def print_phases(seconds):
     print("seconds per layer")
-    print(f"{'layers':>9s}{'ranks':>6s}" + "".join(f"{phase:>11s}" for phase in PHASES))
-    for layers, ranks in dict.fromkeys((row["layers"], row["ranks"]) for row in rows):
-        of_run = {row["phase"]: row["seconds_per_layer"] for row in rows if (row["layers"], row["ranks"]) == (layers, ranks)}
-        print(f"{layers:9d}{ranks:6d}" + "".join(f"{of_run[phase]:11.5f}" for phase in PHASES))
-    print(f"{'[D24] ' + str(PUBLISHED_LAYERS):>9s}{16:6d}" + "".join(
-        f"{PUBLISHED[phase] / PUBLISHED_LAYERS:11.5f}" if phase in PUBLISHED else f"{'-':>11s}" for phase in PHASES))
+    print(f"{'layers':>9s}{'ranks':>6s}" + program_run.heads(PHASES, 11))
+    for name, layers, ranks, values in [*((layers, layers, ranks, values) for (layers, ranks), values in seconds.items()),
+                                        (f"[D24] {PUBLISHED_LAYERS}", PUBLISHED_LAYERS, 16, PUBLISHED)]:
+        per_layer = {phase: value / layers for phase, value in values.items()}
+        print(f"{name:>9}{ranks:6d}" + program_run.cells(per_layer, PHASES, "11.5f"))
 
 
-def plot(path, title, rows):
-    ranks = max(row["ranks"] for row in rows)
+def plot(path, title, seconds):
+    most = max(ranks for _, ranks in seconds)
+    runs = sorted((layers, values) for (layers, ranks), values in seconds.items() if ranks == most)
     with program_run.figure(path, title, figsize=(8, 5)) as axes:
-        for phase in PHASES:
-            points = sorted((row["layers"], row["seconds_per_layer"]) for row in rows
-                            if row["phase"] == phase and row["ranks"] == ranks and row["seconds_per_layer"] > 0)
-            if not points or phase in ("output", "total"):
+        for phase in PHASES[:-2]:
+            points = [(layers, values[phase] / layers) for layers, values in runs if values[phase] > 0]
+            if not points:
                 continue
-            line, = axes.semilogy(*zip(*points), "-o", label=f"{phase}, {ranks} rank{'s' if ranks > 1 else ''}", markersize=4)
+            line, = axes.semilogy(*zip(*points), "-o", label=f"{phase}, {most} rank{'s' * (most > 1)}", markersize=4)
             if phase in PUBLISHED:
                 published = PUBLISHED[phase] / PUBLISHED_LAYERS
                 axes.semilogy([PUBLISHED_LAYERS], [published], "*", color=line.get_color(), markersize=11)
@@ -112,23 +105,21 @@ def main():
         targets = fitting_targets(options, directory) if options.phases else None
         samples, triad = program_run.by_turns(
             options, [(layers, ranks) for layers in options.layers for ranks in options.ranks],
-            lambda run: measure_phases(options, *run, targets, output) if targets else [measure_primal(options, *run, output)])
-    title = f"{os.path.basename(options.config)}, {options.method}, tolerance {options.tolerance:g}"
+            lambda run: measure(options, *run, targets, output))
+    seconds = {run: program_run.medians(of_run) for run, of_run in samples.items()}
+    title = f"{options.title}, {options.method}, tolerance {options.tolerance:g}"
     print(f"{title}, {options.repetitions} repetitions, {program_run.machine_text(triad)}")
-    record = {"method": options.method, "tolerance": options.tolerance, "triad": triad}
-    rows = []
     if options.phases:
-        rows = [{"layers": layers, "ranks": ranks, "phase": phase, "seconds": seconds[phase],
-                 "seconds_per_layer": seconds[phase] / layers}
-                for (layers, ranks), values in samples.items() for seconds in [program_run.medians(values)] for phase in PHASES]
-        print_phases(rows)
-        record["table"] = rows
+        print_phases(seconds)
     else:
-        print_primal(options, samples)
-        record["runs"] = [{"layers": layers, "ranks": ranks, "primal_seconds": values}
-                          for (layers, ranks), values in samples.items()]
-    program_run.write_results(options, record, rows, lambda path: plot(path, title, rows))
+        print_primal(options, seconds)
+    rows = [{"layers": layers, "ranks": ranks, "phase": phase, "seconds": values[phase],
+             "seconds_per_layer": values[phase] / layers}
+            for (layers, ranks), values in seconds.items() for phase in PHASES if phase in values]
+    runs = [{"layers": layers, "ranks": ranks, "samples": of_run} for (layers, ranks), of_run in samples.items()]
+    record = {"method": options.method, "tolerance": options.tolerance, "triad": triad, "table": rows, "runs": runs}
+    program_run.write_results(options, record, rows, lambda path: plot(path, title, seconds))
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

@@ -3,18 +3,21 @@
 
 import argparse
 import contextlib
-import csv
-import json
 import os
 import re
 import statistics
-import subprocess
 import sys
 import time
 
 import numpy as np
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scripts", "use"))
+
+import command_line
+# Also for the scripts.
+from command_line import PROGRAM, ROOT, RunError, parser_of, run_command, run_script, write_json, write_rows  # noqa: F401
+from read_run import read_fields, read_history, read_json  # noqa: F401
+
 LANES = "lanes"
 REFERENCES = ["multigrid", "gamg", "direct"]
 METHODS = [LANES, *REFERENCES]
@@ -22,22 +25,13 @@ METHODS = [LANES, *REFERENCES]
 PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer", "output", "total"]
 
 
-def built(name):
-    return os.path.join(ROOT, "build/release", name)
-
-
 def add_program_option(parser):
-    parser.add_argument("--program", default=built("fabseq"), help="default: build/release/fabseq")
-
-
-def make_parser(description):
-    return argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter,
-                                   epilog="Options after -- go to the program as they are.")
+    parser.add_argument("--program", default=PROGRAM, help="default: build/release/fabseq")
 
 
 def common_parser(description):
     """With the options that the scripts have in common."""
-    parser = make_parser(description)
+    parser = parser_of(description, epilog="Options after -- go to the program as they are.")
     parser.add_argument("config")
     add_program_option(parser)
     parser.add_argument("--repetitions", type=int, default=3, metavar="R",
@@ -49,89 +43,11 @@ def common_parser(description):
 
 
 def parse(parser):
-    """The script's options, and as `rest` those of the program."""
-    words = sys.argv[1:]
-    end = words.index("--") if "--" in words else len(words)
-    options = parser.parse_args(words[:end])
-    options.rest = words[end + 1:]
-    if "repetitions" in options and options.repetitions < 1:
+    options = command_line.parse(parser)
+    if options.repetitions < 1:
         parser.error("--repetitions: at least 1")
+    options.title = os.path.basename(options.config)
     return options
-
-
-def parse_split(text):
-    try:
-        groups, domain = (int(word) for word in text.split("x"))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not GROUPSxRANKS, such as 2x4") from None
-    if groups < 1 or domain < 1:
-        raise argparse.ArgumentTypeError(f"'{text}': both at least 1")
-    return groups, domain
-
-
-def split_text(split):
-    return f"{split[0]}x{split[1]}"
-
-
-def method_options(method, tolerance):
-    if method == LANES:
-        return ["-solver_path", "lanes", "-tolerance", tolerance]
-    return ["-solver_path", "reference", "-reference_method", method, "-tolerance", tolerance]
-
-
-def run_command(command, accept=lambda: False, **more):
-    """Runs it in the environment of all scripts, where there may be more ranks than cores; ends the script if
-    it failed, unless accept() says that what it left is enough."""
-    in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
-    result = subprocess.run(["bash", "-c", in_environment, os.path.join(ROOT, "scripts/environment.sh"), *map(str, command)],
-                            capture_output=True, text=True, **more)
-    if result.returncode != 0 and not accept():
-        sys.exit(f"status {result.returncode}: {' '.join(map(str, command))}\n{result.stderr.strip()}")
-    return result
-
-
-def run(options, ranks, directory, arguments, partial=None):
-    """What the program printed; ends the script if the run failed and did not even write the file
-    `partial`."""
-    command = [*options.launcher.format(ranks=ranks).split(), options.program, "-config", options.config, "-output", directory,
-               "-overwrite", *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments), *options.rest]
-    return run_command(command, lambda: bool(partial) and os.path.exists(os.path.join(directory, partial))).stdout
-
-
-def read_json(directory, name):
-    with open(os.path.join(directory, name), encoding="utf-8") as file:
-        return json.load(file)
-
-
-def read_lines(directory, name):
-    """Of a file with a JSON object per line."""
-    with open(os.path.join(directory, name), encoding="utf-8") as file:
-        return [json.loads(line) for line in file]
-
-
-def iterate(options, ranks, directory, arguments):
-    """Lines of the history of a short optimization that writes no fields: `options.iterations` design
-    iterations."""
-    arguments = ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments]
-    run(options, ranks, directory, arguments)
-    return read_lines(directory, "history.jsonl")
-
-
-def resolved_config(options, directory):
-    """The config with the options of the program and all defaults in it, but for a single layer: one is
-    simulated for it."""
-    run(options, 1, directory, ["-task", "simulate", "-layers", 1])
-    return read_json(directory, "config.json")
-
-
-def problem_size(options, directory, arguments=()):
-    """Elements of the part and of the box, unknowns of a layer and number of layers, as `-task check` prints
-    them."""
-    printed = run(options, 1, directory, ["-task", "check", *arguments])
-    part, box = re.search(r"part: (\d+) elements of (\d+)", printed).groups()
-    return {"part_elements": int(part), "elements": int(box),
-            "unknowns": int(re.search(r"one layer: (\d+) unknowns", printed)[1]),
-            "layer_count": int(re.search(r"layers: (\d+) curved", printed)[1])}
 
 
 def parse_iterations(parser, what, rows, iterations=5):
@@ -149,24 +65,72 @@ def parse_iterations(parser, what, rows, iterations=5):
     return options
 
 
-def write_json(path, record):
-    with open(path, "w", encoding="utf-8") as file:
-        json.dump(record, file, indent=1)
-        file.write("\n")
+def parse_split(text):
+    found = re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"'{text}' is not GROUPSxRANKS, such as 2x4")
+    return int(found[1]), int(found[2])
 
 
-def write_csv(path, rows):
-    """Records with the same keys."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+def split_text(split):
+    return f"{split[0]}x{split[1]}"
+
+
+def method_options(method, tolerance):
+    path = ["lanes"] if method == LANES else ["reference", "-reference_method", method]
+    return ["-solver_path", *path, "-tolerance", tolerance]
+
+
+def run(options, ranks, directory, arguments):
+    """What the program printed."""
+    command = [*options.launcher.format(ranks=ranks).split(), options.program, "-config", options.config, "-output", directory,
+               "-overwrite", *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments), *options.rest]
+    return run_command(command).stdout
+
+
+def iterate(options, ranks, directory, arguments):
+    """The history of a short optimization that writes no fields: `options.iterations` design iterations."""
+    run(options, ranks, directory,
+        ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments])
+    return read_history(directory)
+
+
+def time_iterations(options, ranks, directory, arguments):
+    """Of each iteration after the warm-up: seconds by phase, CG iterations of all layers, memory's peak."""
+    return [{**line["seconds"], "gigabytes": line["peak_memory_bytes"] / 1e9,
+             "cg": sum(sum(line["solver_iterations"][kind]) for kind in ("primal", "adjoint"))}
+            for line in iterate(options, ranks, directory, arguments)[options.warm_up:]]
+
+
+def resolved_config(options, directory):
+    """The config with all defaults and the program's options in it. A single layer is simulated for it."""
+    run(options, 1, directory, ["-task", "simulate", "-layers", 1])
+    return read_json(directory, "config.json")
+
+
+def problem_size(options, directory, arguments=()):
+    """Elements of part and box, unknowns of a layer, number of layers, as `-task check` prints them."""
+    printed = run(options, 1, directory, ["-task", "check", *arguments])
+    part, box = re.search(r"part: (\d+) elements of (\d+)", printed).groups()
+    return {"part_elements": int(part), "elements": int(box),
+            "unknowns": int(re.search(r"one layer: (\d+) unknowns", printed)[1]),
+            "layer_count": int(re.search(r"layers: (\d+) curved", printed)[1])}
+
+
+def cells(record, keys, form):
+    """Figures of a line of a table; - where there is none."""
+    width = re.match(r"\d+", form)[0]
+    return "".join(f"{'-':>{width}}" if record.get(key) is None else format(record[key], form) for key in keys)
+
+
+def heads(names, width):
+    return "".join(f"{name:>{width}}" for name in names)
 
 
 def write_results(options, record, rows=(), draw=None):
     """What --csv, --plot and --json ask for."""
     if rows and options.csv:
-        write_csv(options.csv, rows)
+        write_rows(options.csv, rows)
     if draw and options.plot:
         draw(options.plot)
     if options.json:
@@ -176,8 +140,7 @@ def write_results(options, record, rows=(), draw=None):
 @contextlib.contextmanager
 def figure(path, title, columns=1, **options):
     """Axes of a picture that is written in the end."""
-    import matplotlib
-    matplotlib.use("Agg")
+    import drawing  # noqa: F401 (before matplotlib)
     import matplotlib.pyplot as plt
 
     whole, axes = plt.subplots(1, columns, **options)
@@ -190,9 +153,16 @@ def figure(path, title, columns=1, **options):
     whole.savefig(path, dpi=100)
 
 
+def draw_phases(axes, abscissa, records):
+    """Curves of the phases that take time, the total in black."""
+    for phase in PHASES:
+        values = [record[phase] for record in records]
+        if min(values) > 0:
+            axes.loglog(abscissa, values, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
+
+
 def by_turns(options, keys, measure):
-    """Samples of each key, measure(key) being a list of some, over the repetitions, which run by turns; and
-    the triad's GB/s before and after."""
+    """Samples of each key, lists made by measure(key) in turn, and the triad's GB/s before and after."""
     samples, before = {key: [] for key in keys}, triad_bandwidth()
     for _ in range(options.repetitions):
         for key in keys:
@@ -213,10 +183,10 @@ def triad_bandwidth():
     """GB/s of a = b + s c on one core, best of five; numpy does it in two steps of five words in all."""
     b, c = np.ones(8_000_000), np.ones(8_000_000)
     a = np.empty_like(b)
-    best = 0.0
+    seconds = []
     for _ in range(5):
         start = time.perf_counter()
         np.multiply(c, 3.0, out=a)
         np.add(a, b, out=a)
-        best = max(best, 5 * 8 * a.size / (time.perf_counter() - start) / 1e9)
-    return best
+        seconds.append(time.perf_counter() - start)
+    return 5 * 8 * a.size / min(seconds) / 1e9

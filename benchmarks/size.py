@@ -5,20 +5,18 @@
     benchmarks/size.py benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [--
     OPTIONS]
 
-The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many;
-parts read from voxels cannot be. The next size is run if the peak memory of all ranks, grown in proportion to
-the elements from the last one, stays within --memory (GB); the last size is as large as that allows. Each run
-is an optimization of a few iterations; memory is its peak, of all ranks together, as the system reports it,
-set-up and planar baseline included; seconds are medians over the iterations after the warm-up, of all
-repetitions.
+The config's box is refined in all directions alike, each time to twice as many elements; parts read from
+voxels cannot be. The last size is as large as --memory (GB) allows if memory grows in proportion to the
+elements. Each run is an optimization of a few iterations; memory is the peak of all ranks together, as the
+system reports it, set-up and planar baseline included; seconds are medians over the iterations after the
+warm-up, of all repetitions.
 """
 import math
 import os
-import sys
 import tempfile
 
 import program_run
-from program_run import PHASES
+from program_run import PHASES, RunError
 
 # Of --memory: a margin for what does not grow in proportion.
 USABLE = 0.95
@@ -36,12 +34,9 @@ def measure(options, elements, directory):
     setting = "domain.elements=[" + ",".join(map(str, elements)) + "]"
     arguments = ["-set", setting, *(["-layers", options.layers] if options.layers else [])]
     size = program_run.problem_size(options, directory, arguments)
-    lines = program_run.iterate(options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])
-    record = program_run.medians([line["seconds"] for line in lines[options.warm_up:]])
-    counts = [sum(line["solver_iterations"][kind]) / size["layer_count"]
-              for line in lines[options.warm_up:] for kind in ("primal", "adjoint")]
-    return {**size, "box": "x".join(map(str, elements)), "gigabytes": max(line["peak_memory_bytes"] for line in lines) / 1e9,
-            "cg_iterations": sum(counts) / len(counts), **record}
+    record = program_run.medians([line for _ in range(options.repetitions) for line in program_run.time_iterations(
+        options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])])
+    return {**size, "box": "x".join(map(str, elements)), "cg_iterations": record.pop("cg") / 2 / size["layer_count"], **record}
 
 
 def next_size(last, memory):
@@ -55,12 +50,9 @@ def next_size(last, memory):
 def run_all(options, directory):
     """Records of all sizes, smallest first."""
     elements = program_run.resolved_config(options, os.path.join(directory, "settings"))["domain"]["elements"]
-    records = []
-    total = options.smallest
+    records, total = [], options.smallest
     while total and (options.largest is None or total <= options.largest):
-        box = refined(elements, total)
-        samples = [measure(options, box, os.path.join(directory, "optimize")) for _ in range(options.repetitions)]
-        record = {**samples[0], **program_run.medians([{**sample, "box": 0} for sample in samples]), "box": samples[0]["box"]}
+        record = measure(options, refined(elements, total), os.path.join(directory, "optimize"))
         print_line(record)
         if record["gigabytes"] > options.memory:
             print(f"more than {options.memory:g} GB: not what was expected of it")
@@ -70,25 +62,18 @@ def run_all(options, directory):
     return records
 
 
-def print_header():
-    print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}"
-          + "".join(f"{phase:>10s}" for phase in PHASES) + f"{'us/unknown,layer':>18s}")
-
-
 def print_line(record):
-    work = record["unknowns"] * record["layer_count"]
-    print(f"{record['box']:>14s}{record['elements']:11.0f}{record['part_elements']:10.0f}{record['gigabytes']:8.2f}"
-          f"{1e6 * record['gigabytes'] / record['part_elements']:12.2f}{record['cg_iterations']:8.1f}"
-          + "".join(f"{record[phase]:10.3f}" for phase in PHASES) + f"{1e6 * record['total'] / work:18.3f}", flush=True)
+    record = {**record, "each": 1e6 * record["gigabytes"] / record["part_elements"],
+              "work": 1e6 * record["total"] / record["unknowns"] / record["layer_count"]}
+    print(f"{record['box']:>14s}{record['elements']:11d}{record['part_elements']:10d}{record['gigabytes']:8.2f}"
+          f"{record['each']:12.2f}{record['cg_iterations']:8.1f}"
+          + program_run.cells(record, [*PHASES, "work"], "10.3f"), flush=True)
 
 
 def plot(path, title, records):
     elements = [record["elements"] for record in records]
     with program_run.figure(path, title, 2, figsize=(11, 4.5)) as (left, right):
-        for phase in PHASES:
-            values = [record[phase] for record in records]
-            if min(values) > 0 and phase != "output":
-                left.loglog(elements, values, "k-o" if phase == "total" else "-o", label=phase, markersize=4)
+        program_run.draw_phases(left, elements, records)
         right.loglog(elements, [record["gigabytes"] for record in records], "k-o", label="peak, all ranks", markersize=4)
         for axes, key, label in ((left, "total", "seconds per iteration"), (right, "gigabytes", "GB")):
             first = records[0][key]
@@ -112,19 +97,20 @@ def parse_arguments():
 
 def main():
     options = parse_arguments()
-    title = f"{os.path.basename(options.config)}, {options.groups} x {options.ranks // options.groups} ranks"
+    title = f"{options.title}, {options.groups} x {options.ranks // options.groups} ranks"
     before = program_run.triad_bandwidth()
     print(f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions")
-    print_header()
+    print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}"
+          + program_run.heads([*PHASES, "us/unk,lay"], 10))
     with tempfile.TemporaryDirectory() as directory:
         records = run_all(options, directory)
     triad = [before, program_run.triad_bandwidth()]
     print(program_run.machine_text(triad))
     if not records:
-        sys.exit(f"not even {options.smallest} elements fit into {options.memory:g} GB")
+        raise RunError(f"not even {options.smallest} elements fit into {options.memory:g} GB")
     record = {"ranks": options.ranks, "groups": options.groups, "memory": options.memory, "triad": triad, "runs": records}
     program_run.write_results(options, record, records, lambda path: plot(path, title, records))
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

@@ -7,6 +7,7 @@ never those below (docs/architecture.md); headers include each other without a c
 header of fabseq exists. src/main.cc and the tests may use everything. Prints each offence as FILE:LINE:
 TEXT; exit status 1 if there is one."""
 
+import graphlib
 import re
 import sys
 from pathlib import Path
@@ -18,10 +19,9 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
 
 def includes(path):
     """(line number, included header relative to include/) of each header of fabseq that a file includes."""
-    with open(path, encoding="utf-8") as file:
-        for number, line in enumerate(file, 1):
-            if match := INCLUDE.match(line):
-                yield number, match.group(1)
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if match := INCLUDE.match(line):
+            yield number, match[1]
 
 
 def module_of(path, root):
@@ -36,8 +36,7 @@ def module_of(path, root):
 def layering_offences(root, files):
     """Includes of a module further down, of a header that does not exist, and folders that are no module."""
     for path in files:
-        module = module_of(path, root)
-        where = path.relative_to(root)
+        module, where = module_of(path, root), path.relative_to(root)
         if module is not None and module not in MODULES:
             yield f"{where}:1: folder '{module}' is no module; the modules are {', '.join(MODULES)}"
             continue
@@ -52,27 +51,12 @@ def layering_offences(root, files):
 
 
 def circle(root, headers):
-    """A list of headers each of which includes the next and whose last is its first; None if there is
-    none."""
-    graph = {str(h.relative_to(root / "include")): [name for _, name in includes(h)] for h in headers}
-    finished, trail = set(), []
-
-    def visit(name):
-        if name in finished or name not in graph:
-            return None
-        if name in trail:
-            return trail[trail.index(name):] + [name]
-        trail.append(name)
-        for following in graph[name]:
-            if found := visit(following):
-                return found
-        trail.pop()
-        finished.add(name)
-        return None
-
-    for name in sorted(graph):
-        if found := visit(name):
-            return found
+    """Headers each of which includes the next, the last being the first again; None without a circle."""
+    graph = {str(h.relative_to(root / "include")): [name for _, name in includes(h)] for h in sorted(headers)}
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        return error.args[1][::-1]  # its edges run from the included header
     return None
 
 
@@ -89,9 +73,8 @@ def offences(root):
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]).resolve()
     found = offences(root)
-    for line in found:
-        print(line)
-    sys.exit(1 if found else 0)
+    print(*found, sep="\n", end="\n" if found else "")
+    sys.exit(bool(found))
 
 
 if __name__ == "__main__":

@@ -14,28 +14,21 @@ and its row in docs/results.md are written.
 Options of the program, such as -max_iterations 10, are for trials: give --results none with them.
 """
 
-import argparse
 import json
 import os
 import shutil
-import subprocess
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
 import case_table
 import geometric_thickness
-from read_run import Run, RunError, read_json
-
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# As in scripts/environment.sh; several mpirun side by side shall not share a core.
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
-               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
+from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script
+from read_run import Run, read_json
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--list", action="store_true", help="print the cases")
     parser.add_argument("--all-2d", action="store_true", help="all cases in two dimensions")
@@ -44,31 +37,17 @@ def main():
     parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "cases.json"), help="default: configs/cases.json")
     parser.add_argument("--results", default=os.path.join(ROOT, "docs", "results.md"),
                         help="the overview, or none (default: docs/results.md)")
-    parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", os.path.join(ROOT, "build", "release", "fabseq")))
-    arguments, options = parser.parse_known_args(own_words())
-    arguments.options = program_options(options, parser)
-    try:
-        cases = Cases(arguments.cases)
-        if arguments.list:
-            print(cases.listing())
-            return
-        names = chosen(cases, arguments)
-    except RunError as error:
-        sys.exit(f"reproduce.py: {error}")
-    failed = [name for name in names if not reproduce(cases, name, arguments)]
+    parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
+    arguments = parse(parser)
+    cases = Cases(arguments.cases)
+    if arguments.list:
+        for name in cases.table:
+            case, width = cases[name], max(map(len, cases.table))
+            print(f"{name:<{width}}  {'2D' if cases.is_flat(name) else '3D'}  [{case['source']}] {case['what']}")
+        return
+    failed = [name for name in chosen(cases, arguments) if not reproduce(cases, name, arguments)]
     if failed:
-        sys.exit(f"reproduce.py: failed: {', '.join(failed)}")
-
-
-def own_words():
-    """Words before `--`."""
-    return sys.argv[1:sys.argv.index("--")] if "--" in sys.argv else sys.argv[1:]
-
-
-def program_options(unknown, parser):
-    if unknown:
-        parser.error(f"unknown: {' '.join(unknown)} (options of the program go behind --)")
-    return sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+        raise RunError(f"failed: {', '.join(failed)}")
 
 
 class Cases:
@@ -103,11 +82,6 @@ class Cases:
             size = file.read().split('"size"')[1].split("]")[0]
         return size.count(",") == 1
 
-    def listing(self):
-        width = max(map(len, self.table))
-        return "\n".join(f"{name:<{width}}  {'2D' if self.is_flat(name) else '3D'}  [{case['source']}] {case['what']}"
-                         for name, case in ((name, self[name]) for name in self.table))
-
 
 def chosen(cases, arguments):
     names = list(dict.fromkeys(arguments.names + [n for n in cases.table if arguments.all_2d and cases.is_flat(n)]))
@@ -126,35 +100,26 @@ def reproduce(cases, name, arguments):
     simulates = case.get("task") == "simulate"
     ranks = arguments.ranks or case.get("ranks", 2)
     again = ["-overwrite"] if simulates else ["-restart", "auto"]
-    if not run(arguments.program, ranks, [*cases.command(name), *again, "-output", directory, *arguments.options]):
-        return False
     try:
+        run(arguments.program, ranks, [*cases.command(name), *again, "-output", directory, *arguments.rest])
         planes = read_json(directory, "config.json")["layers"]["type"] == "multi_planar"
-        thickness = None if planes else measure_thickness(directory)  # of planes it is given
+        thickness = None if planes else geometric_thickness.write_record(directory)  # of planes it is given
         resliced = {count: reslice(arguments, ranks, directory, count) for count in case.get("reslice", [])}
         if arguments.results != "none":
             figures = case_table.figures_of(case, directory, thickness, resliced)
-            os.makedirs(os.path.dirname(case_table.page_of(arguments.results, name)), exist_ok=True)
-            picture = None if simulates else draw(directory, case_table.page_of(arguments.results, name))
+            page = case_table.page_of(arguments.results, name)
+            os.makedirs(os.path.dirname(page), exist_ok=True)
+            picture = None if simulates else draw(directory, page)
             case_table.record(arguments.results, list(cases.table), name, case, figures, picture)
-    except (RunError, OSError, subprocess.CalledProcessError) as error:
+    except (RunError, OSError) as error:
         print(f"reproduce.py: {name}: {error}", file=sys.stderr)
         return False
     return True
 
 
 def run(program, ranks, words):
-    command = ["mpirun", "-np", str(ranks), program, *words]
-    print(" ".join(command), flush=True)
-    return subprocess.run(command, env={**ENVIRONMENT, **os.environ}, check=False).returncode == 0
-
-
-def measure_thickness(directory, target=None):
-    record = geometric_thickness.measure(directory, target)
-    with open(os.path.join(directory, "geometric_thickness.json"), "w", encoding="utf-8") as file:
-        json.dump(record, file, indent=1)
-        file.write("\n")
-    return record
+    print(" ".join(["mpirun", "-np", str(ranks), program, *words]), flush=True)
+    run_command(["mpirun", "-np", ranks, program, *words], capture=False)
 
 
 def reslice(arguments, ranks, directory, count):
@@ -169,12 +134,10 @@ def reslice(arguments, ranks, directory, count):
     result = {}
     for kind, options in (("planar", planar), ("smooth", sequence), ("binary", [*sequence, "-binary"])):
         output = os.path.join(directory, f"layers_{count}_{kind}")
-        words = ["-config", os.path.join(directory, "config.json"), "-task", "simulate", *options,
-                 "-layers", str(count), "-overwrite", "-output", output]
-        if not run(arguments.program, ranks, words):
-            raise RunError(f"cut into {count} layers: the simulation failed")
+        run(arguments.program, ranks, ["-config", os.path.join(directory, "config.json"), "-task", "simulate", *options,
+                                       "-layers", str(count), "-overwrite", "-output", output])
         result[kind] = read_json(output, "summary.json")
-    result["thickness"] = measure_thickness(output, target)
+    result["thickness"] = geometric_thickness.write_record(output, target)
     return result
 
 
@@ -184,9 +147,9 @@ def draw(directory, page):
         print("reproduce.py: no picture: it needs a display, or Xvfb", file=sys.stderr)
         return None
     picture = page.removesuffix(".md") + ".png"
-    subprocess.run([sys.executable, os.path.join(ROOT, "scripts", "figures", "small_picture.py"), directory, picture], check=True)
+    run_command([sys.executable, os.path.join(ROOT, "scripts", "figures", "small_picture.py"), directory, picture])
     return os.path.basename(picture)
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -19,8 +19,8 @@ from PIL import Image
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
 import overview
-from drawing import parser_of
-from read_run import Run, RunError
+from command_line import parser_of, run_script
+from read_run import Run
 from virtual_display import ensure_display
 
 COLOURS = (64, 32, 16)
@@ -34,19 +34,13 @@ def main():
     parser.add_argument("--width", type=int, default=960, help="pixels (default: %(default)s)")
     parser.add_argument("--bytes", type=int, default=80000, help="size of the file at most (default: %(default)s)")
     arguments = parser.parse_args()
-    try:
-        run = Run(arguments.directory)
-    except RunError as error:
-        sys.exit(f"small_picture.py: {error}")
+    run = Run(arguments.directory)
     ensure_display()
-    data = compressed(side_by_side(overview.Pictures(run).images), arguments.width, arguments.bytes)
-    with open(arguments.picture, "wb") as file:
-        file.write(data)
-
-
-def side_by_side(images):
+    images = overview.Pictures(run).images
     gap = np.full((images[0].shape[0], GAP, 3), 255, np.uint8)
-    return np.hstack([piece for image in images for piece in (image, gap)][:-1])
+    side_by_side = np.hstack([piece for image in images for piece in (image, gap)][:-1])
+    with open(arguments.picture, "wb") as file:
+        file.write(compressed(side_by_side, arguments.width, arguments.bytes))
 
 
 def compressed(image, width, most_bytes):
@@ -63,4 +57,4 @@ def compressed(image, width, most_bytes):
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

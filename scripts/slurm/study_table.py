@@ -17,29 +17,22 @@ import re
 import sys
 
 
-class TableError(Exception):
-    """A table that cannot be used, with the reason."""
-
-
 def read_table(path):
     """A list of runs, each a name and a list of (key, value)."""
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as file:
-            lines = [(number, line) for number, line in enumerate(file, start=1) if line.strip() and not line.startswith("#")]
-    except OSError as error:
-        raise TableError(f"{path}: {error.strerror}") from error
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        lines = [(number, line) for number, line in enumerate(file, start=1) if line.strip() and not line.startswith("#")]
     rows = list(csv.reader((line for _, line in lines), strict=True))
     if not rows or rows[0][0] != "name" or "" in rows[0]:
-        raise TableError(f"{path}: the first line must name all columns, the first of them 'name'")
+        raise ValueError(f"{path}: the first line must name all columns, the first of them 'name'")
     keys = rows[0][1:]
     runs = []
     for (number, _), row in zip(lines[1:], rows[1:]):
         if len(row) != len(keys) + 1:
-            raise TableError(f"{path}, line {number}: {len(row)} columns in place of {len(keys) + 1}")
+            raise ValueError(f"{path}, line {number}: {len(row)} columns in place of {len(keys) + 1}")
         if not re.fullmatch(r"[\w.+-]*\w[\w.+-]*", row[0], re.ASCII):
-            raise TableError(f"{path}, line {number}: the name '{row[0]}' is to be of letters, digits, and . _ + -")
+            raise ValueError(f"{path}, line {number}: the name '{row[0]}' is to be of letters, digits, and . _ + -")
         if row[0] in [name for name, _ in runs]:
-            raise TableError(f"{path}, line {number}: there is another run '{row[0]}'")
+            raise ValueError(f"{path}, line {number}: there is another run '{row[0]}'")
         runs.append((row[0], [(key, value) for key, value in zip(keys, row[1:]) if value != ""]))
     return runs
 
@@ -49,7 +42,7 @@ def main():
         sys.exit(__doc__)
     try:
         runs = read_table(sys.argv[1])
-    except (TableError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
         sys.exit(f"study_table.py: {error}")
     if len(sys.argv) == 2:
         print(len(runs))

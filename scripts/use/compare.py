@@ -13,20 +13,20 @@ which the runs differ; over their names, if it is not one key with numbers. KEY 
 are hollow where a constraint is violated.
 """
 
+import itertools
 import os
 import sys
 
-from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of, tidy, write_rows  # before matplotlib
+from command_line import RunError, parser_of, run_script, write_rows
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, save, tidy  # before matplotlib
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
-from read_run import Run, RunError, read_json
+from read_run import Run, read_json
 
-BLOCKS = ("optimized", "binary", "baseline")
-COLOURS = {"optimized": OPTIMIZED, "binary": INK, "baseline": PLANAR}
-LEGENDS = {"optimized": "smooth layers", "binary": "binary layers", "baseline": "planar layers"}
+BLOCKS = {"optimized": ("smooth layers", OPTIMIZED), "binary": ("binary layers", INK), "baseline": ("planar layers", PLANAR)}
 NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
 SPAN_FOR_LOG = 20.0
 
@@ -39,12 +39,11 @@ class Result:
         self.config = read_json(directory, "config.json")
         try:
             self.run = Run(directory, with_fields=False)
-            self.summary = self.run.summary
         except RunError as reason:
             print(f"compare.py: warning: {reason}", file=sys.stderr)
             self.run = None
-            path = os.path.join(directory, "summary.json")
-            self.summary = read_json(directory, "summary.json") if os.path.exists(path) else {}
+        ended = os.path.exists(os.path.join(directory, "summary.json"))
+        self.summary = read_json(directory, "summary.json") if ended else {}
         self.settings = {key: value for key, value in flat(self.config) if key.split(".")[0] not in NOT_COMPARED}
 
     def evenness(self, block):
@@ -55,8 +54,7 @@ class Result:
 
 
 def flat(value, path=""):
-    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if
-    only one has it."""
+    """(path as of -set, value) of a config's entries. Entries of lists go by their type if it is unique."""
     if isinstance(value, (dict, list)):
         for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
             yield from flat(entry, f"{path}.{key}" if path else str(key))
@@ -76,12 +74,11 @@ def differing_keys(results):
 
 
 def row_of(result, keys):
-    row = {"run": result.name}
-    row |= {key: result.settings.get(key) for key in keys}
-    row |= {key: result.summary.get(key) for key in (
-        "status", "iterations", "best_iteration", "feasible", "worst_constraint", "beta")}
+    row = {"run": result.name, **{key: result.settings.get(key) for key in keys}}
+    for key in ("status", "iterations", "best_iteration", "feasible", "worst_constraint", "beta"):
+        row[key] = result.summary.get(key)
     for block in BLOCKS if result.run else ():
-        row |= block_columns(result, block)
+        row |= {f"{block}/{name}": value for name, value in block_columns(result, block).items()}
     row |= {"ranks": result.config.get("run", {}).get("ranks"), "seconds": result.summary.get("seconds", {}).get("total"),
             "peak_memory_bytes": result.summary.get("peak_memory_bytes")}
     return row
@@ -98,14 +95,7 @@ def block_columns(result, block):
         columns |= {"thickness_min": min(thickness), "thickness_mean": float(np.mean(thickness)), "thickness_max": max(thickness)}
     columns["cv"] = result.evenness(block)
     columns |= {f"displacement_{key}": content["displacement"][key] for key in ("max", "rms")}
-    return {f"{block}/{name}": value for name, value in columns.items()}
-
-
-def write_table(path, rows):
-    columns = list(dict.fromkeys(column for row in rows for column in row))
-    # Those of the run itself last, also where the first line has no results.
-    columns.sort(key=lambda column: column in ("ranks", "seconds", "peak_memory_bytes"))
-    write_rows(path, rows, columns)
+    return columns
 
 
 class Abscissa:
@@ -113,13 +103,13 @@ class Abscissa:
 
     def __init__(self, results, keys, wanted):
         if wanted and wanted not in keys:
-            sys.exit(f"compare.py: the runs do not differ in {wanted}; they do in: {', '.join(keys) or 'nothing'}")
-        numeric = [key for key in ([wanted] if wanted else keys) if all(is_number(r.settings.get(key)) for r in results)]
+            raise RunError(f"the runs do not differ in {wanted}; they do in: {', '.join(keys) or 'nothing'}")
+        candidates = [wanted] if wanted else keys
+        numeric = [key for key in candidates if all(type(r.settings.get(key)) in (int, float) for r in results)]
         self.key = numeric[0] if len(numeric) == 1 and (wanted or len(keys) == 1) else None
         self.results = sorted(results, key=lambda r: r.settings[self.key]) if self.key else list(results)
         self.values = [r.settings[self.key] for r in self.results] if self.key else list(range(len(results)))
         self.labels = [f"{value:g}" for value in self.values] if self.key else [r.name for r in self.results]
-        self.title = self.key or ""
 
     def style(self, axis):
         if self.key and min(self.values) > 0 and max(self.values) > SPAN_FOR_LOG * min(self.values):
@@ -128,45 +118,41 @@ class Abscissa:
         axis.xaxis.set_minor_locator(NullLocator())
         turn = not self.key and max(map(len, self.labels)) * len(self.labels) > 50
         axis.set_xticklabels(self.labels, rotation=30 if turn else 0, ha="right" if turn else "center")
-        axis.set_xlabel(self.title)
-
-
-def is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+        axis.set_xlabel(self.key or "")
 
 
 def draw(abscissa):
     figure, axes = plt.subplots(2, 2, figsize=(11.0, 8.0), constrained_layout=True)
-    distortion, evenness = axes[0]
+    (distortion, evenness), (thickness, variation) = axes
     draw_values(distortion, abscissa, BLOCKS, lambda result, block: result.run.distortion(block))
     distortion.set_ylabel(abscissa.results[0].run.measure())
     if all(result.run.distortion(block) > 0 for result in abscissa.results for block in BLOCKS):
         distortion.set_yscale("log")
-    draw_values(evenness, abscissa, BLOCKS[:2], Result.evenness)
+    draw_values(evenness, abscissa, ("optimized", "binary"), Result.evenness)
     evenness.set_ylabel("variation of the thickness within a layer (cv),\nmean over the layers")
-    evenness.set_ylim(bottom=0.0)
-    draw_layers(axes[1][0], abscissa, "thickness")
-    axes[1][0].set_ylabel("thickness of each layer (binary layers)")
-    draw_layers(axes[1][1], abscissa, "cv")
-    axes[1][1].set_ylabel("variation of the thickness within it (cv)")
-    axes[1][1].set_ylim(bottom=0.0)
+    draw_layers(thickness, abscissa, "thickness")
+    thickness.set_ylabel("thickness of each layer (binary layers)")
+    draw_layers(variation, abscissa, "cv")
+    variation.set_ylabel("variation of the thickness within it (cv)")
+    for axis in (evenness, variation):
+        axis.set_ylim(bottom=0.0)
     tidy(axes.flat)
     for axis in axes[0]:
         axis.legend(frameon=False, fontsize=9)
     for axis in axes[1]:
-        axis.legend(title=abscissa.title, frameon=False, fontsize=9, title_fontsize=9, alignment="left")
+        axis.legend(title=abscissa.key, frameon=False, fontsize=9, title_fontsize=9, alignment="left")
     return figure
 
 
 def draw_values(axis, abscissa, blocks, value):
     for block in blocks:
+        label, colour = BLOCKS[block]
         heights = [value(result, block) for result in abscissa.results]
-        axis.plot(abscissa.values, heights, color=COLOURS[block],
-                  ls="-" if abscissa.key else "none", lw=1.6, label=LEGENDS[block])
+        axis.plot(abscissa.values, heights, color=colour, ls="-" if abscissa.key else "none", lw=1.6, label=label)
         for x, y, result in zip(abscissa.values, heights, abscissa.results):
             filled = block == "baseline" or result.summary.get("feasible", True)
             if y is not None:
-                axis.plot(x, y, "o", ms=7, mec=COLOURS[block], mfc=COLOURS[block] if filled else "white", zorder=5)
+                axis.plot(x, y, "o", ms=7, mec=colour, mfc=colour if filled else "white", zorder=5)
     abscissa.style(axis)
 
 
@@ -193,20 +179,19 @@ def main():
     parser.add_argument("--picture", default="compare.png", help="picture to write (default: %(default)s)")
     parser.add_argument("--against", metavar="KEY", help="key of the config to draw the runs over")
     arguments = parser.parse_args()
-    try:
-        results = [Result(directory) for directory in arguments.directories]
-    except RunError as error:
-        sys.exit(f"compare.py: {error}")
+    results = [Result(directory) for directory in arguments.directories]
     keys = differing_keys(results)
     finished = [result for result in results if result.run]
     abscissa = Abscissa(finished, keys, arguments.against) if finished else None
-    write_table(arguments.table, [row_of(result, keys) for result in results])
+    rows = [row_of(result, keys) for result in results]
+    # Columns of the run itself last, also where the first line has no results.
+    columns = sorted(dict.fromkeys(itertools.chain(*rows)), key=lambda name: name in ("ranks", "seconds", "peak_memory_bytes"))
+    write_rows(arguments.table, rows, columns)
     print(arguments.table)
     if not finished:
-        sys.exit("compare.py: none of the runs is done: no picture")
-    draw(abscissa).savefig(arguments.picture, dpi=120)
-    print(arguments.picture)
+        raise RunError("none of the runs is done: no picture")
+    save(draw(abscissa), arguments.picture, 120)
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

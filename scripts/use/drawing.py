@@ -1,19 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What the programs that draw with matplotlib share: colours, the look of axes, command line, tables."""
+"""What the scripts that draw with Matplotlib share: colours, the look of axes, the picture as a file."""
 
-import argparse
-import csv
 import os
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
 INK, SOFT_INK, GRID, ALLOWED = "#22262b", "#6b727b", "#e6e8eb", "#e3f0ea"
 OPTIMIZED, PLANAR = "#1f6f8b", "#b0762b"
-
-
-def parser_of(text):
-    """A parser of the command line that prints a program's docstring as it stands."""
-    return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
 def tidy(axes):
@@ -24,8 +17,6 @@ def tidy(axes):
         axis.spines[["top", "right"]].set_visible(False)
 
 
-def write_rows(path, rows, columns):
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+def save(figure, path, dpi):
+    figure.savefig(path, dpi=dpi)
+    print(path)

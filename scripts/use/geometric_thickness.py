@@ -15,9 +15,8 @@ the outer boundary is not an isosurface but the end of the part, and one close t
 Prints a table and writes RUN_DIR/geometric_thickness.json.
 """
 
-import json
+import itertools
 import os
-import sys
 
 import h5py
 import numpy as np
@@ -27,8 +26,8 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStatic
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
-from drawing import parser_of
-from read_run import RunError, read_json
+from command_line import RunError, parser_of, run_script, write_json
+from read_run import read_json
 
 FARTHEST = 1.3  # of the target
 MOST_DRAWS = 50  # rounds of drawing again; a layer that then has too few points is reported with those
@@ -42,20 +41,18 @@ def main():
     parser.add_argument("--points", type=int, default=1000, help="points per layer (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the random numbers (default: %(default)s)")
     arguments = parser.parse_args()
-    try:
-        record = measure(arguments.directory, arguments.target, arguments.points, arguments.seed)
-    except RunError as error:
-        sys.exit(f"geometric_thickness.py: {error}")
-    path = os.path.join(arguments.directory, "geometric_thickness.json")
-    with open(path, "w", encoding="utf-8") as file:
-        json.dump(record, file, indent=1)
-        file.write("\n")
-    print(table(record))
+    print(table(write_record(arguments.directory, arguments.target, arguments.points, arguments.seed)))
+
+
+def write_record(directory, *how):
+    """Writes geometric_thickness.json, and returns what is in it."""
+    record = measure(directory, *how)
+    write_json(os.path.join(directory, "geometric_thickness.json"), record)
+    return record
 
 
 def measure(directory, target=None, points=1000, seed=1):
-    """What goes to geometric_thickness.json, for the result in an output directory. Raises RunError if there
-    is none."""
+    """The content of geometric_thickness.json, from an output directory. Raises RunError without a result."""
     config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
     layers = summary.get("optimized", summary).get("layers")
     if layers is None:
@@ -67,16 +64,11 @@ def measure(directory, target=None, points=1000, seed=1):
     for row, layer in zip(rows, layers):
         row["gradient"] = layer["thickness"]
     inner = [row for row in rows if row["mean"] is not None and row["place"] == "inner"]
-    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": over_layers(inner)}
-
-
-def over_layers(rows):
-    """Of the layers between the first and the last."""
-    if not rows:
-        return None
-    means, variances = (np.array([row[key] for row in rows]) for key in ("mean", "variance"))
-    return {"layers": len(rows), "mean": means.mean(), "least": means.min(), "largest": means.max(),
-            "variance": variances.mean(), "drawn_again": sum(row["drawn_again"] for row in rows)}
+    means = [row["mean"] for row in inner]
+    between = {"layers": len(inner), "mean": np.mean(means), "least": min(means), "largest": max(means),
+               "variance": np.mean([row["variance"] for row in inner]),
+               "drawn_again": sum(row["drawn_again"] for row in inner)} if inner else None
+    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": between}
 
 
 def measure_layers(time, time_points, farthest, points, seed):
@@ -85,22 +77,18 @@ def measure_layers(time, time_points, farthest, points, seed):
     random = np.random.default_rng(seed)
     used = max(j for j in range(1, len(time_points)) if time.largest > time_points[j - 1])
     rows = []
-    for j in range(1, len(time_points)):
-        lower, upper = time_points[j - 1], time_points[j]
+    for j, (lower, upper) in enumerate(itertools.pairwise(time_points), start=1):
         if j == 1:
             lower = max(lower, time.smallest) + END * (upper - lower)
         if j == used:
             upper = min(upper, time.largest) - END * (upper - lower)
         place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
-        row = {"layer": j, "place": place, "mean": None, "variance": None,
-               "least": None, "largest": None, "points": 0, "drawn_again": 0}
+        distances, drawn_again = np.array([]), 0
         if place != "empty" and upper > lower:
-            surfaces = time.isosurface(lower), time.isosurface(upper)
-            distances, row["drawn_again"] = draw_distances(*surfaces, farthest, points, random)
-            if len(distances):
-                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(),
-                        "largest": distances.max(), "points": len(distances)}
-        rows.append(row)
+            distances, drawn_again = draw_distances(time.isosurface(lower), time.isosurface(upper), farthest, points, random)
+        figures = {"mean": np.mean, "variance": np.var, "least": np.min, "largest": np.max}
+        figures = {key: figure(distances) if len(distances) else None for key, figure in figures.items()}
+        rows.append({"layer": j, "place": place, **figures, "points": len(distances), "drawn_again": drawn_again})
     return rows
 
 
@@ -121,7 +109,6 @@ class Surface:
     """Triangles or, in 2D, lines."""
 
     def __init__(self, contour):
-        self.contour = contour
         self.exists = contour.GetNumberOfCells() > 0
         if not self.exists:
             return
@@ -225,8 +212,7 @@ def times_of_nodes(time, built):
 
 
 def half_slopes(time, built, axis):
-    """Half of the difference to the next element along an axis: the mean over the neighbours that there are,
-    0 without any."""
+    """Half of the mean difference to the neighbours that there are along an axis; 0 without any."""
     time, built = np.moveaxis(time, axis, 0), np.moveaxis(built, axis, 0)
     steps, pairs = np.diff(time, axis=0), built[1:] & built[:-1]
     total, neighbours = np.zeros(time.shape), np.zeros(time.shape)
@@ -257,4 +243,4 @@ def table(record):
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

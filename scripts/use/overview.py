@@ -12,9 +12,9 @@ unless said otherwise. `--table` also prints the main figures. Without a display
 
 import logging
 import os
-import sys
 
-from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, parser_of
+from command_line import parser_of, run_script
+from drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK
 
 logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # the first run would announce its font cache
 import matplotlib.pyplot as plt
@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib import colormaps, ticker
 
 import render_part
-from read_run import Run, RunError, duration
+from read_run import Run, duration
 from virtual_display import ensure_display
 
 WIDTH = 16.0  # inches
@@ -38,10 +38,7 @@ def main():
     parser.add_argument("picture", metavar="PICTURE.png", nargs="?")
     parser.add_argument("--table", action="store_true", help="print the main figures")
     arguments = parser.parse_args()
-    try:
-        run = Run(arguments.directory)
-    except RunError as error:
-        sys.exit(f"overview.py: {error}")
+    run = Run(arguments.directory)
     ensure_display()
     draw(run, arguments.picture or os.path.join(arguments.directory, "overview.png"))
     if arguments.table:
@@ -57,9 +54,8 @@ def draw(run, path):
     sheet = Sheet([1.30, 0.55, min(max(0.225 * WIDTH * pictures.aspect, 1.8), 5.5), 1.55, 2.9, 0.75])
     write_title(sheet, run)
     draw_pictures(sheet, run, pictures)
-    charts = [plot_distortion]
-    charts += [plot_violation] * any(line["worst_constraint"]
-                                     is not None for line in run.history if run.config.get("constraints"))
+    constrained = run.config.get("constraints") and any(line["worst_constraint"] is not None for line in run.history)
+    charts = [plot_distortion] + [plot_violation] * bool(constrained)
     charts += [plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     width = (0.93 - 0.075 * (len(charts) - 1)) / len(charts)
     for column, plot in enumerate(charts):
@@ -68,8 +64,7 @@ def draw(run, path):
 
 
 class Sheet:
-    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the
-    width."""
+    """A figure of rows with heights in inches, top to bottom; lengths across are fractions of the width."""
 
     def __init__(self, rows):
         self.rows = rows
@@ -94,8 +89,7 @@ class Pictures:
 
     def __init__(self, run):
         fields, config = run.fields, run.config
-        self.part = render_part.VoxelPart(fields["density"], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
-        self.layers = [fields["planar/layer"], fields["layer"]]
+        self.part = render_part.VoxelPart(fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
         self.displacements = [render_part.node_vectors(self.part, fields[name])
                               for name in ("planar/displacement", "displacement")]
         shown = np.unique(self.part.faces)
@@ -106,18 +100,15 @@ class Pictures:
         self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
                                for u in self.displacements])
         self.measured = spread(self.part.nodes, run.measured_nodes(), MOST_DOTS)
-        self.images = crop_together(self.render())
-        self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
-
-    def render(self):
         images = [render_part.render(self.part, frame=self.frame,
                                      face_colours=render_part.layer_colours(self.part, layer, int(layer.max())))
-                  for layer in self.layers]
+                  for layer in (fields["planar/layer"], fields["layer"])]
         for displacement, length in zip(self.displacements, self.lengths):
             colours = render_part.scalar_colours(length, self.largest, render_part.DISPLACEMENT_COLOURS)
             images.append(render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True,
                                              offset=self.exaggeration * displacement, marked=self.measured))
-        return images
+        self.images = crop_together(images)
+        self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
 
 
 def plain_number(value):
@@ -140,10 +131,9 @@ def spread(points, chosen, most):
 
 def crop_together(images, margin=12):
     """The images without the white rim that all of them have."""
-    used = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
-    rows, columns = np.nonzero(used.any(axis=1))[0], np.nonzero(used.any(axis=0))[0]
-    top, left = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
-    return [image[top:rows[-1] + margin, left:columns[-1] + margin] for image in images]
+    rows, columns = np.nonzero(np.any([np.any(image < 250, axis=2) for image in images], axis=0))
+    top, left = max(rows.min() - margin, 0), max(columns.min() - margin, 0)
+    return [image[top:rows.max() + margin, left:columns.max() + margin] for image in images]
 
 
 def write_title(sheet, run):
@@ -179,9 +169,9 @@ def number(value):
 
 def draw_pictures(sheet, run, pictures):
     lefts, width = (0.025, 0.260, 0.515, 0.750), 0.225
-    labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in (("planar", "baseline"), ("optimized", "optimized"))]
-    labels += [f"{kind}, displacement up to {number(length)}" for kind,
-               length in zip(("planar", "optimized"), pictures.largest_each)]
+    kinds = ("planar", "optimized")
+    labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in zip(kinds, ("baseline", "optimized"))]
+    labels += [f"{kind}, displacement up to {number(length)}" for kind, length in zip(kinds, pictures.largest_each)]
     for left, image, label, colour in zip(lefts, pictures.images, labels, (PLANAR, OPTIMIZED, PLANAR, OPTIMIZED)):
         axes = sheet.axes(left, 2, width)
         axes.imshow(image)
@@ -205,8 +195,8 @@ def legend(sheet, left, colours, low, high):
 
 def plot_distortion(axes, run):
     planar = run.distortion("baseline")
-    iterations = iterations_of(run)
-    values = run.distortion_history() / planar
+    iterations = run.iterations
+    values = np.array([line["objective"][run.distortion_term] for line in run.history], dtype=float) / planar
     axes.axhline(1.0, color=PLANAR, linewidth=1.4)
     axes.semilogy(iterations, values, color=OPTIMIZED, linewidth=2)
     low, high = min(values.min(), 1.0) / 1.8, max(values.max(), 1.0) * 2.5
@@ -224,7 +214,7 @@ def plot_distortion(axes, run):
 
 
 def plot_violation(axes, run):
-    iterations = iterations_of(run)
+    iterations = run.iterations
     percent = 100 * np.array([np.nan if line["worst_constraint"] is None else line["worst_constraint"] for line in run.history])
     axes.plot(iterations, percent, color=OPTIMIZED, linewidth=2)
     axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
@@ -238,10 +228,6 @@ def plot_violation(axes, run):
     axes.text(0.99, 0.02, "satisfied", transform=axes.transAxes, ha="right", va="bottom", color=SOFT_INK)
     only_thickness = all(c["type"] == "layer_thickness" for c in run.config["constraints"])
     finish_over_iterations(axes, iterations, f"Worst violation of {'layer thickness' if only_thickness else 'a constraint'}")
-
-
-def iterations_of(run):
-    return np.array([line["iteration"] for line in run.history])
 
 
 def finish_over_iterations(axes, iterations, title, note=""):
@@ -283,19 +269,6 @@ def heading(axes, title, note=""):
 def table(run):
     """The main figures of a run, planar beside optimized, as lines of text."""
     blocks = ("baseline", "optimized", "binary")
-    rows = [("", "planar", "optimized, smooth", "optimized, binary"),
-            ("distortion", *(f"{run.distortion(block):.3e}" for block in blocks)),
-            ("planar / this", *(factor(run.distortion("baseline") / run.distortion(block)) for block in blocks)),
-            ("largest displacement", *(f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks)),
-            thickness_row(run, blocks),
-            ("layers used", *(str(len(run.layers(block))) for block in blocks))]
-    lines = ["{:<22}{:>14}{:>20}{:>20}".format(*row) for row in rows]
-    seconds = run.summary["seconds"]["total"]
-    lines.append(f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds")
-    return "\n".join(lines)
-
-
-def thickness_row(run, blocks):
     constraint = run.thickness_constraint()
     unit = constraint["target"] if constraint else 1.0
 
@@ -303,8 +276,16 @@ def thickness_row(run, blocks):
         values = [layer["thickness"] / unit for layer in run.layers(block) if layer["thickness"] is not None]
         return f"{min(values):.2f} .. {max(values):.2f}" if values else "-"
 
-    return ("thickness / target" if constraint else "thickness", *(span(block) for block in blocks))
+    rows = {"": ("planar", "optimized, smooth", "optimized, binary"),
+            "distortion": (f"{run.distortion(block):.3e}" for block in blocks),
+            "planar / this": (factor(run.distortion("baseline") / run.distortion(block)) for block in blocks),
+            "largest displacement": (f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks),
+            "thickness" + " / target" * bool(constraint): map(span, blocks),
+            "layers used": (len(run.layers(block)) for block in blocks)}
+    lines = ["{:<22}{:>14}{:>20}{:>20}".format(name, *cells) for name, cells in rows.items()]
+    seconds = run.summary["seconds"]["total"]
+    return "\n".join([*lines, f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds"])
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

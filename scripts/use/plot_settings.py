@@ -15,12 +15,13 @@ the first.
 import os
 import sys
 
-from drawing import INK, OPTIMIZED, SOFT_INK, parser_of, tidy  # before matplotlib
+from command_line import RunError, parser_of, run_script
+from drawing import INK, OPTIMIZED, SOFT_INK, save, tidy  # before matplotlib
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullLocator
 
-from read_run import Run, RunError
+from read_run import Run
 
 VOIDS = ("absent", "quiet")
 
@@ -42,10 +43,8 @@ class Panel:
 
     def gain(self, setting, block):
         """Distortion of planar layers over that of the run; 0 if there is no run."""
-        if setting not in self.runs:
-            return 0.0
-        run = self.runs[setting]
-        return run.distortion("baseline") / run.distortion(block)
+        run = self.runs.get(setting)
+        return run.distortion("baseline") / run.distortion(block) if run else 0.0
 
 
 def draw(panels):
@@ -62,13 +61,6 @@ def draw(panels):
     return figure
 
 
-def widen(axis):
-    """A decade at least, so that a small factor looks small."""
-    low, high = axis.get_xlim()
-    stretch = max(1.0, 10.0 * low / high) ** 0.5
-    axis.set_xlim(low / stretch, high * stretch)
-
-
 def draw_panel(axis, panel, settings):
     for block, colour, mark, label in (("optimized", OPTIMIZED, "o", "smooth layers"), ("binary", INK, "D", "binary layers")):
         if "defaults" in panel.runs:
@@ -80,7 +72,9 @@ def draw_panel(axis, panel, settings):
             axis.plot(panel.gain(setting, block), row, mark, ms=6, mec=colour, mfc=colour if feasible else "white", label=label)
             label = None
     axis.set_xscale("log")
-    widen(axis)
+    low, high = axis.get_xlim()
+    stretch = max(1.0, 10.0 * low / high) ** 0.5  # a decade at least, so that a small factor looks small
+    axis.set_xlim(low / stretch, high * stretch)
     axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.xaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_minor_locator(NullLocator())
@@ -94,15 +88,11 @@ def main():
     parser.add_argument("groups", nargs="+", metavar="GROUP")
     parser.add_argument("--picture", default="settings.png", help="picture to write (default: %(default)s)")
     arguments = parser.parse_args()
-    try:
-        panels = [panel for group in arguments.groups for void in VOIDS if (panel := Panel(group, void)).runs]
-    except OSError as error:
-        sys.exit(f"plot_settings.py: {error}")
+    panels = [panel for group in arguments.groups for void in VOIDS if (panel := Panel(group, void)).runs]
     if not panels:
-        sys.exit("plot_settings.py: no finished run in any folder SETTING_absent or SETTING_quiet")
-    draw(panels).savefig(arguments.picture, dpi=150)
-    print(arguments.picture)
+        raise RunError("no finished run in any folder SETTING_absent or SETTING_quiet")
+    save(draw(panels), arguments.picture, 150)
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

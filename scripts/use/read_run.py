@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the pictures and tables need of a finished optimization: reads the output directory of a run."""
+"""Reads the output directory of a run: what pictures and tables need of a finished optimization."""
 
 import json
 import math
@@ -7,6 +7,8 @@ import os
 
 import h5py
 import numpy as np
+
+from command_line import RunError
 
 
 class Run:
@@ -21,35 +23,21 @@ class Run:
         self.summary = read_json(directory, "summary.json")
         if "optimized" not in self.summary:
             raise RunError(f"{directory}: holds no finished optimization (status: {self.summary.get('status', 'none')})")
-        with open_text(directory, "history.jsonl") as file:
-            self.history = [json.loads(line) for line in file if line.strip()]
-        self.fields = {}
-        if not with_fields:
-            return
-        with open_result(directory) as file:
-            file.visititems(lambda name, item: self.fields.update({name: item[()]} if isinstance(item, h5py.Dataset) else {}))
-
-    @property
-    def name(self):
-        return self.config.get("name", "part")
+        self.history = read_history(directory)
+        self.iterations = np.array([line["iteration"] for line in self.history])
+        self.fields = read_fields(os.path.join(directory, "result.h5")) if with_fields else {}
+        self.name = self.config.get("name", "part")
+        terms = self.config.get("objective", [])
+        self.distortion_term = next((i for i, term in enumerate(terms) if term["type"] == "distortion"), 0)
+        self.distortion_config = terms[self.distortion_term] if terms else {}
 
     def distortion(self, block):
-        """The first distortion term (the first objective, if there is none) of `optimized`, `binary` or
-        `baseline`."""
+        """The first distortion term, or else the first objective, of `optimized`, `binary` or `baseline`."""
         return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == f"objective_{self.distortion_term}")
-
-    @property
-    def distortion_term(self):
-        types = [term["type"] for term in self.config.get("objective", [])]
-        return types.index("distortion") if "distortion" in types else 0
-
-    def distortion_history(self):
-        return np.array([line["objective"][self.distortion_term] for line in self.history], dtype=float)
 
     def measure(self):
         """What the distortion is, in words."""
-        terms = self.config.get("objective", [])
-        term = terms[self.distortion_term] if terms else {}
+        term = self.distortion_config
         place = f" of {term['nodes'].replace('_', ' ')}" if term.get("nodes") else ""
         return {"displacement": ("mean" if term.get("mean") else "sum") + f" of squared displacements{place}",
                 "flatness": f"unevenness{place} along {term.get('axis')}",
@@ -69,26 +57,16 @@ class Run:
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
     def measured_nodes(self):
-        """Numbers of the nodes whose distortion is the first term; empty if they cannot be told from the
-        config."""
-        terms = self.config.get("objective", [])
-        node_set = terms[self.distortion_term].get("nodes") if terms else None
-        if node_set not in self.config.get("node_sets", {}):
-            return np.array([], dtype=int)
+        """Numbers of the nodes whose distortion is the first term; empty if the config does not tell them."""
+        shape = self.config.get("node_sets", {}).get(self.distortion_config.get("nodes"))
         built = self.fields["density"] > 0
         size = self.config["domain"]["size"]
-        axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, built.shape[::-1])]
-        points = np.stack([g.ravel() for g in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], axis=1)
         slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
         try:
-            inside = contains(self.config["node_sets"][node_set], points, slack)
+            inside = contains(shape, node_positions(size, built.shape[::-1]), slack) if shape else False
         except NotImplementedError:
-            return np.array([], dtype=int)
-        return np.nonzero(inside & nodes_of(built))[0]
-
-
-class RunError(Exception):
-    """An output directory that cannot be shown, with the reason."""
+            inside = False
+        return np.flatnonzero(inside & nodes_of(built))
 
 
 def open_text(directory, name):
@@ -97,8 +75,6 @@ def open_text(directory, name):
         return open(path, encoding="utf-8")
     except FileNotFoundError as error:
         raise RunError(f"{path} is missing: not the output directory of a finished run") from error
-    except OSError as error:
-        raise RunError(f"{path}: {error.strerror}") from error
 
 
 def read_json(directory, name):
@@ -109,16 +85,31 @@ def read_json(directory, name):
             raise RunError(f"{file.name} is no JSON: {error}") from error
 
 
-def open_result(directory):
-    path = os.path.join(directory, "result.h5")
+def read_history(directory):
+    """A dictionary per iteration; a last line that is still being written is left out."""
+    with open_text(directory, "history.jsonl") as file:
+        return [json.loads(line) for line in file if line.endswith("\n")]
+
+
+def read_fields(path):
+    """The datasets of an HDF5 file, by name."""
+    fields = {}
     try:
-        return h5py.File(path, "r")
+        with h5py.File(path, "r") as file:
+            file.visititems(lambda name, item: fields.update({name: item[()]} if isinstance(item, h5py.Dataset) else {}))
     except OSError as error:
         raise RunError(f"{path} cannot be read: {error}") from error
+    return fields
 
 
 def duration(seconds):
     return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+def node_positions(size, elements):
+    """Coordinates of all nodes of a box, (n, dimension), x fastest."""
+    axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, elements)]
+    return np.stack([grid.ravel() for grid in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], axis=1)
 
 
 def nodes_of(built):
@@ -130,8 +121,7 @@ def nodes_of(built):
 
 
 def contains(shape, points, slack):
-    """Which of `points` (n, dimension) a shape of a config holds. Polygons are not needed and raise
-    NotImplementedError."""
+    """Which of `points` (n, dimension) a shape of a config holds. Raises NotImplementedError for polygons."""
     kind, value = next((k, v) for k, v in shape.items() if k != "samples")
     if kind in ("union", "intersection", "difference"):
         first, *others = [contains(child, points, slack) for child in value]

@@ -10,8 +10,8 @@ As a module it gives render(); as a program it draws one picture of a result:
 draws in memory (virtual_display.py).
 """
 
+import itertools
 import os
-from dataclasses import dataclass, field
 
 import h5py
 import numpy as np
@@ -25,79 +25,55 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 
-from drawing import parser_of
-from read_run import read_json
+from command_line import parser_of, run_script
+from read_run import node_positions, read_json
 from virtual_display import ensure_display
 
 LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
 PLATE_COLOUR = (0.84, 0.85, 0.87)
 MOST_ELEMENTS_WITH_EDGES = 48  # along the longest side; finer grids would turn grey
+MARGIN = 0.06  # of the longest side: how far the plate and the picture reach beyond the box
 VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
 
 
-@dataclass
 class VoxelPart:
     """Which elements of a box are there. `density` has axes [z][y][x] (2D [y][x]); `size` is x, y(, z) in
-    length units."""
-    density: np.ndarray
-    size: tuple
-    plate: str = "z-"
-    nodes: np.ndarray = field(init=False)        # coordinates of all nodes, (n, 3), x fastest
-    faces: np.ndarray = field(init=False)        # node numbers of the surface's quadrilaterals, (m, 4)
-    face_element: np.ndarray = field(init=False)  # element behind each of them, (m,)
+    length units. `nodes`: coordinates of all nodes, (n, 3), x fastest. `faces`: node numbers of the surface's
+    quadrilaterals, (m, 4). `face_element`: the element behind each of them."""
 
-    def __post_init__(self):
-        counts = self.density.shape[::-1]
-        axes = [np.linspace(0.0, length, n + 1) for n, length in zip(counts, self.size)]
-        grids = np.meshgrid(*axes[::-1], indexing="ij")[::-1]
-        columns = [g.ravel() for g in grids] + [np.zeros(grids[0].size)] * (3 - len(counts))
-        self.nodes = np.stack(columns, axis=1)
-        self.faces, self.face_element = surface(self.density > 0)
+    def __init__(self, density, size, plate="z-"):
+        self.density, self.size, self.plate, self.dimension = density, size, plate, density.ndim
+        self.nodes = in_space(node_positions(size, density.shape[::-1]))
+        self.faces, self.face_element = surface(density > 0)
 
-    @property
-    def dimension(self):
-        return self.density.ndim
+
+def in_space(vectors):
+    """Vectors with a third component, 0 in 2D."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def surface(present):
     """Quadrilaterals between an element that is there and one that is not: (node numbers (m, 4), element
-    numbers (m,)).
-
-    In 2D the elements themselves.
-    """
-    shape = present.shape
-    elements = np.arange(present.size).reshape(shape)
-    node_numbers = np.arange(np.prod(np.array(shape) + 1)).reshape(np.array(shape) + 1)
+    numbers (m,)). In 2D the elements themselves."""
+    square = np.array([(0, 0), (0, 1), (1, 1), (1, 0)])
     if present.ndim == 2:
-        y, x = np.nonzero(present)
-        corners = [node_numbers[y + b, x + a] for a, b in ((0, 0), (0, 1), (1, 1), (1, 0))]
-        return np.stack(corners, axis=1), elements[y, x]
-    padded = np.pad(present, 1)
-    quads, owners = [], []
-    for axis in range(3):
-        first, second = [a for a in range(3) if a != axis]
-        for side in (0, 1):
-            shift = [slice(1, -1)] * 3
-            shift[axis] = slice(2, None) if side else slice(0, -2)
-            at = np.array(np.nonzero(present & ~padded[tuple(shift)]))
-            corners = []
-            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                corner = at.copy()
-                corner[axis] += side
-                corner[first] += a
-                corner[second] += b
-                corners.append(node_numbers[tuple(corner)])
-            if (side == 1) == (axis != 1):  # anticlockwise seen from outside
-                corners.reverse()
-            quads.append(np.stack(corners, axis=1))
-            owners.append(elements[tuple(at)])
-    return np.concatenate(quads), np.concatenate(owners)
+        found = [(np.argwhere(present), square)]
+    else:
+        padded, found = np.pad(present, 1), []
+        for axis, side in itertools.product(range(3), (0, 1)):
+            beyond = np.roll(padded, 1 - 2 * side, axis)[1:-1, 1:-1, 1:-1]
+            corners = np.insert(square, axis, side, axis=1)
+            # Anticlockwise seen from outside.
+            found.append((np.argwhere(present & ~beyond), corners if (side == 1) == (axis != 1) else corners[::-1]))
+    nodes = np.concatenate([elements[:, None] + corners for elements, corners in found])
+    elements = np.concatenate([elements for elements, _ in found])
+    return (np.ravel_multi_index(np.moveaxis(nodes, 2, 0), np.add(present.shape, 1)),
+            np.ravel_multi_index(elements.T, present.shape))
 
 
 def layer_colours(part, layer, count):
-    """One colour per face (m, 3) bytes: from first to last layer along the colour map, every other layer a
-    shade darker."""
+    """One colour per face (m, 3) bytes: along the colour map by layer, every other layer a shade darker."""
     index = np.asarray(layer).ravel()[part.face_element]
     colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
     colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
@@ -111,8 +87,7 @@ def scalar_colours(values, largest, name):
 
 def node_vectors(part, displacement):
     """`displacement` [z][y][x][component] as (n, 3)."""
-    flat = np.asarray(displacement, dtype=float).reshape(len(part.nodes), part.dimension)
-    return np.pad(flat, ((0, 0), (0, 3 - part.dimension)))
+    return in_space(np.asarray(displacement, dtype=float).reshape(len(part.nodes), part.dimension))
 
 
 def render(part, face_colours=None, node_colours=None, offset=None, ghost=False, pixels=(1400, 1400), frame=None, marked=None):
@@ -155,48 +130,44 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
 
 
 def poly_data(points, faces):
-    vertices = vtkPoints()
+    data, vertices, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
     vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
-    cells = vtkCellArray()
-    width = faces.shape[1]
-    connectivity = np.hstack([np.full((len(faces), 1), width), faces]).astype(np.int64)
+    connectivity = np.insert(faces, 0, faces.shape[1], axis=1).astype(np.int64)
     cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(connectivity.ravel(), deep=True))
-    data = vtkPolyData()
     data.SetPoints(vertices)
     data.SetPolys(cells)
     return data
 
 
-def add_actor(renderer, data):
+def add_actor(renderer, data, colour=None, opacity=1.0, lit=True):
+    """Draws surfaces, in one colour where it is given."""
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(data)
-    mapper.ScalarVisibilityOn()
     actor = vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().SetInterpolationToFlat()
-    actor.GetProperty().SetAmbient(0.45)
-    actor.GetProperty().SetDiffuse(0.55)
+    look = actor.GetProperty()
+    look.SetInterpolationToFlat()
+    look.SetAmbient(0.45)
+    look.SetDiffuse(0.55)
+    look.SetOpacity(opacity)
+    look.SetLighting(lit)
+    if colour:
+        look.SetColor(*colour)
     renderer.AddActor(actor)
     return actor
 
 
 def add_surface(renderer, part, points, face_colours, node_colours):
     data = poly_data(points, part.faces)
-    if face_colours is not None:
-        data.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(face_colours), deep=True))
-    if node_colours is not None:
-        data.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(node_colours), deep=True))
-    actor = add_actor(renderer, data)
+    for attributes, colours in ((data.GetCellData(), face_colours), (data.GetPointData(), node_colours)):
+        if colours is not None:
+            attributes.SetScalars(numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
+    actor = add_actor(renderer, data, lit=part.dimension == 3)
     actor.GetMapper().SetResolveCoincidentTopologyToPolygonOffset()
-    unlit_if_flat(actor, part)
-    if max(part.density.shape) > MOST_ELEMENTS_WITH_EDGES:
-        return
-    edges = add_actor(renderer, poly_data(points, part.faces))
-    edges.GetProperty().SetRepresentationToWireframe()
-    edges.GetProperty().SetColor(0, 0, 0)
-    edges.GetProperty().SetLighting(False)
-    edges.GetProperty().SetLineWidth(2.0)
-    edges.GetProperty().SetOpacity(0.10)
+    if max(part.density.shape) <= MOST_ELEMENTS_WITH_EDGES:
+        edges = add_actor(renderer, poly_data(points, part.faces), (0, 0, 0), opacity=0.10, lit=False)
+        edges.GetProperty().SetRepresentationToWireframe()
+        edges.GetProperty().SetLineWidth(2.0)
 
 
 def add_light(renderer):
@@ -211,37 +182,25 @@ def add_light(renderer):
     renderer.AddLight(light)
 
 
-def unlit_if_flat(actor, part):
-    if part.dimension == 2:
-        actor.GetProperty().SetLighting(False)
-
-
 def add_ghost(renderer, part):
-    actor = add_actor(renderer, poly_data(part.nodes - ([0, 0, 1e-3 * max(part.size)] if part.dimension == 2 else 0), part.faces))
-    actor.GetProperty().SetColor(0.55, 0.58, 0.62)
-    actor.GetProperty().SetOpacity(0.16 if part.dimension == 3 else 0.35)
-    if part.dimension == 3:
+    solid = part.dimension == 3
+    behind = (0, 0, 0 if solid else 1e-3 * max(part.size))
+    shell = poly_data(part.nodes - behind, part.faces)
+    actor = add_actor(renderer, shell, (0.55, 0.58, 0.62), opacity=0.16 if solid else 0.35, lit=solid)
+    if solid:
         actor.GetProperty().FrontfaceCullingOn()  # only its far side, or it would veil the displaced part
-    unlit_if_flat(actor, part)
 
 
 def add_plate(renderer, part):
     """The build plate: a thin grey slab beyond its face of the box, a little larger than the box."""
-    axis = "xyz".index(part.plate[0])
-    margin = 0.06 * max(part.size)
-    low = np.array([-margin] * part.dimension)
-    high = np.array(part.size) + margin
+    axis, gap, margin = "xyz".index(part.plate[0]), 1e-3 * max(part.size), MARGIN * max(part.size)
+    low, high = np.full(part.dimension, -margin), np.array(part.size) + margin
     if part.plate[1] == "-":
-        low[axis], high[axis] = -0.7 * margin, 0.0
+        low[axis], high[axis] = -0.7 * margin - gap, -gap
     else:
-        low[axis], high[axis] = part.size[axis], part.size[axis] + 0.7 * margin
-    slab = VoxelPart(np.ones((1,) * part.dimension), tuple(high - low), part.plate)
-    origin = np.pad(low, (0, 3 - part.dimension))
-    gap = np.zeros(3)
-    gap[axis] = (-1e-3 if part.plate[1] == "-" else 1e-3) * max(part.size)
-    actor = add_actor(renderer, poly_data(slab.nodes + origin + gap, slab.faces))
-    actor.GetProperty().SetColor(*PLATE_COLOUR)
-    unlit_if_flat(actor, part)
+        low[axis], high[axis] = part.size[axis] + gap, part.size[axis] + 0.7 * margin + gap
+    slab = VoxelPart(np.ones((1,) * part.dimension), high - low)
+    add_actor(renderer, poly_data(slab.nodes + in_space(low[None]), slab.faces), PLATE_COLOUR, lit=part.dimension == 3)
 
 
 def add_dots(renderer, part, points):
@@ -254,20 +213,16 @@ def add_dots(renderer, part, points):
         ball.Update()
         data = ball.GetOutput()
         data.GetPointData().SetNormals(None)
-        actor = add_actor(renderer, data)
-        actor.GetProperty().SetColor(0.10, 0.11, 0.13)
-        actor.GetProperty().SetLighting(False)
+        add_actor(renderer, data, (0.10, 0.11, 0.13), lit=False)
 
 
 def aim_camera(renderer, part, frame, pixels):
-    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the
-    plate."""
-    margin = 0.06 * max(part.size)
-    box = np.array(np.meshgrid(*[(-margin, s + margin) for s in part.size])).reshape(part.dimension, -1).T
-    points = np.vstack([frame, np.pad(box, ((0, 0), (0, 3 - part.dimension)))])
-    view = np.array(VIEW_DIRECTION if part.dimension == 3 else (0.0, 0.0, 1.0))
-    view /= np.linalg.norm(view)
-    up = np.array((0.0, 0.0, 1.0) if part.dimension == 3 else (0.0, 1.0, 0.0))
+    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds `frame` and the plate."""
+    margin = MARGIN * max(part.size)
+    box = in_space(np.array(list(itertools.product(*((-margin, s + margin) for s in part.size)))))
+    points = np.vstack([frame, box])
+    view, up = (VIEW_DIRECTION, (0.0, 0.0, 1.0)) if part.dimension == 3 else ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+    view = np.array(view) / np.linalg.norm(view)
     right = np.cross(up, view)
     right /= np.linalg.norm(right)
     upward = np.cross(view, right)
@@ -296,24 +251,22 @@ def main():
     config = read_json(os.path.dirname(os.path.abspath(arguments.result)), "config.json")
     group = "planar/" if arguments.planar else ""
     with h5py.File(arguments.result) as file:
-        part = VoxelPart(file["density"][:], tuple(config["domain"]["size"]), config.get("build_plate", "z-"))
-        name = arguments.colour if arguments.colour == "density" else group + arguments.colour
-        values = file[name][:]
+        part = VoxelPart(file["density"][:], config["domain"]["size"], config.get("build_plate", "z-"))
+        values = file[arguments.colour if arguments.colour == "density" else group + arguments.colour][:]
         offset = None
         if arguments.exaggeration:
             offset = arguments.exaggeration * node_vectors(part, file[group + "displacement"][:])
-    colours = {}
     if arguments.colour == "layer":
-        colours["face_colours"] = layer_colours(part, values, int(values.max()))
+        colours = {"face_colours": layer_colours(part, values, int(values.max()))}
     elif arguments.colour == "displacement":
         length = np.linalg.norm(node_vectors(part, values), axis=1)
         largest = length[np.unique(part.faces)].max()
-        colours["node_colours"] = scalar_colours(length, largest, DISPLACEMENT_COLOURS)
+        colours = {"node_colours": scalar_colours(length, largest, DISPLACEMENT_COLOURS)}
     else:
-        colours["face_colours"] = scalar_colours(values, 1.0, LAYER_COLOURS)[part.face_element]
+        colours = {"face_colours": scalar_colours(values, 1.0, LAYER_COLOURS)[part.face_element]}
     picture = render(part, offset=offset, ghost=offset is not None, pixels=(arguments.pixels, arguments.pixels), **colours)
     matplotlib_image.imsave(arguments.picture, picture)
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

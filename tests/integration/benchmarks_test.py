@@ -53,7 +53,7 @@ class BenchmarkScriptTest(FabseqTest):
     def test_layers_are_timed_on_one_and_two_ranks(self):
         lines, record = self.run_script("layers.py", "--layers", 2, 3, "--ranks", 1, 2)
         self.assertEqual([(run["layers"], run["ranks"]) for run in record["runs"]], [(2, 1), (2, 2), (3, 1), (3, 2)])
-        self.assertTrue(all(run["primal_seconds"][0] > 0 for run in record["runs"]))
+        self.assertTrue(all(run["samples"][0]["primal"] > 0 for run in record["runs"]))
         self.assertEqual([line.split()[0] for line in lines[-2:]], ["2", "3"])
 
     def read_csv(self, name):

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""What all scripts share: words of the command line, mistakes, and the files that they write."""
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROGRAM = os.path.join(ROOT, "build", "release", "fabseq")
+
+
+class RunError(Exception):
+    """What a script cannot go on with, and why."""
+
+
+def parser_of(text, **more):
+    """A parser of the command line that prints a script's docstring as it stands."""
+    return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+
+
+def parse(parser):
+    """The script's options, and as `rest` those of the program, which stand behind --."""
+    words = sys.argv[1:]
+    end = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:end])
+    options.rest = words[end + 1:]
+    return options
+
+
+def run_script(main):
+    """Ends the script with one line and status 1 where something is missing or cannot be used."""
+    try:
+        main()
+    except (RunError, OSError) as error:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {error}")
+
+
+def run_command(command, capture=True, **more):
+    """Runs a command in the environment of all scripts, where there may be more ranks than cores. Raises
+    RunError if it failed."""
+    command = list(map(str, command))
+    in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
+    result = subprocess.run(["bash", "-c", in_environment, os.path.join(ROOT, "scripts", "environment.sh"), *command],
+                            env={"OMPI_MCA_odls_base_sigkill_timeout": "1", **os.environ},  # what fails returns at once
+                            capture_output=capture, text=True, check=False, **more)
+    if result.returncode != 0:
+        raise RunError(f"status {result.returncode}: {' '.join(command)}\n{(result.stderr or '').strip()}".strip())
+    return result
+
+
+def write_json(path, content):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(content, file, indent=1)
+        file.write("\n")
+
+
+def write_rows(path, rows, columns=None):
+    """A table (CSV); its columns are those of the first row unless given."""
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns or list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
