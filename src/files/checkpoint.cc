@@ -145,7 +145,6 @@ void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>&
   directory.write("checkpoint/newest", slot.substr(slot.find('/') + 1) + "\n");
 }
 
-template void write_checkpoint<2>(const OutputDirectory&, const DesignLayout<2>&, const CheckpointState&);
-template void write_checkpoint<3>(const OutputDirectory&, const DesignLayout<3>&, const CheckpointState&);
+FABSEQ_INSTANTIATE_FUNCTION(write_checkpoint);
 
 }  // namespace fabseq

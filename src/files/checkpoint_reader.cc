@@ -133,7 +133,6 @@ CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>
   return state;
 }
 
-template CheckpointState read_checkpoint<2>(const std::string&, const DesignLayout<2>&);
-template CheckpointState read_checkpoint<3>(const std::string&, const DesignLayout<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(read_checkpoint);
 
 }  // namespace fabseq

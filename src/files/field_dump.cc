@@ -198,7 +198,6 @@ void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::str
   }
 }
 
-template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
-template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
+FABSEQ_INSTANTIATE_FUNCTION(write_field_dump);
 
 }  // namespace fabseq

@@ -72,13 +72,7 @@ std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std:
   return data.read({&start, 1}, {&extent, 1});
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                             \
-  template std::vector<double> read_field<Dim>(const Grid<Dim>&, bool, const std::string&,                  \
-                                               const std::string&, const std::string&, const std::string&); \
-  template std::vector<double> read_element_field<Dim>(                                                     \
-      const Grid<Dim>&, const std::string&, const std::string&, const std::string&, const std::string&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(read_field);
+FABSEQ_INSTANTIATE_FUNCTION(read_element_field);
 
 }  // namespace fabseq

@@ -235,7 +235,6 @@ template void Hdf5Writer::write_fields<2>(const FieldSet<2>&);
 template void Hdf5Writer::write_fields<3>(const FieldSet<3>&);
 template void Hdf5Writer::write_stage<2>(const Grid<2>&, const FieldSet<2>::Field&, int, int);
 template void Hdf5Writer::write_stage<3>(const Grid<3>&, const FieldSet<3>::Field&, int, int);
-template std::string hdf5_xdmf<2>(const FieldSet<2>&, const std::string&);
-template std::string hdf5_xdmf<3>(const FieldSet<3>&, const std::string&);
+FABSEQ_INSTANTIATE_FUNCTION(hdf5_xdmf);
 
 }  // namespace fabseq

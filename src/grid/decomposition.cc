@@ -292,12 +292,10 @@ Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Di
   return result;
 }
 
-template struct Decomposition<2>;
-template struct Decomposition<3>;
-template std::vector<Index<2>> fitting_process_grids<2>(int, const Index<2>&);
-template std::vector<Index<3>> fitting_process_grids<3>(int, const Index<3>&);
-template Decomposition<2> choose_decomposition<2>(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
-template Decomposition<3> choose_decomposition<3>(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
+FABSEQ_INSTANTIATE_STRUCT(Decomposition);
+FABSEQ_INSTANTIATE_FUNCTION(fitting_process_grids);
+template Decomposition<2> choose_decomposition(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
+template Decomposition<3> choose_decomposition(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
 template Decomposition<3> choose_decomposition<3>(MPI_Comm, int, const Index<3>&, const ElementWeights<3>&);
 
 }  // namespace fabseq

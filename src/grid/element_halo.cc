@@ -67,7 +67,6 @@ std::vector<double> ElementHalo<Dim>::scatter_add(std::span<const double> values
   return owned;
 }
 
-template class ElementHalo<2>;
-template class ElementHalo<3>;
+FABSEQ_INSTANTIATE_CLASS(ElementHalo);
 
 }  // namespace fabseq

@@ -189,7 +189,6 @@ const NodeExchange<Dim>& Grid<Dim>::exchange(int components) const {
   return *entry;
 }
 
-template class Grid<2>;
-template class Grid<3>;
+FABSEQ_INSTANTIATE_CLASS(Grid);
 
 }  // namespace fabseq

@@ -54,7 +54,6 @@ void NodeExchange<Dim>::add_to_owned(std::span<const double> ghosted, std::span<
   check(DMLocalToGlobalEnd(dm_, ghosted_, ADD_VALUES, owned_));
 }
 
-template class NodeExchange<2>;
-template class NodeExchange<3>;
+FABSEQ_INSTANTIATE_CLASS(NodeExchange);
 
 }  // namespace fabseq

@@ -125,7 +125,6 @@ std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness,
   return result;
 }
 
-template class IslandMap<2>;
-template class IslandMap<3>;
+FABSEQ_INSTANTIATE_CLASS(IslandMap);
 
 }  // namespace fabseq

@@ -273,13 +273,11 @@ bool LaneHierarchy<Dim>::holds_rigid_motions(const LaneLevel<Dim>& level) const 
   return fit.factor(rounding);
 }
 
-template struct LaneLevel<2>;
-template struct LaneLevel<3>;
+FABSEQ_INSTANTIATE_STRUCT(LaneLevel);
 template void sum_over_holders(LaneLevel<2>&, double*, int);
 template void sum_over_holders(LaneLevel<3>&, double*, int);
 template void sum_over_holders(LaneLevel<2>&, float*, int);
 template void sum_over_holders(LaneLevel<3>&, float*, int);
-template class LaneHierarchy<2>;
-template class LaneHierarchy<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneHierarchy);
 
 }  // namespace fabseq

@@ -192,9 +192,6 @@ StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const doub
   return result;
 }
 
-template StiffIslands find_stiff_islands<2>(const Index<2>&, std::span<const double>, std::span<const char>,
-                                            double, int);
-template StiffIslands find_stiff_islands<3>(const Index<3>&, std::span<const double>, std::span<const char>,
-                                            double, int);
+FABSEQ_INSTANTIATE_FUNCTION(find_stiff_islands);
 
 }  // namespace fabseq

@@ -123,12 +123,7 @@ std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model(int count, const
   return std::make_unique<const CurvedLayerModel<Dim>>(LayerSettings{}, ProjectionSettings{}, count, part);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                           \
-  template std::unique_ptr<const LayerModel<Dim>> make_layer_model<Dim>(  \
-      const LayerSettings&, const ProjectionSettings&, const Part<Dim>&); \
-  template std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model<Dim>(int, const Part<Dim>&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(make_layer_model);
+FABSEQ_INSTANTIATE_FUNCTION(make_uniform_layer_model);
 
 }  // namespace fabseq

@@ -280,7 +280,6 @@ std::vector<double> MultiPlanarLayers<Dim>::layer_index(std::span<const double> 
   return result;
 }
 
-template class MultiPlanarLayers<2>;
-template class MultiPlanarLayers<3>;
+FABSEQ_INSTANTIATE_CLASS(MultiPlanarLayers);
 
 }  // namespace fabseq

@@ -67,7 +67,6 @@ void RunState<Dim>::restore(const CheckpointState& state) {
   convergence_.restore(state);
 }
 
-template class RunState<2>;
-template class RunState<3>;
+FABSEQ_INSTANTIATE_CLASS(RunState);
 
 }  // namespace fabseq

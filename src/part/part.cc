@@ -183,7 +183,6 @@ std::vector<double> Part<Dim>::restrict_to_part(std::span<const double> element_
   return field;
 }
 
-template class Part<2>;
-template class Part<3>;
+FABSEQ_INSTANTIATE_CLASS(Part);
 
 }  // namespace fabseq

@@ -89,7 +89,6 @@ void RigidMotions<Dim>::balance(std::span<double> forces) const {
   }
 }
 
-template class RigidMotions<2>;
-template class RigidMotions<3>;
+FABSEQ_INSTANTIATE_CLASS(RigidMotions);
 
 }  // namespace fabseq

@@ -63,7 +63,6 @@ typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double*
   return result;
 }
 
-template struct ElasticModel<2>;
-template struct ElasticModel<3>;
+FABSEQ_INSTANTIATE_STRUCT(ElasticModel);
 
 }  // namespace fabseq

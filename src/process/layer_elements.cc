@@ -215,7 +215,6 @@ const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<d
   return room.data();
 }
 
-template class LayerElements<2>;
-template class LayerElements<3>;
+FABSEQ_INSTANTIATE_CLASS(LayerElements);
 
 }  // namespace fabseq

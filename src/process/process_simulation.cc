@@ -236,7 +236,6 @@ void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities,
   }
 }
 
-template class ProcessSimulation<2>;
-template class ProcessSimulation<3>;
+FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);
 
 }  // namespace fabseq

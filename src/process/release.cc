@@ -175,9 +175,7 @@ std::vector<double> Release<Dim>::adjoint(std::span<const double> derivative) {
   return solve(load, "adjoint of the release");
 }
 
-template std::string release_obstacle<2>(const Grid<2>&, const Supports<2>&, VoidModel);
-template std::string release_obstacle<3>(const Grid<3>&, const Supports<3>&, VoidModel);
-template class Release<2>;
-template class Release<3>;
+FABSEQ_INSTANTIATE_FUNCTION(release_obstacle);
+FABSEQ_INSTANTIATE_CLASS(Release);
 
 }  // namespace fabseq

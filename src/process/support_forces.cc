@@ -92,7 +92,6 @@ void SupportForces<Dim>::add_motion(std::span<const double> motion, LaneVector& 
       solutions(i, lane) += motion[i];
 }
 
-template class SupportForces<2>;
-template class SupportForces<3>;
+FABSEQ_INSTANTIATE_CLASS(SupportForces);
 
 }  // namespace fabseq

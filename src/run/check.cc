@@ -87,7 +87,6 @@ void run_check(const Setup<Dim>& setup) {
   print_cost(setup);
 }
 
-template void run_check<2>(const Setup<2>&);
-template void run_check<3>(const Setup<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(run_check);
 
 }  // namespace fabseq

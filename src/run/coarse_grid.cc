@@ -197,9 +197,7 @@ std::optional<CoarseGrid<Dim>> make_coarse_grid(const Setup<Dim>& fine, const Co
   return CoarseGrid<Dim>(fine);
 }
 
-template class CoarseGrid<2>;
-template class CoarseGrid<3>;
-template std::optional<CoarseGrid<2>> make_coarse_grid<2>(const Setup<2>&, const CommandLine&);
-template std::optional<CoarseGrid<3>> make_coarse_grid<3>(const Setup<3>&, const CommandLine&);
+FABSEQ_INSTANTIATE_CLASS(CoarseGrid);
+FABSEQ_INSTANTIATE_FUNCTION(make_coarse_grid);
 
 }  // namespace fabseq

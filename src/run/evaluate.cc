@@ -71,7 +71,6 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   print("values and gradients in " + directory.path());
 }
 
-template void run_evaluate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_evaluate<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(run_evaluate);
 
 }  // namespace fabseq

@@ -215,9 +215,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print(line + directory.path());
 }
 
-template GradientCheck check_gradients<2>(const Model<2>&, Problem<2>&, Pipeline<2>&, const Design&);
-template GradientCheck check_gradients<3>(const Model<3>&, Problem<3>&, Pipeline<3>&, const Design&);
-template void run_check_gradients<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_check_gradients<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(check_gradients);
+FABSEQ_INSTANTIATE_FUNCTION(run_check_gradients);
 
 }  // namespace fabseq

@@ -55,13 +55,7 @@ void dump_failed_iteration(const Model<Dim>& model, const OutputDirectory& direc
   dump(model, directory, name_of(iteration) + "_failed", pipeline, share, {});
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                           \
-  template void dump_iteration<Dim>(const Model<Dim>&, const OutputDirectory&, int, const Pipeline<Dim>&, \
-                                    const PipelineState<Dim>&, const Design&);                            \
-  template void dump_failed_iteration<Dim>(const Model<Dim>&, const OutputDirectory&, int,                \
-                                           const Pipeline<Dim>&, std::span<const double>);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(dump_iteration);
+FABSEQ_INSTANTIATE_FUNCTION(dump_failed_iteration);
 
 }  // namespace fabseq

@@ -115,11 +115,7 @@ void save_problem(const Setup<Dim>& setup, CheckpointState& state) {
   state.set_scalar("part_checksum", part_checksum(setup.part));
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                             \
-  template std::optional<Restart> find_restart<Dim>(const Setup<Dim>&, const CommandLine&); \
-  template void save_problem<Dim>(const Setup<Dim>&, CheckpointState&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(find_restart);
+FABSEQ_INSTANTIATE_FUNCTION(save_problem);
 
 }  // namespace fabseq

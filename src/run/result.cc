@@ -36,9 +36,6 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 }
 
-template void write_result<2>(const Setup<2>&, const OutputDirectory&, const FinalReports<2>&,
-                              const SequenceReport<2>&, const BestIterate&);
-template void write_result<3>(const Setup<3>&, const OutputDirectory&, const FinalReports<3>&,
-                              const SequenceReport<3>&, const BestIterate&);
+FABSEQ_INSTANTIATE_FUNCTION(write_result);
 
 }  // namespace fabseq

@@ -44,7 +44,6 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   return directory;
 }
 
-template OutputDirectory make_output_directory<2>(const Setup<2>&, const CommandLine&, bool);
-template OutputDirectory make_output_directory<3>(const Setup<3>&, const CommandLine&, bool);
+FABSEQ_INSTANTIATE_FUNCTION(make_output_directory);
 
 }  // namespace fabseq

@@ -116,7 +116,6 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   }
 }
 
-template class RunOutput<2>;
-template class RunOutput<3>;
+FABSEQ_INSTANTIATE_CLASS(RunOutput);
 
 }  // namespace fabseq

@@ -62,7 +62,6 @@ void Setup<Dim>::require_memory_of_layers() const {
           " elements" + (group_count > 1 ? " in " + std::to_string(group_count) + " layer groups" : ""));
 }
 
-template class Setup<2>;
-template class Setup<3>;
+FABSEQ_INSTANTIATE_CLASS(Setup);
 
 }  // namespace fabseq

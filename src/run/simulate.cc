@@ -207,7 +207,6 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   if (!simulation.failure.empty()) throw NumericalError(simulation.failure);
 }
 
-template void run_simulate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_simulate<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(run_simulate);
 
 }  // namespace fabseq

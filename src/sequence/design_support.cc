@@ -25,7 +25,6 @@ std::int64_t DesignSupport<Dim>::number(std::size_t variable) const {
                    : grid_.all_elements().offset(grid_.owned_elements().index(places_[variable]));
 }
 
-template class DesignSupport<2>;
-template class DesignSupport<3>;
+FABSEQ_INSTANTIATE_CLASS(DesignSupport);
 
 }  // namespace fabseq

@@ -107,9 +107,6 @@ std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const
   return std::make_unique<ElementSequence<Dim>>(part, support, region, filter_radius);
 }
 
-template std::unique_ptr<Sequence<2>> make_direct_sequence<2>(const Part<2>&, const DesignSupport<2>&,
-                                                              const StartRegion&, double);
-template std::unique_ptr<Sequence<3>> make_direct_sequence<3>(const Part<3>&, const DesignSupport<3>&,
-                                                              const StartRegion&, double);
+FABSEQ_INSTANTIATE_FUNCTION(make_direct_sequence);
 
 }  // namespace fabseq

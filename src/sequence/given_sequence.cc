@@ -108,13 +108,9 @@ std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double
   return sum(grid.comm(), minima);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                           \
-  template PseudoTime<Dim> planar_time<Dim>(const Part<Dim>&, std::vector<double>);                       \
-  template double planar_height<Dim>(const Part<Dim>&, std::vector<double>);                              \
-  template PseudoTime<Dim> time_from_file<Dim>(const Part<Dim>&, const std::string&, const std::string&); \
-  template std::int64_t count_interior_minima<Dim>(const Part<Dim>&, std::span<const double>);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(planar_time);
+FABSEQ_INSTANTIATE_FUNCTION(planar_height);
+FABSEQ_INSTANTIATE_FUNCTION(time_from_file);
+FABSEQ_INSTANTIATE_FUNCTION(count_interior_minima);
 
 }  // namespace fabseq

@@ -52,7 +52,6 @@ std::vector<std::vector<double>> HeatChainRule<Dim>::gradients(const LaneVector&
   return result;
 }
 
-template class HeatChainRule<2>;
-template class HeatChainRule<3>;
+FABSEQ_INSTANTIATE_CLASS(HeatChainRule);
 
 }  // namespace fabseq

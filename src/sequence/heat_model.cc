@@ -32,7 +32,6 @@ HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& setting
   });
 }
 
-template struct HeatModel<2>;
-template struct HeatModel<3>;
+FABSEQ_INSTANTIATE_STRUCT(HeatModel);
 
 }  // namespace fabseq

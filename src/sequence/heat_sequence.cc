@@ -186,7 +186,6 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
   return result;
 }
 
-template class HeatSequence<2>;
-template class HeatSequence<3>;
+FABSEQ_INSTANTIATE_CLASS(HeatSequence);
 
 }  // namespace fabseq

@@ -82,7 +82,6 @@ std::vector<double> RepeatedAveraging<Dim>::apply_transpose(std::span<const doub
   return variables;
 }
 
-template class RepeatedAveraging<2>;
-template class RepeatedAveraging<3>;
+FABSEQ_INSTANTIATE_CLASS(RepeatedAveraging);
 
 }  // namespace fabseq

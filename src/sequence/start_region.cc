@@ -144,7 +144,6 @@ StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& set
                                                     : region_of_elements(part, settings.start);
 }
 
-template StartRegion make_start_region<2>(const Part<2>&, const SequenceSettings&);
-template StartRegion make_start_region<3>(const Part<3>&, const SequenceSettings&);
+FABSEQ_INSTANTIATE_FUNCTION(make_start_region);
 
 }  // namespace fabseq

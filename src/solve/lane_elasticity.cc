@@ -174,7 +174,6 @@ std::string LaneElasticity<Dim>::description() const {
   return text.str();
 }
 
-template class LaneElasticity<2>;
-template class LaneElasticity<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneElasticity);
 
 }  // namespace fabseq

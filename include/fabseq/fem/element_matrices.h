@@ -70,7 +70,4 @@ class ElementMatrices {
   double volume_ = 0.0;
 };
 
-extern template class ElementMatrices<2>;
-extern template class ElementMatrices<3>;
-
 }  // namespace fabseq

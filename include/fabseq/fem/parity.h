@@ -42,9 +42,4 @@ struct ParityMatrix {
 /// coefficients of the elements are.
 double scaled_spectrum_bound(std::span<const double> matrix, int corners, int components);
 
-extern template struct ParityMatrix<2, 1>;
-extern template struct ParityMatrix<2, 2>;
-extern template struct ParityMatrix<3, 1>;
-extern template struct ParityMatrix<3, 3>;
-
 }  // namespace fabseq

@@ -34,9 +34,4 @@ int verify_checkpoint(const std::string& path);
 /// there is none. Not collective.
 std::string newest_checkpoint(const std::string& directory);
 
-extern template void write_checkpoint<2>(const OutputDirectory&, const DesignLayout<2>&,
-                                         const CheckpointState&);
-extern template void write_checkpoint<3>(const OutputDirectory&, const DesignLayout<3>&,
-                                         const CheckpointState&);
-
 }  // namespace fabseq

@@ -26,7 +26,4 @@ CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>
 /// Its scalars alone, of which what the problem was can be told before anything is made of it. Collective.
 CheckpointState read_checkpoint_scalars(MPI_Comm comm, const std::string& path);
 
-extern template CheckpointState read_checkpoint<2>(const std::string&, const DesignLayout<2>&);
-extern template CheckpointState read_checkpoint<3>(const std::string&, const DesignLayout<3>&);
-
 }  // namespace fabseq

@@ -20,7 +20,4 @@ namespace fabseq {
 template <int Dim>
 void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base);
 
-extern template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
-extern template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
-
 }  // namespace fabseq

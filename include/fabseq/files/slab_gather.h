@@ -44,7 +44,4 @@ class SlabGather {
   std::vector<double> pieces_, slab_;
 };
 
-extern template class SlabGather<2>;
-extern template class SlabGather<3>;
-
 }  // namespace fabseq

@@ -27,7 +27,4 @@ struct XdmfSource {
 template <int Dim>
 std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source);
 
-extern template std::string xdmf_text<2>(const FieldSet<2>&, const std::function<XdmfSource(std::size_t)>&);
-extern template std::string xdmf_text<3>(const FieldSet<3>&, const std::function<XdmfSource(std::size_t)>&);
-
 }  // namespace fabseq

@@ -54,7 +54,4 @@ template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights);
 
-extern template struct Decomposition<2>;
-extern template struct Decomposition<3>;
-
 }  // namespace fabseq

@@ -30,7 +30,4 @@ class ElementHalo {
   ScatterHandle scatter_;
 };
 
-extern template class ElementHalo<2>;
-extern template class ElementHalo<3>;
-
 }  // namespace fabseq

@@ -122,9 +122,4 @@ class Grid {
   mutable std::map<int, std::unique_ptr<NodeExchange<Dim>>> exchanges_;
 };
 
-extern template class NodeExchange<2>;
-extern template class NodeExchange<3>;
-extern template class Grid<2>;
-extern template class Grid<3>;
-
 }  // namespace fabseq

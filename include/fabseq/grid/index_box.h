@@ -7,6 +7,18 @@
 #include <cstdint>
 #include <string>
 
+/// Explicit instantiation, in 2D and 3D, of a class or struct template, or of a function template that is not
+/// overloaded, whatever its arguments.
+#define FABSEQ_INSTANTIATE_CLASS(Name) \
+  template class Name<2>;              \
+  template class Name<3>
+#define FABSEQ_INSTANTIATE_STRUCT(Name) \
+  template struct Name<2>;              \
+  template struct Name<3>
+#define FABSEQ_INSTANTIATE_FUNCTION(name) \
+  template decltype(name<2>) name<2>;     \
+  template decltype(name<3>) name<3>
+
 namespace fabseq {
 
 template <int Dim>

@@ -46,7 +46,4 @@ class UnknownNumbering {
   std::vector<PetscInt> numbers_, fixed_rows_;
 };
 
-extern template class UnknownNumbering<2>;
-extern template class UnknownNumbering<3>;
-
 }  // namespace fabseq

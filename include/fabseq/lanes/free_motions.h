@@ -39,7 +39,4 @@ class FreeMotions {
   RigidFit<Dim> displacements_, forces_;
 };
 
-extern template class FreeMotions<2>;
-extern template class FreeMotions<3>;
-
 }  // namespace fabseq

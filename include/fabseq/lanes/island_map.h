@@ -48,7 +48,4 @@ class IslandMap {
   std::vector<char> all_supported_;
 };
 
-extern template class IslandMap<2>;
-extern template class IslandMap<3>;
-
 }  // namespace fabseq

@@ -110,21 +110,16 @@ void with_narrowest(LaneCg<Problem, 8>& widest, int lanes, Use&& use) {
     use.template operator()<1>(widest.half().half().half());
 }
 
-extern template class LaneCg<LaneElasticityProblem<2>, 8>;
-extern template class LaneCg<LaneElasticityProblem<2>, 4>;
-extern template class LaneCg<LaneElasticityProblem<2>, 2>;
-extern template class LaneCg<LaneElasticityProblem<2>, 1>;
-extern template class LaneCg<LaneElasticityProblem<3>, 8>;
-extern template class LaneCg<LaneElasticityProblem<3>, 4>;
-extern template class LaneCg<LaneElasticityProblem<3>, 2>;
-extern template class LaneCg<LaneElasticityProblem<3>, 1>;
-extern template class LaneCg<LaneHeatProblem<2>, 8>;
-extern template class LaneCg<LaneHeatProblem<2>, 4>;
-extern template class LaneCg<LaneHeatProblem<2>, 2>;
-extern template class LaneCg<LaneHeatProblem<2>, 1>;
-extern template class LaneCg<LaneHeatProblem<3>, 8>;
-extern template class LaneCg<LaneHeatProblem<3>, 4>;
-extern template class LaneCg<LaneHeatProblem<3>, 2>;
-extern template class LaneCg<LaneHeatProblem<3>, 1>;
+/// The solvers of all widths for a problem: instantiated by `template`, elsewhere by `extern template`, so
+/// that the widest does not bring the code of the others along.
+#define FABSEQ_EACH_LANE_CG(template_, Problem) \
+  template_ class LaneCg<Problem, 8>;           \
+  template_ class LaneCg<Problem, 4>;           \
+  template_ class LaneCg<Problem, 2>;           \
+  template_ class LaneCg<Problem, 1>
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<3>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<3>);
 
 }  // namespace fabseq

@@ -86,13 +86,4 @@ class LaneHierarchy {
   std::deque<LaneLevel<Dim>> levels_;
 };
 
-extern template struct LaneLevel<2>;
-extern template struct LaneLevel<3>;
-extern template void sum_over_holders(LaneLevel<2>&, double*, int);
-extern template void sum_over_holders(LaneLevel<3>&, double*, int);
-extern template void sum_over_holders(LaneLevel<2>&, float*, int);
-extern template void sum_over_holders(LaneLevel<3>&, float*, int);
-extern template class LaneHierarchy<2>;
-extern template class LaneHierarchy<3>;
-
 }  // namespace fabseq

@@ -37,7 +37,4 @@ class LaneLayout {
   mutable std::vector<double> ghosted_;  ///< kept: new memory costs more than what is done with it
 };
 
-extern template class LaneLayout<2>;
-extern template class LaneLayout<3>;
-
 }  // namespace fabseq

@@ -96,7 +96,4 @@ class LaneMesh {
   std::vector<Line> lines_;
 };
 
-extern template class LaneMesh<2>;
-extern template class LaneMesh<3>;
-
 }  // namespace fabseq

@@ -136,7 +136,4 @@ void LaneTransfer<Dim>::restrict_add(const Real* fine, Real* coarse) const {
   }
 }
 
-extern template class LaneTransfer<2>;
-extern template class LaneTransfer<3>;
-
 }  // namespace fabseq

@@ -26,9 +26,4 @@ template <int Dim>
 StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const double> stiffness,
                                 std::span<const char> supported, double contrast = 100.0, int most = 8);
 
-extern template StiffIslands find_stiff_islands<2>(const Index<2>&, std::span<const double>,
-                                                   std::span<const char>, double, int);
-extern template StiffIslands find_stiff_islands<3>(const Index<3>&, std::span<const double>,
-                                                   std::span<const char>, double, int);
-
 }  // namespace fabseq

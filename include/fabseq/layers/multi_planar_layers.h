@@ -66,7 +66,4 @@ class MultiPlanarLayers : public Layers {
   std::vector<double> centers_;  ///< of the part elements, [part element][axis]
 };
 
-extern template class MultiPlanarLayers<2>;
-extern template class MultiPlanarLayers<3>;
-
 }  // namespace fabseq

@@ -22,7 +22,4 @@ struct GroupChoice {
 template <int Dim>
 GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings);
 
-extern template GroupChoice choose_layer_groups<2>(MPI_Comm, const ModelSettings&);
-extern template GroupChoice choose_layer_groups<3>(MPI_Comm, const ModelSettings&);
-
 }  // namespace fabseq

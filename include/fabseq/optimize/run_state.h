@@ -60,7 +60,4 @@ class RunState {
   int completed_ = 0;
 };
 
-extern template class RunState<2>;
-extern template class RunState<3>;
-
 }  // namespace fabseq

@@ -33,7 +33,4 @@ struct NodeSet {
 template <int Dim>
 NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
 
-extern template NodeSet make_node_set<2>(const Part<2>&, const std::string&, const NodeSetDescription&);
-extern template NodeSet make_node_set<3>(const Part<3>&, const std::string&, const NodeSetDescription&);
-
 }  // namespace fabseq

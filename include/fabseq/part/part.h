@@ -123,13 +123,4 @@ class Part {
   std::vector<char> touched_nodes_;
 };
 
-extern template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
-                                                    const IndexBox<2>&);
-extern template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
-                                                    const IndexBox<3>&);
-extern template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
-extern template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
-extern template class Part<2>;
-extern template class Part<3>;
-
 }  // namespace fabseq

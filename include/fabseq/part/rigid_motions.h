@@ -43,7 +43,4 @@ class RigidMotions {
   bool determined_ = false;
 };
 
-extern template class RigidMotions<2>;
-extern template class RigidMotions<3>;
-
 }  // namespace fabseq

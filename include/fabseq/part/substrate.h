@@ -44,9 +44,4 @@ class Substrate {
 template <int Dim>
 std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements);
 
-extern template class Substrate<2>;
-extern template class Substrate<3>;
-extern template std::vector<char> nodes_of_elements<2>(const Grid<2>&, const std::vector<char>&);
-extern template std::vector<char> nodes_of_elements<3>(const Grid<3>&, const std::vector<char>&);
-
 }  // namespace fabseq

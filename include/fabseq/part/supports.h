@@ -23,7 +23,4 @@ struct Supports {
   int pieces = 0;  ///< face-connected pieces of part and substrate together
 };
 
-extern template struct Supports<2>;
-extern template struct Supports<3>;
-
 }  // namespace fabseq

@@ -82,7 +82,4 @@ struct ElasticModel {
   }
 };
 
-extern template struct ElasticModel<2>;
-extern template struct ElasticModel<3>;
-
 }  // namespace fabseq

@@ -57,7 +57,4 @@ class InherentStrain {
   Strain scale_{};
 };
 
-extern template class InherentStrain<2>;
-extern template class InherentStrain<3>;
-
 }  // namespace fabseq

@@ -76,7 +76,4 @@ class LayerElements {
   StrainField strains_;
 };
 
-extern template class LayerElements<2>;
-extern template class LayerElements<3>;
-
 }  // namespace fabseq

@@ -132,7 +132,4 @@ class ProcessSimulation {
   std::vector<int> adjoint_iterations_;
 };
 
-extern template class ProcessSimulation<2>;
-extern template class ProcessSimulation<3>;
-
 }  // namespace fabseq

@@ -64,9 +64,4 @@ class Release {
   std::unique_ptr<AssembledSystem<Dim>> system_;
 };
 
-extern template std::string release_obstacle<2>(const Grid<2>&, const Supports<2>&, VoidModel);
-extern template std::string release_obstacle<3>(const Grid<3>&, const Supports<3>&, VoidModel);
-extern template class Release<2>;
-extern template class Release<3>;
-
 }  // namespace fabseq

@@ -39,7 +39,4 @@ class SupportForces {
   std::vector<int> elements_;  ///< of the model, that have a fixed node
 };
 
-extern template class SupportForces<2>;
-extern template class SupportForces<3>;
-
 }  // namespace fabseq

@@ -47,7 +47,4 @@ class Checkpoints {
   bool due_ = false;            ///< whatever the iteration
 };
 
-extern template class Checkpoints<2>;
-extern template class Checkpoints<3>;
-
 }  // namespace fabseq

@@ -41,7 +41,4 @@ class CoarseGrid {
 template <int Dim>
 std::optional<CoarseGrid<Dim>> make_coarse_grid(const Setup<Dim>& fine, const CommandLine& command_line);
 
-extern template class CoarseGrid<2>;
-extern template class CoarseGrid<3>;
-
 }  // namespace fabseq

@@ -68,7 +68,4 @@ class RunOutput {
   bool asked_ = false;  ///< for fields and a checkpoint, by output_request
 };
 
-extern template class RunOutput<2>;
-extern template class RunOutput<3>;
-
 }  // namespace fabseq

@@ -61,7 +61,4 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
 template <int Dim>
 DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
 
-extern template struct SequenceReport<2>;
-extern template struct SequenceReport<3>;
-
 }  // namespace fabseq

@@ -36,7 +36,4 @@ class Setup : public Model<Dim> {
   void warn_about_method() const;
 };
 
-extern template class Setup<2>;
-extern template class Setup<3>;
-
 }  // namespace fabseq

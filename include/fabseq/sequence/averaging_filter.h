@@ -40,7 +40,4 @@ class AveragingFilter {
   std::vector<double> row_sum_;  ///< a part field
 };
 
-extern template class AveragingFilter<2>;
-extern template class AveragingFilter<3>;
-
 }  // namespace fabseq

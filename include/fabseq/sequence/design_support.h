@@ -39,7 +39,4 @@ class DesignSupport {
   std::vector<int> places_;
 };
 
-extern template class DesignSupport<2>;
-extern template class DesignSupport<3>;
-
 }  // namespace fabseq

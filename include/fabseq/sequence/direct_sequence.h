@@ -20,9 +20,4 @@ template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
                                                     const StartRegion& region, double filter_radius = 0.0);
 
-extern template std::unique_ptr<Sequence<2>> make_direct_sequence<2>(const Part<2>&, const DesignSupport<2>&,
-                                                                     const StartRegion&, double);
-extern template std::unique_ptr<Sequence<3>> make_direct_sequence<3>(const Part<3>&, const DesignSupport<3>&,
-                                                                     const StartRegion&, double);
-
 }  // namespace fabseq

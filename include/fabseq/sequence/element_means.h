@@ -29,13 +29,4 @@ template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const TimeDerivatives> rows);
 
-extern template ElementMeans element_means<2>(const Part<2>&, const ElementMatrices<2>&,
-                                              std::span<const double>);
-extern template ElementMeans element_means<3>(const Part<3>&, const ElementMatrices<3>&,
-                                              std::span<const double>);
-extern template LaneVector pull_back_means<2>(const Part<2>&, const ElementMatrices<2>&,
-                                              std::span<const TimeDerivatives>);
-extern template LaneVector pull_back_means<3>(const Part<3>&, const ElementMatrices<3>&,
-                                              std::span<const TimeDerivatives>);
-
 }  // namespace fabseq

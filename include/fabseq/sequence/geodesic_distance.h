@@ -33,13 +33,4 @@ std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<
 template <int Dim>
 double geodesic_height(const Part<Dim>& part, const std::vector<double>& distance);
 
-extern template std::vector<double> geodesic_distance<2>(const Part<2>&);
-extern template std::vector<double> geodesic_distance<3>(const Part<3>&);
-extern template std::vector<double> geodesic_distance_of_elements<2>(const Part<2>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_elements<3>(const Part<3>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_nodes<2>(const Part<2>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_nodes<3>(const Part<3>&, std::span<const char>);
-extern template double geodesic_height<2>(const Part<2>&, const std::vector<double>&);
-extern template double geodesic_height<3>(const Part<3>&, const std::vector<double>&);
-
 }  // namespace fabseq

@@ -35,7 +35,4 @@ class HeatChainRule {
   std::vector<double> flux_;  ///< K_0 T, [part element][corner]
 };
 
-extern template class HeatChainRule<2>;
-extern template class HeatChainRule<3>;
-
 }  // namespace fabseq

@@ -28,7 +28,4 @@ struct HeatModel {
   SystemDomain domain;  ///< all elements
 };
 
-extern template struct HeatModel<2>;
-extern template struct HeatModel<3>;
-
 }  // namespace fabseq

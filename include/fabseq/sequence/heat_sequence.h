@@ -68,7 +68,4 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<int> adjoint_iterations_;
 };
 
-extern template class HeatSequence<2>;
-extern template class HeatSequence<3>;
-
 }  // namespace fabseq

@@ -42,7 +42,4 @@ class RepeatedAveraging {
   std::vector<double> weight_;  ///< of the owned nodes: their share of the elements around them
 };
 
-extern template class RepeatedAveraging<2>;
-extern template class RepeatedAveraging<3>;
-
 }  // namespace fabseq

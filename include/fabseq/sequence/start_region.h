@@ -26,7 +26,4 @@ struct StartRegion {
 template <int Dim>
 StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
 
-extern template StartRegion make_start_region<2>(const Part<2>&, const SequenceSettings&);
-extern template StartRegion make_start_region<3>(const Part<3>&, const SequenceSettings&);
-
 }  // namespace fabseq

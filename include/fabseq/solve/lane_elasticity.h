@@ -66,7 +66,4 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
 
-extern template class LaneElasticity<2>;
-extern template class LaneElasticity<3>;
-
 }  // namespace fabseq

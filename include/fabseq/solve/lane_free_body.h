@@ -40,7 +40,4 @@ class LaneFreeBody {
   std::optional<FreeMotions<Dim>> motions_;  ///< made once the operator is known
 };
 
-extern template class LaneFreeBody<2>;
-extern template class LaneFreeBody<3>;
-
 }  // namespace fabseq

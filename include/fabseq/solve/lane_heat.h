@@ -63,7 +63,4 @@ class LaneHeat : public HeatSolver<Dim> {
   bool fallback_is_set_up_ = false;
 };
 
-extern template class LaneHeat<2>;
-extern template class LaneHeat<3>;
-
 }  // namespace fabseq

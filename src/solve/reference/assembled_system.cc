@@ -253,7 +253,6 @@ bool AssembledSystem<Dim>::relax() {
   return true;
 }
 
-template class AssembledSystem<2>;
-template class AssembledSystem<3>;
+FABSEQ_INSTANTIATE_CLASS(AssembledSystem);
 
 }  // namespace fabseq

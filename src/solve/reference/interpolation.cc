@@ -178,9 +178,7 @@ std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numberin
   return result;
 }
 
-template std::string coarsening_obstacle<2>(const Grid<2>&);
-template std::string coarsening_obstacle<3>(const Grid<3>&);
-template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
-template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
+FABSEQ_INSTANTIATE_FUNCTION(coarsening_obstacle);
+FABSEQ_INSTANTIATE_FUNCTION(make_interpolations);
 
 }  // namespace fabseq

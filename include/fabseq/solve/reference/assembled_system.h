@@ -80,7 +80,4 @@ class AssembledSystem {
   VecHandle load_, solution_;
 };
 
-extern template class AssembledSystem<2>;
-extern template class AssembledSystem<3>;
-
 }  // namespace fabseq

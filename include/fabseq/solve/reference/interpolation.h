@@ -22,9 +22,4 @@ std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numberin
 template <int Dim>
 std::string coarsening_obstacle(const Grid<Dim>& grid);
 
-extern template std::string coarsening_obstacle<2>(const Grid<2>&);
-extern template std::string coarsening_obstacle<3>(const Grid<3>&);
-extern template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
-extern template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
-
 }  // namespace fabseq

@@ -49,7 +49,4 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   bool keep_;
 };
 
-extern template class ReferenceElasticity<2>;
-extern template class ReferenceElasticity<3>;
-
 }  // namespace fabseq

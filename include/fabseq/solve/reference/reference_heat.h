@@ -34,7 +34,4 @@ class ReferenceHeat : public HeatSolver<Dim> {
   std::unique_ptr<AssembledSystem<Dim>> system_;
 };
 
-extern template class ReferenceHeat<2>;
-extern template class ReferenceHeat<3>;
-
 }  // namespace fabseq
