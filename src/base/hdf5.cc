@@ -24,12 +24,7 @@ std::string shape_text(std::span<const hsize_t> shape) {
 
 /// Names of the datasets of a file, for the message about one that is missing.
 std::string dataset_list(hid_t file) {
-  std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-    return 0;
-  };
-  (void)H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &names, H5O_INFO_BASIC);
+  const std::vector<std::string> names = dataset_names(file);
   if (names.empty()) return "the file has no datasets";
   constexpr std::size_t most = 10;
   std::string text = "the file has ";

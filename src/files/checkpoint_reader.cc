@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/files/checkpoint_reader.h"
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
@@ -11,7 +10,6 @@
 #include "fabseq/files/hdf5_attribute.h"
 #include "fabseq/files/hdf5_writer.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <vector>

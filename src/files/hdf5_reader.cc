@@ -47,13 +47,6 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
   return data.read(start, count);
 }
 
-template <int Dim>
-std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
-                                       const std::string& dataset, const std::string& file_key,
-                                       const std::string& dataset_key) {
-  return read_field<Dim>(grid, false, file, dataset, file_key, dataset_key);
-}
-
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               std::size_t count, const std::string& meaning, const std::string& file_key,
                               const std::string& dataset_key, int columns) {
@@ -73,6 +66,5 @@ std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std:
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(read_field);
-FABSEQ_INSTANTIATE_FUNCTION(read_element_field);
 
 }  // namespace fabseq

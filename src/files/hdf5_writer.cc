@@ -4,7 +4,6 @@
 #include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
-#include "fabseq/base/memory_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/verdict.h"
@@ -15,7 +14,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 #include <fcntl.h>
 #include <functional>
 #include <map>

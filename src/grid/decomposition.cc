@@ -294,8 +294,8 @@ Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Di
 
 FABSEQ_INSTANTIATE_STRUCT(Decomposition);
 FABSEQ_INSTANTIATE_FUNCTION(fitting_process_grids);
-template Decomposition<2> choose_decomposition(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
-template Decomposition<3> choose_decomposition(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
+template Decomposition<2> choose_decomposition<2>(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
+template Decomposition<3> choose_decomposition<3>(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
 template Decomposition<3> choose_decomposition<3>(MPI_Comm, int, const Index<3>&, const ElementWeights<3>&);
 
 }  // namespace fabseq

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/grid/element_halo.h"
 
-#include "fabseq/grid/placed_array.h"
+#include "fabseq/base/petsc.h"
 
 #include <algorithm>
 #include <cassert>

@@ -3,8 +3,6 @@
 
 #include "fabseq/base/blas.h"
 
-#include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace fabseq {

@@ -5,8 +5,6 @@
 #include "fabseq/grid/rigid_fit.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 namespace fabseq {

@@ -4,7 +4,6 @@
 #include "fabseq/layers/smooth_step.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace fabseq {

@@ -2,8 +2,8 @@
 #include "fabseq/layers/multi_planar_layers.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/layers/logistic_step.h"
 #include "fabseq/layers/print_direction.h"
+#include "fabseq/layers/smooth_step.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_block.h"
+#include "fabseq/mma/mma_variables.h"
 
 #include <algorithm>
 #include <cmath>

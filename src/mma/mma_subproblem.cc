@@ -4,7 +4,6 @@
 #include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
-#include "fabseq/mma/mma_rows.h"
 
 #include <algorithm>
 #include <cmath>

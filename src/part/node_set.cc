@@ -3,7 +3,6 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/gather_all.h"
 
 #include <algorithm>
 #include <limits>

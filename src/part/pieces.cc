@@ -3,7 +3,6 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/grid/gather_all.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/elastic_model.h"
 
-#include <algorithm>
-
 namespace fabseq {
 
 template <int Dim>

@@ -3,7 +3,6 @@
 
 #include "fabseq/base/log_event.h"
 #include "fabseq/lanes/element_energy.h"
-#include "fabseq/lanes/lane_chunks.h"
 
 #include <algorithm>
 #include <array>

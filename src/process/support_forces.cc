@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/support_forces.h"
 
-#include <algorithm>
 #include <array>
 
 namespace fabseq {

@@ -176,8 +176,7 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =
       fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
-  FieldSet<Dim> fields;
-  fields.grid = &fine.grid;
+  FieldSet<Dim> fields{&fine.grid, {}};
   fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
   file.template write_fields<Dim>(fields);

@@ -2,9 +2,8 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
-#include "fabseq/run/history_line.h"
-#include "fabseq/run/layer_variable_output.h"
-#include "fabseq/run/run_directory.h"
+#include "fabseq/run/records.h"
+#include "fabseq/run/restart.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
@@ -33,8 +32,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
                     const Design& gradient, bool has_field) {
   if (has_field) {
     const std::vector<double> field = setup.design_field(gradient.field);
-    FieldSet<Dim> fields;
-    fields.grid = &setup.grid;
+    FieldSet<Dim> fields{&setup.grid, {}};
     fields.add(setup.design_support.on_nodes(), name + "/design", field);
     file.template write_fields<Dim>(fields);
   }

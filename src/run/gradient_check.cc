@@ -4,7 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/run/run_directory.h"
+#include "fabseq/run/restart.h"
 #include "fabseq/run/tasks.h"
 
 #include <algorithm>

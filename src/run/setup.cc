@@ -5,7 +5,7 @@
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
 #include "fabseq/process/release.h"
-#include "fabseq/solve/reference/interpolation.h"
+#include "fabseq/solve/reference/preconditioner.h"
 
 #include <algorithm>
 

@@ -75,7 +75,7 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction) {
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
   PseudoTime<Dim> result;
-  result.time = part.restrict_to_part(read_element_field(part.grid(), file, dataset));
+  result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   double outside = 0.0;
   for (const double t : result.time)
     if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;

@@ -9,7 +9,6 @@
 #include "fabseq/sequence/geodesic_distance.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -34,6 +33,49 @@ std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
   return std::clamp<std::int64_t>(limit, 1, most);
 }
 
+/// K_0 T of the part elements, [part element][corner], for a temperature on the ghosted node box.
+template <int Dim>
+std::vector<double> heat_flux(const Part<Dim>& part, const ElementMatrices<Dim>& element,
+                              std::span<const double> temperature) {
+  constexpr int count = corner_count<Dim>;
+  const auto& offsets = part.grid().corner_offsets();
+  const auto& corners = part.first_corners();
+  std::vector<double> flux(corners.size() * count);
+  for (std::size_t e = 0; e < corners.size(); ++e)
+    for (int i = 0; i < count; ++i) {
+      double sum = 0.0;
+      for (int j = 0; j < count; ++j)
+        sum += element.conductivity()[i * count + j] * temperature[corners[e] + offsets[j]];
+      flux[e * count + i] = sum;
+    }
+  return flux;
+}
+
+/// dJ/dkappa_e = lambda^T K_0 T, a part field for each lane of adjoints lambda on the owned nodes.
+/// Collective.
+template <int Dim>
+std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span<const double> heat_flux,
+                                                const LaneVector& adjoints) {
+  const Grid<Dim>& grid = part.grid();
+  const auto& corners = part.first_corners();
+  const int lanes = adjoints.lanes;
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes);
+  grid.exchange(lanes).to_ghosted(adjoints.values, ghosted);
+  std::vector<std::vector<double>> result(lanes, std::vector<double>(corners.size()));
+  std::vector<double> sums(lanes);
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+      const double flux = heat_flux[e * corner_count<Dim> + corner];
+      const double* adjoint =
+          &ghosted[static_cast<std::size_t>(corners[e] + grid.corner_offsets()[corner]) * lanes];
+      for (int lane = 0; lane < lanes; ++lane) sums[lane] += flux * adjoint[lane];
+    }
+    for (int lane = 0; lane < lanes; ++lane) result[lane][e] = sums[lane];
+  }
+  return result;
+}
+
 /// Beyond this the discrete maximum principle does not hold.
 constexpr double temperature_tolerance = 1e-9;
 
@@ -50,8 +92,7 @@ HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& s
       solver_(std::move(solver)),
       across_(across),
       lanes_(lanes),
-      filter_(part, settings.filter_radius),
-      chain_rule_(part, model_->element) {}
+      filter_(part, settings.filter_radius) {}
 
 template <int Dim>
 DesignSpace HeatSequence<Dim>::space() const {
@@ -170,16 +211,18 @@ template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
   const std::size_t together = rows_at_once(part_.grid(), lanes_);
   adjoint_iterations_.clear();
-  chain_rule_.set_temperature(ghosted_temperature_);
+  const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;
   for (std::size_t first = 0; first < rows.size(); first += together) {
-    const LaneVector loads = chain_rule_.loads(rows.subspan(first, std::min(together, rows.size() - first)));
+    // K_T lambda = -dJ/dT: mean and gradient of the temperature enter the time with a minus.
+    const LaneVector loads =
+        pull_back_means(part_, model_->element, rows.subspan(first, std::min(together, rows.size() - first)));
     LaneVector adjoints = loads;
     for (const SolveReport& report : solver_->solve({&loads, 1}, {&adjoints, 1})) {
       require_convergence(report, "a heat adjoint");
       adjoint_iterations_.push_back(report.iterations);
     }
-    for (const std::vector<double>& gradient : chain_rule_.gradients(adjoints))
+    for (const std::vector<double>& gradient : by_diffusivity(part_, flux, adjoints))
       result.push_back(filter_.apply_transpose(gradient));
   }
   solver_->give_back_memory();

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// 64-bit FNV-1a: finds damaged bytes in files, not malice.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +6,8 @@
 
 namespace fabseq {
 
-/// Checksum of bytes that come piece by piece; how they are cut into pieces does not matter.
+/// 64-bit FNV-1a, which finds damaged bytes in files, not malice, of bytes that come piece by piece; how they
+/// are cut into pieces does not matter.
 class Checksum {
  public:
   void add(const void* data, std::size_t bytes) {

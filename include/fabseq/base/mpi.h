@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -59,6 +60,10 @@ void max_in_place(MPI_Comm comm, std::span<double> values);
 std::string broadcast(MPI_Comm comm, const std::string& text);
 /// Values of rank 0 on every rank, in place; the same length on all ranks.
 void broadcast(MPI_Comm comm, std::span<double> values);
+
+/// The entries of all ranks, rank after rank, on every rank; at most 2^31 - 1 in all.
+std::vector<std::int64_t> gather_all(MPI_Comm comm, std::span<const std::int64_t> own);
+std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own);
 
 /// Sum of `value` over the ranks below this one.
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Element matrices of a box in the basis of even and odd node combinations.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"

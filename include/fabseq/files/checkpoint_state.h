@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What a run carries from one iteration to the next, by name: every class that has some of it adds its own
-/// to a state, and takes it back from one.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -12,9 +9,10 @@
 
 namespace fabseq {
 
-/// Named scalars, arrays and fields of the design. Names may have groups ("optimizer/low"). Reading what is
-/// not there throws InputError, on all ranks since all have the same names: the checkpoint was written by
-/// another version.
+/// What a run carries from one iteration to the next, as named scalars, arrays and fields of the design:
+/// every class that has some of it adds its own to a state, and takes it back from one. Names may have groups
+/// ("optimizer/low"). Reading what is not there throws InputError, on all ranks since all have the same
+/// names: the checkpoint was written by another version.
 class CheckpointState {
  public:
   /// A boolean, integer, finite number or string, the same on all ranks.

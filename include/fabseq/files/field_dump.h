@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Field dumps during a run: one raw binary file written by all ranks through MPI-IO, and an XDMF file beside
-/// it.
 #pragma once
 
 #include "fabseq/files/field_set.h"

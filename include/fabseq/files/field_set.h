@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Named fields on a grid, ready for output: registered once, written by any writer.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -11,7 +9,8 @@
 
 namespace fabseq {
 
-/// Names and values of element and node fields. Values are not copied: what was added must outlive the set.
+/// Names and values of element and node fields, for any writer. Values are not copied: what was added must
+/// outlive the set.
 template <int Dim>
 struct FieldSet {
   struct Field {

@@ -76,10 +76,6 @@ template <int Dim>
 std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
                                const std::string& dataset, const std::string& file_key = "field file",
                                const std::string& dataset_key = "field");
-template <int Dim>
-std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
-                                       const std::string& dataset, const std::string& file_key = "field file",
-                                       const std::string& dataset_key = "field");
 
 /// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`; throws InputError like
 /// read_field(), and where the dataset has several axes.

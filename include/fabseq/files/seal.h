@@ -4,7 +4,6 @@
 /// collective.
 #pragma once
 
-#include "fabseq/base/memory_file.h"
 #include "fabseq/base/posix_file.h"
 
 #include <cstdint>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Element fields of the neighbourhood, however wide: for filters, neighbour searches and distances.
 #pragma once
 
 #include "fabseq/grid/grid.h"

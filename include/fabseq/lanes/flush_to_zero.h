@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Numbers too small for their format become zero.
 #pragma once
 
 #if defined(__SSE2__)

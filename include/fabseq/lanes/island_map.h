@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Stiff islands of every lane, on a distributed mesh.
 #pragma once
 
 #include "fabseq/lanes/lane_hierarchy.h"
@@ -22,7 +20,8 @@ struct LaneIslands {
   std::vector<Node> nodes;  ///< none of them held
 };
 
-/// Finds the islands of each lane: lanes are dealt out to the ranks, and a rank sees its lanes' whole fields.
+/// Finds the stiff islands of each lane: lanes are dealt out to the ranks, and a rank sees its lanes' whole
+/// fields.
 template <int Dim>
 class IslandMap {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Rigid motions of stiff islands as a second coarse space.
 #pragma once
 
 #include "fabseq/base/mpi.h"

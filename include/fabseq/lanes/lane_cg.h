@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Conjugate gradients for several lanes at once.
 #pragma once
 
 #include "fabseq/lanes/free_motions.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The levels of the lane multigrid: meshes, supports and transfers, common to all lanes.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -15,7 +13,8 @@
 
 namespace fabseq {
 
-/// One level. A level is either distributed like the grid or agglomerated: held whole by every rank.
+/// One level of the lane multigrid, common to all lanes. It is either distributed like the grid or
+/// agglomerated: held whole by every rank.
 template <int Dim>
 struct LaneLevel {
   /// Nodes begin ... end - 1.

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Between fields on a rank's owned nodes and vectors on its lane mesh.
 #pragma once
 
 #include "fabseq/grid/grid.h"

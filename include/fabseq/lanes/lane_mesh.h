@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Elements and nodes of a rank as the lane kernels walk through them.
 #pragma once
 
 #include "fabseq/grid/index_box.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// When the solve of a lane stops, and how it ended.
 #pragma once
 
 namespace fabseq {

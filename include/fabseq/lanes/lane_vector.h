@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Nodal vectors of several systems side by side.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Inverse diagonal blocks: what the smoother scales residuals with.
 #pragma once
 
 #include "fabseq/lanes/lane_hierarchy.h"
@@ -10,10 +8,10 @@
 
 namespace fabseq {
 
-/// The inverse of a node's block of the operator, `components` wide, symmetric; zero for held unknowns, so
-/// that whatever is scaled with it stays zero there. Kept in single precision: it need not be exact, only
-/// symmetric, positive and always the same. Problems whose lanes share the operator have one block for all.
-/// `Real`: of the coefficients and of what is scaled.
+/// What the smoother scales residuals with: the inverse of a node's block of the operator, `components` wide,
+/// symmetric; zero for held unknowns, so that whatever is scaled with it stays zero there. Kept in single
+/// precision: it need not be exact, only symmetric, positive and always the same. Problems whose lanes share
+/// the operator have one block for all. `Real`: of the coefficients and of what is scaled.
 template <class Problem, int Width, class Real = double>
 class NodeScaling {
  public:

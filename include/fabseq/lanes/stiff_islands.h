@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Stiff islands in soft surroundings: what a multigrid cycle does not see.
 #pragma once
 
 #include "fabseq/grid/index_box.h"
@@ -10,7 +8,7 @@
 
 namespace fabseq {
 
-/// Nodes that move with an island.
+/// Nodes that move with a stiff island in soft surroundings, which a multigrid cycle does not see.
 struct StiffIslands {
   int count = 0;
   std::vector<int> node_island;  ///< of each node of the box, lexicographic; -1: none

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// A kind of layers, curved or multi-planar: all that the rest of the program has to know of it
-/// (docs/formulation.md 3).
 #pragma once
 
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/layers/layer_variables.h"
 #include "fabseq/layers/layers.h"
-#include "fabseq/layers/negligible_layers.h"
 #include "fabseq/part/part.h"
 
 #include <memory>
@@ -30,7 +26,7 @@ struct LayerTraits {
   bool time_is_fixed = false;  ///< whether the sequence's field is kept from the optimizer
 };
 
-/// Makes the layers of a design.
+/// A kind of layers, curved or multi-planar, which makes those of a design (docs/formulation.md 3).
 template <int Dim>
 class LayerModel {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Design variables of the layers themselves, beside the sequence's: time points or print angles.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -13,7 +11,8 @@
 
 namespace fabseq {
 
-/// What these variables are. They are few and the same on all ranks; without any, all lists are empty.
+/// Design variables of the layers themselves, beside the sequence's: time points or print angles. They are
+/// few and the same on all ranks; without any, all lists are empty.
 struct LayerVariables {
   std::string name;                  ///< in files: time_points, angles
   std::string label;                 ///< in messages

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The method of moving asymptotes, distributed.
 #pragma once
 
 #include "fabseq/mma/mma_settings.h"
@@ -42,9 +40,10 @@ struct MmaState {
   std::vector<double> low, upp, previous, before_previous;
 };
 
-/// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA",
-/// 2007; distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every
-/// rank). The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
+/// The method of moving asymptotes, one design update after the other (Svanberg, "The method of moving
+/// asymptotes", 1987, and "MMA and GCMMA", 2007; distribution over ranks after Aage & Lazarov 2013: variables
+/// are distributed, rows are on every rank). The iterates do not depend on the number of ranks beyond
+/// rounding. Collective on `comm`.
 class Mma {
  public:
   /// `local`: number of variables on this rank (may be 0).

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What changes with the iteration number alone: the layers' sharpness and the move limit
-/// (docs/formulation.md 3.1, 9).
 #pragma once
 
 #include "fabseq/files/checkpoint_state.h"
@@ -10,8 +7,9 @@
 
 namespace fabseq {
 
-/// Schedules of a run. Iterations count from 1; those that were done before it, such as on a coarse grid, are
-/// added here.
+/// What changes with the iteration number alone: the layers' sharpness and the move limit
+/// (docs/formulation.md 3.1, 9). Iterations count from 1; those that were done before it, such as on a coarse
+/// grid, are added here.
 class Continuation {
  public:
   /// \param first_beta, last_beta sharpness at the start and the most it grows to

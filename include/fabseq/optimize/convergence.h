@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// When a run is done (docs/formulation.md 9).
 #pragma once
 
 #include "fabseq/files/checkpoint_state.h"
@@ -11,8 +9,8 @@
 
 namespace fabseq {
 
-/// Watches design and objective over the last `window` iterations at one sharpness. Local to the rank; ranks
-/// agree because values do.
+/// Watches design and objective over the last `window` iterations at one sharpness, to say when a run is done
+/// (docs/formulation.md 9). Local to the rank; ranks agree because values do.
 class Convergence {
  public:
   /// `merit_unit`: what changes of the merit are relative to.

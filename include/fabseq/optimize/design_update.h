@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// One step of the optimizer on the scale the design moves on.
 #pragma once
 
 #include "fabseq/base/mpi.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Everything that an optimization carries from one iteration to the next.
 #pragma once
 
 #include "fabseq/optimize/best_iterate.h"

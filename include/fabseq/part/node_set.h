@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Named sets of nodes on which distortion is measured.
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -19,7 +17,7 @@ struct NodeSetDescription {
   double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
 };
 
-/// The nodes of a set, distributed like the grid's nodes.
+/// A named set of nodes on which distortion is measured, distributed like the grid's nodes.
 struct NodeSet {
   std::string name;
   std::vector<int> owned;  ///< offsets in Grid::owned_nodes(), ascending

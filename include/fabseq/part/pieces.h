@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The face-connected pieces of a part, and whether they stand on the build plate.
 #pragma once
 
 #include "fabseq/grid/grid.h"

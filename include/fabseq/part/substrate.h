@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What stands before the first layer (docs/formulation.md 4.4).
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -13,8 +11,8 @@
 
 namespace fabseq {
 
-/// Elements that stand from the start and are no part of what is built, such as a base plate; there may be
-/// none.
+/// Elements that stand from the start and are no part of what is built, such as a base plate
+/// (docs/formulation.md 4.4); there may be none.
 template <int Dim>
 class Substrate {
  public:

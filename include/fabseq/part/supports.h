@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Which nodes are held while the part is built (docs/formulation.md 4.1, 4.4).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -9,7 +7,8 @@
 
 namespace fabseq {
 
-/// The nodes that the mechanical model is held at: those of the plate's face, or the clamps in its place.
+/// The nodes that the mechanical model is held at (docs/formulation.md 4.1, 4.4): those of the plate's face,
+/// or the clamps in its place.
 template <int Dim>
 struct Supports {
   /// Collective on the grid's communicator. With a substrate and without clamps, the substrate's side towards

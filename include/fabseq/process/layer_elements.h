@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the elements contribute to the systems of a block of layers, and to their derivatives
-/// (docs/formulation.md 4.1, 8).
 #pragma once
 
 #include "fabseq/fem/parity.h"
@@ -9,7 +6,6 @@
 #include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/process/strain_field.h"
 
 #include <span>
 #include <utility>
@@ -17,8 +13,9 @@
 
 namespace fabseq {
 
-/// Loops over elements for layers side by side. Arguments `first` and `lanes`: the block is layers first ...
-/// first + lanes - 1.
+/// What the elements contribute to the systems of a block of layers, side by side, and to their derivatives
+/// (docs/formulation.md 4.1, 8). Arguments `first` and `lanes`: the block is layers first ... first + lanes -
+/// 1.
 template <int Dim>
 class LayerElements {
  public:

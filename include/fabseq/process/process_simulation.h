@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8).
 #pragma once
 
 #include "fabseq/layers/layers.h"
@@ -46,7 +44,8 @@ struct ProcessDerivatives {
   std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
 };
 
-/// For each layer j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
+/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8). For each layer
+/// j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
 ///
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///

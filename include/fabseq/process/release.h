@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/part/rigid_motions.h"
@@ -28,7 +26,8 @@ struct ReleaseSolver {
   LaneCycle cycle = {};
 };
 
-/// Solves with the stiffness K_N of the finished part, its supports free:
+/// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3): solves with its
+/// stiffness K_N, its supports free:
 ///
 ///     v:  K_N v~ = -r,             v = v~ - R C v~        of reactions r that balance themselves,
 ///     w:  K_N w = b - C^T R^T b                           its adjoint, b = -dJ/dv.

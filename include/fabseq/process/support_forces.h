@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the supports do to the systems of the layers: reactions, and supports that move
-/// (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/lanes/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/process/strain_field.h"
 
 #include <span>
 #include <vector>
 
 namespace fabseq {
 
-/// Loops over the few elements with a node on a support. Argument `first`: the lanes are layers first, first
-/// + 1, ... Calls are collective on the grid's communicator.
+/// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md
+/// 4.3). Argument `first`: the lanes are layers first, first + 1, ... Calls are collective on the grid's
+/// communicator.
 template <int Dim>
 class SupportForces {
  public:

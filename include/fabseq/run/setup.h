@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// A config and the model it asks for.
 #pragma once
 
 #include "fabseq/config/config.h"
@@ -10,8 +8,9 @@
 
 namespace fabseq {
 
-/// What all tasks start from. Collective construction on the world of the run. The config must outlive it.
-/// Throws InputError for what is wrong with the model, and for a release that there cannot be.
+/// What all tasks start from: a config and the model it asks for. Collective construction on the world of the
+/// run. The config must outlive it. Throws InputError for what is wrong with the model, and for a release
+/// that there cannot be.
 template <int Dim>
 class Setup : public Model<Dim> {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Hat-shaped averaging of a field over the part (docs/formulation.md 2.2).
 #pragma once
 
 #include "fabseq/grid/element_halo.h"
@@ -12,8 +10,8 @@
 
 namespace fabseq {
 
-/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance. Radius
-/// 0: the identity.
+/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance
+/// (docs/formulation.md 2.2). Radius 0: the identity.
 template <int Dim>
 class AveragingFilter {
  public:

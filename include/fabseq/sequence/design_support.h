@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where on the grid the variables of a design are.
 #pragma once
 
 #include "fabseq/grid/grid.h"

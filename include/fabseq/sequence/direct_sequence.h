@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The pseudo-time itself as design (docs/formulation.md 2.3).
 #pragma once
 
 #include "fabseq/sequence/design_support.h"
@@ -11,11 +9,11 @@
 
 namespace fabseq {
 
-/// Pseudo-time of elements: t_e is the design, and 0 in the start region; its gradient is not defined.
-/// Pseudo-time of nodes: t_e is the mean of the element's nodes, grad t that of the bilinear field at its
-/// centre. Which of them, `support` says. With a filter radius (length units) these times are the design
-/// smoothed inside the part (RepeatedAveraging). Part, support and region must outlive the sequence.
-/// Collective.
+/// The pseudo-time itself as design (docs/formulation.md 2.3). Pseudo-time of elements: t_e is the design,
+/// and 0 in the start region; its gradient is not defined. Pseudo-time of nodes: t_e is the mean of the
+/// element's nodes, grad t that of the bilinear field at its centre. Which of them, `support` says. With a
+/// filter radius (length units) these times are the design smoothed inside the part (RepeatedAveraging).
+/// Part, support and region must outlive the sequence. Collective.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
                                                     const StartRegion& region, double filter_radius = 0.0);

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the heat solves of a part have in common: elements, prescribed nodes, mass matrix
-/// (docs/formulation.md 2.1).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -11,8 +8,8 @@
 
 namespace fabseq {
 
-/// The whole box conducts, void included; the temperature is prescribed on the plate's nodes of the part and
-/// on the substrate's.
+/// What the heat solves of a part have in common (docs/formulation.md 2.1): the whole box conducts, void
+/// included; the temperature is prescribed on the plate's nodes of the part and on the substrate's.
 template <int Dim>
 struct HeatModel {
   /// The model holds no reference to the part.

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
 #pragma once
 
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/sequence/averaging_filter.h"
-#include "fabseq/sequence/heat_chain_rule.h"
 #include "fabseq/sequence/heat_model.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/sequence/sequence_settings.h"
@@ -16,8 +14,8 @@
 
 namespace fabseq {
 
-/// Solves div(kappa grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void
-/// conducting too:
+/// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1). Solves div(kappa
+/// grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
 ///
 ///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
@@ -61,7 +59,6 @@ class HeatSequence : public Sequence<Dim> {
   MPI_Comm across_;
   int lanes_;
   AveragingFilter<Dim> filter_;
-  HeatChainRule<Dim> chain_rule_;
   std::vector<double> diffusivity_;          ///< of all owned elements, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
   PseudoTime<Dim> time_;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Smoothing of a direct design inside the part (docs/formulation.md 2.3).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -12,10 +10,11 @@
 
 namespace fabseq {
 
-/// Replaces values of elements (nodes) by means over the nodes (elements) around them, which are means over
-/// theirs, again and again. Follows the part: nothing passes through the void. Places without a variable, the
-/// start region's, stay 0. As many passes as come nearest to the spread of AveragingFilter's hat of that
-/// radius; radius 0: the identity.
+/// Smoothing of a direct design inside the part (docs/formulation.md 2.3): replaces values of elements
+/// (nodes) by means over the nodes (elements) around them, which are means over theirs, again and again.
+/// Follows the part: nothing passes through the void. Places without a variable, the start region's, stay 0.
+/// As many passes as come nearest to the spread of AveragingFilter's hat of that radius; radius 0: the
+/// identity.
 template <int Dim>
 class RepeatedAveraging {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where the pseudo-time comes from: the first stage of the pipeline (docs/formulation.md 2, 3.3).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -49,7 +47,8 @@ struct DesignSpace {
   double slope(double design) const;
 };
 
-/// Design variables to pseudo-time. All calls are collective on the grid's communicator.
+/// Design variables to pseudo-time: the first stage of the pipeline (docs/formulation.md 2, 3.3). All calls
+/// are collective on the grid's communicator.
 template <int Dim>
 class Sequence {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where a direct sequence starts, and how far all else is from there (docs/formulation.md 2.3).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -10,7 +8,8 @@
 
 namespace fabseq {
 
-/// The start region on this rank: its pseudo-time is 0, all else of the part is free.
+/// The start region of a direct sequence (docs/formulation.md 2.3) on this rank: its pseudo-time is 0, all
+/// else of the part is free.
 struct StartRegion {
   std::vector<char> elements;  ///< part field: 1 where t_e is 0 whatever the design
   std::vector<int> free;  ///< elements or nodes with a variable: offsets in the grid's owned ones, ascending

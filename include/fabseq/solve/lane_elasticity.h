@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The elasticity solver that solves all layers of a block at once.
 #pragma once
 
 #include "fabseq/grid/grid.h"

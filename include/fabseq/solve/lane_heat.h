@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The heat solver that solves for several right-hand sides at once.
 #pragma once
 
 #include "fabseq/grid/grid.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// How the solve of a system ended.
 #pragma once
 
 #include "fabseq/lanes/lane_outcome.h"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/solve/reference/interpolation.h"
-
 #include "fabseq/base/mpi.h"
+#include "fabseq/solve/reference/preconditioner.h"
 
 #include <array>
 #include <memory>
-#include <span>
 #include <utility>
 
 namespace fabseq {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/preconditioner.h"
 
-#include "fabseq/solve/reference/interpolation.h"
-
 #include <array>
 #include <map>
-#include <string>
-#include <vector>
 
 namespace fabseq {
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The elasticity solver made of stock PETSc parts: oracle of the tests and baseline of the benchmarks.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -14,8 +12,8 @@
 
 namespace fabseq {
 
-/// One assembled system per layer, one layer at a time. Systems small enough are kept from the forward to the
-/// adjoint solve.
+/// Stock PETSc, as oracle of the tests and baseline of the benchmarks: one assembled system per layer, one
+/// layer at a time. Systems small enough are kept from the forward to the adjoint solve.
 template <int Dim>
 class ReferenceElasticity : public ElasticitySolver<Dim> {
  public:

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/run/history_line.h"
-
-#include "fabseq/run/layer_variable_output.h"
+#include "fabseq/run/records.h"
 
 #include <algorithm>
 #include <vector>
@@ -9,6 +7,27 @@
 namespace fabseq {
 
 namespace {
+
+Json response_table(const std::vector<NamedValue>& responses) {
+  Json table = Json::array();
+  for (const auto& [name, type, value] : responses)
+    table.push_back(Json::object({{"name", name}, {"type", type}, {"value", value}}));
+  return table;
+}
+
+Json layer_table(const std::vector<LayerNumbers>& layers) {
+  Json table = Json::array();
+  for (const LayerNumbers& layer : layers) {
+    Json entry =
+        Json::object({{"volume", layer.volume}, {"thickness", layer.thickness}, {"cv", layer.variation}});
+    if (layer.sub_part > 0) {
+      entry["subpart"] = layer.sub_part;
+      entry["slab"] = layer.slab;
+    }
+    table.push_back(entry);
+  }
+  return table;
+}
 
 Json lists(const std::vector<std::vector<double>>& values) {
   Json result = Json::array();
@@ -42,6 +61,22 @@ Json binary_record(const ProblemValues& values) {
 
 }  // namespace
 
+Json to_record(const DisplacementSize& size) {
+  return Json::object({{"max", size.largest}, {"rms", size.rms}});
+}
+
+void add_members(Json& record, const SequenceNumbers& numbers) {
+  record["responses"] = response_table(numbers.responses);
+  record["layers"] = layer_table(numbers.layers);
+  record["displacement"] = to_record(numbers.displacement_size);
+}
+
+Json to_record(const SequenceNumbers& numbers) {
+  Json record = Json::object();
+  add_members(record, numbers);
+  return record;
+}
+
 Json to_record(const SolverIterations& iterations) {
   return Json::object(
       {{"primal", iterations.primal}, {"adjoint", iterations.adjoint}, {"heat", iterations.heat}});
@@ -68,6 +103,33 @@ Json to_record(const HistoryLine& line) {
   set_layer_variables(record, line.layer_variables, line.design);
   if (has_functionals(values)) record["functionals"] = lists(values.functionals);
   if (line.iterate.binary) record["binary"] = binary_record(*line.iterate.binary);
+  return record;
+}
+
+Json to_record(const Summary& summary) {
+  Json record = Json::object({{"name", summary.name},
+                              {"status", summary.end.status},
+                              {"reason", summary.end.reason},
+                              {"iterations", summary.end.iterations},
+                              {"ranks", summary.ranks},
+                              {"layer_groups", summary.layer_groups},
+                              {"part_elements", summary.part_elements},
+                              {"seconds", seconds_record(summary.seconds)},
+                              {"peak_memory_bytes", summary.peak_memory_bytes}});
+  if (summary.coarse_iterations > 0) record["coarse_iterations"] = summary.coarse_iterations;
+  if (const auto& finish = summary.finish) {
+    record["best_iteration"] = finish->best.iteration();
+    record["feasible"] = finish->best.feasible();
+    record["beta"] = finish->best.beta();
+    record["worst_constraint"] = finish->best.worst_constraint();
+    record["optimized"] = to_record(finish->optimized);
+    record["binary"] = to_record(finish->binary);
+  }
+  if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
+  if (const auto& finish = summary.finish) {
+    record["interior_minima"] = finish->interior_minima;
+    set_layer_variables(record, finish->layer_variables, finish->best.design());
+  }
   return record;
 }
 
