@@ -85,8 +85,7 @@ class WithoutWaiting {
     (void)std::snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
     descriptor_ = ::open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   }
-  WithoutWaiting(const WithoutWaiting&) = delete;
-  WithoutWaiting& operator=(const WithoutWaiting&) = delete;
+  WithoutWaiting(WithoutWaiting&&) = delete;
   ~WithoutWaiting() {
     if (descriptor_ >= 0) (void)::close(descriptor_);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/files/checkpoint.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"

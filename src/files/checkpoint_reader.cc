@@ -54,23 +54,7 @@ Search search(const std::string& directory) {
   return {"", faults};
 }
 
-/// Names of all datasets, split into arrays (one axis) and fields.
-struct Datasets {
-  std::vector<std::string> arrays, fields;
-};
-
-Datasets datasets_of(hid_t file) {
-  Datasets result;
-  for (const std::string& name : dataset_names(file)) {
-    const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
-    const Hdf5Dataspace space(H5Dget_space(dataset));
-    (H5Sget_simple_extent_ndims(space) == 1 ? result.arrays : result.fields).push_back(name);
-  }
-  return result;
-}
-
-std::vector<double> read_array(hid_t file, const std::string& name) {
-  const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+std::vector<double> read_array(hid_t dataset, const std::string& name) {
   const Hdf5Dataspace space(H5Dget_space(dataset));
   std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
   if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -87,9 +71,13 @@ std::string read_description(const std::string& path) {
   for (const std::string& name : attribute_names(file))
     if (const std::optional<Json> value = read_attribute(file, name); value && name != "checksum_of_scalars")
       scalars[name] = *value;
-  const Datasets datasets = datasets_of(file);
-  for (const std::string& name : datasets.arrays) arrays[name] = read_array(file, name);
-  for (const std::string& name : datasets.fields) fields.push_back(name);
+  for (const std::string& name : dataset_names(file)) {
+    const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+    if (H5Sget_simple_extent_ndims(Hdf5Dataspace(H5Dget_space(dataset))) == 1)
+      arrays[name] = read_array(dataset, name);
+    else
+      fields.push_back(name);
+  }
   return Json::object({{"scalars", scalars}, {"arrays", arrays}, {"fields", fields}}).dump();
 }
 

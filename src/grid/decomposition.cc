@@ -185,16 +185,6 @@ void agree(MPI_Comm comm, Decomposition<Dim>& decomposition) {
 }  // namespace
 
 template <int Dim>
-Index<Dim> Decomposition<Dim>::position_of(int rank) const {
-  return IndexBox<Dim>{Index<Dim>{}, processes}.index(rank);
-}
-
-template <int Dim>
-int Decomposition<Dim>::rank_at(const Index<Dim>& position) const {
-  return static_cast<int>(IndexBox<Dim>{Index<Dim>{}, processes}.offset(position));
-}
-
-template <int Dim>
 IndexBox<Dim> Decomposition<Dim>::elements_of(const Index<Dim>& position) const {
   IndexBox<Dim> box;
   for (int axis = 0; axis < Dim; ++axis) {

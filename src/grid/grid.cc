@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <numeric>
 #include <string>
 
 namespace fabseq {
@@ -149,16 +150,6 @@ void Grid<Dim>::set_up_boxes() {
 }
 
 template <int Dim>
-double Grid<Dim>::smallest_spacing() const {
-  return *std::min_element(spacing_.begin(), spacing_.end());
-}
-
-template <int Dim>
-double Grid<Dim>::largest_spacing() const {
-  return *std::max_element(spacing_.begin(), spacing_.end());
-}
-
-template <int Dim>
 double Grid<Dim>::element_volume() const {
   double volume = Dim == 2 ? domain_.thickness : 1.0;
   for (const double edge : spacing_) volume *= edge;
@@ -199,6 +190,25 @@ std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
 }
 
 template <int Dim>
+DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
+                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components) {
+  const auto all = [&](int axis) {
+    return std::accumulate(nodes[axis].begin(), nodes[axis].end(), PetscInt{0});
+  };
+  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
+  DmHandle dm;
+  if constexpr (Dim == 2)
+    check(DMDACreate2d(comm, open, open, DMDA_STENCIL_BOX, all(0), all(1), processes[0], processes[1],
+                       components, 1, nodes[0].data(), nodes[1].data(), dm.receive()));
+  else
+    check(DMDACreate3d(comm, open, open, open, DMDA_STENCIL_BOX, all(0), all(1), all(2), processes[0],
+                       processes[1], processes[2], components, 1, nodes[0].data(), nodes[1].data(),
+                       nodes[2].data(), dm.receive()));
+  check(DMSetUp(dm));
+  return dm;
+}
+
+template <int Dim>
 DM Grid<Dim>::node_dm(int components) const {
   const auto found = node_dms_.find(components);
   if (found != node_dms_.end()) return found->second;
@@ -211,18 +221,7 @@ DM Grid<Dim>::node_dm(int components) const {
       nodes[axis].push_back(starts[process + 1] - starts[process]);
     ++nodes[axis].back();
   }
-  const IndexBox<Dim> all = all_nodes();
-  const Index<Dim>& p = decomposition_.processes;
-  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
-  DmHandle dm;
-  if constexpr (Dim == 2)
-    check(DMDACreate2d(comm_, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], p[0], p[1], components,
-                       1, nodes[0].data(), nodes[1].data(), dm.receive()));
-  else
-    check(DMDACreate3d(comm_, open, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], all.size[2], p[0],
-                       p[1], p[2], components, 1, nodes[0].data(), nodes[1].data(), nodes[2].data(),
-                       dm.receive()));
-  check(DMSetUp(dm));
+  DmHandle dm = make_node_dm<Dim>(comm_, decomposition_.processes, nodes, components);
   return node_dms_.emplace(components, std::move(dm)).first->second;
 }
 
@@ -233,6 +232,7 @@ const NodeExchange<Dim>& Grid<Dim>::exchange(int components) const {
   return *entry;
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(make_node_dm);
 FABSEQ_INSTANTIATE_CLASS(Grid);
 FABSEQ_INSTANTIATE_CLASS(NodeExchange);
 

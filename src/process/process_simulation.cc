@@ -55,11 +55,6 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::release_with(const ReleaseSolver& solver) {
-  release_ = std::make_unique<Release<Dim>>(model_, solver);
-}
-
-template <int Dim>
 void ProcessSimulation<Dim>::start_cold() {
   solver_->start_cold();
   if (release_) release_->start_cold();

@@ -19,12 +19,6 @@ SupportForces<Dim>::SupportForces(const ElasticModel<Dim>& model) : model_(model
       }
 }
 
-/// Offset in the ghosted box of the node of an unknown of an element.
-template <int Dim>
-std::size_t SupportForces<Dim>::node(std::size_t element, int unknown) const {
-  return model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[unknown / Dim];
-}
-
 template <int Dim>
 void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
                                        const LaneVector& increments, std::span<double> reactions) const {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/restart.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/config/config_difference.h"
 #include "fabseq/files/checkpoint.h"
+#include "fabseq/files/seal.h"
 
 #include <hdf5.h>
 #include <petscsys.h>

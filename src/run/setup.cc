@@ -19,12 +19,6 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   warn_about_method();
 }
 
-/// The design's sequence and the planar baseline count.
-template <int Dim>
-int Setup<Dim>::most_layers_of_a_sequence() const {
-  return std::max(this->layers->count(), this->baseline->count());
-}
-
 /// Refuses terms after a release that there cannot be.
 template <int Dim>
 void Setup<Dim>::require_release() const {

@@ -9,6 +9,7 @@
 #include "fabseq/sequence/geodesic_distance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -16,6 +17,12 @@
 namespace fabseq {
 
 namespace {
+
+/// With the consistent matrix the temperature leaves its range where the drain outweighs conduction.
+bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
+  if (settings.mass != MassRule::automatic) return settings.mass == MassRule::lumped;
+  return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
+}
 
 void require_convergence(const SolveReport& report, const char* what) {
   if (report.converged) return;
@@ -82,6 +89,22 @@ constexpr double temperature_tolerance = 1e-9;
 }  // namespace
 
 template <int Dim>
+HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& settings)
+    : element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
+      reaction(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
+      lumped(lump_mass(settings, reaction, part.grid().largest_spacing())) {
+  const Grid<Dim>& grid = part.grid();
+  grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
+    domain.first_corners.push_back(grid.first_corner(index));
+  });
+  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    const bool on_plate = part.on_plate(node) && part.touched_nodes()[offset] != 0;
+    domain.fixed[offset] = on_plate || part.substrate().nodes()[offset] != 0 ? 1 : 0;
+  });
+}
+
+template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
                                 double target_gradient, std::unique_ptr<const HeatModel<Dim>> model,
                                 std::unique_ptr<HeatSolver<Dim>> solver, MPI_Comm across, int lanes)
@@ -93,11 +116,6 @@ HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& s
       across_(across),
       lanes_(lanes),
       filter_(part, settings.filter_radius) {}
-
-template <int Dim>
-DesignSpace HeatSequence<Dim>::space() const {
-  return {settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log};
-}
 
 template <int Dim>
 std::vector<double> HeatSequence<Dim>::initial_design() const {
@@ -230,5 +248,6 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
 }
 
 FABSEQ_INSTANTIATE_CLASS(HeatSequence);
+FABSEQ_INSTANTIATE_STRUCT(HeatModel);
 
 }  // namespace fabseq

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/base/checksum.h"
 #include "fabseq/files/checkpoint.h"
 #include "fabseq/files/seal.h"
 #include "fabseq/parallel/layer_groups.h"

@@ -22,8 +22,7 @@ class LogEvent {
       check(PetscLogEventBegin(event_, nullptr, nullptr, nullptr, nullptr));
     }
     ~Scope() { (void)end(); }
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
+    Scope(Scope&&) = delete;
 
    private:
     PetscErrorCode end() const {

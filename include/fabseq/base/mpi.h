@@ -24,8 +24,6 @@ class Communicator {
     std::swap(comm_, other.comm_);
     return *this;
   }
-  Communicator(const Communicator&) = delete;
-  Communicator& operator=(const Communicator&) = delete;
   ~Communicator() {
     if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
   }

@@ -27,13 +27,9 @@ class PetscHandle {
     std::swap(object_, other.object_);
     return *this;
   }
-  PetscHandle(const PetscHandle&) = delete;
-  PetscHandle& operator=(const PetscHandle&) = delete;
   ~PetscHandle() { reset(); }
 
-  operator Object() const {
-    return object_;
-  }  // NOLINT(google-explicit-constructor): PETSc calls take the object
+  operator Object() const { return object_; }
   explicit operator bool() const { return object_ != nullptr; }
   /// For PETSc's Create functions; frees what the handle held before.
   Object* receive() {
@@ -64,8 +60,7 @@ class PlacedArray {
  public:
   PlacedArray(Vec vector, const double* values) : vector_(vector) { check(VecPlaceArray(vector, values)); }
   ~PlacedArray() { (void)VecResetArray(vector_); }
-  PlacedArray(const PlacedArray&) = delete;
-  PlacedArray& operator=(const PlacedArray&) = delete;
+  PlacedArray(PlacedArray&&) = delete;
 
  private:
   Vec vector_;

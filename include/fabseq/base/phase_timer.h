@@ -25,8 +25,7 @@ class PhaseTimer {
    public:
     Scope(PhaseTimer& timer, Phase phase);
     ~Scope();
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
+    Scope(Scope&&) = delete;
 
    private:
     PhaseTimer& timer_;

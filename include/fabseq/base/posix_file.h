@@ -17,13 +17,10 @@ class PosixFile {
  public:
   /// `flags` as for open(2).
   PosixFile(const std::string& path, int flags);
-  PosixFile(const PosixFile&) = delete;
-  PosixFile& operator=(const PosixFile&) = delete;
+  PosixFile(PosixFile&&) = delete;
   ~PosixFile();
 
-  operator int() const {
-    return descriptor_;
-  }  // NOLINT(google-explicit-constructor): system calls take the number
+  operator int() const { return descriptor_; }  ///< for system calls
   void write(std::string_view bytes) const;
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
   void resize(std::int64_t bytes) const;
@@ -68,8 +65,7 @@ void remove_quietly(const std::string& path) noexcept;
 class MemoryFile {
  public:
   MemoryFile();
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
+  MemoryFile(MemoryFile&&) = delete;
   ~MemoryFile();
 
   /// A path under which this process can open it.

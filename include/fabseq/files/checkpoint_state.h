@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -21,7 +22,7 @@ class CheckpointState {
   void set_array(const std::string& name, std::vector<double> values);
   /// An entry for each of this rank's design variables. Read on another number of ranks, or shared by them in
   /// another way, it comes back distributed like theirs.
-  void set_field(const std::string& name, std::vector<double> values);
+  void set_field(const std::string& name, std::vector<double> values) { fields_[name] = std::move(values); }
 
   bool has_array(const std::string& name) const { return arrays_.contains(name); }
   int integer(const std::string& name) const;

@@ -17,9 +17,8 @@ struct FieldSet {
     std::string name;
     bool on_nodes = false;
     int components = 1;
-    std::span<const double>
-        values;  ///< owned entities of this rank, [entity][component], lexicographic in the owned box
-    bool single_precision = false;  ///< stored as 32-bit floats
+    std::span<const double> values;  ///< [owned entity][component], lexicographic in the owned box
+    bool single_precision = false;   ///< stored as 32-bit floats
   };
 
   const Grid<Dim>* grid = nullptr;

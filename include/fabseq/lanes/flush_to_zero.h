@@ -18,8 +18,7 @@ class FlushToZero {
 #else
   FlushToZero() = default;
 #endif
-  FlushToZero(const FlushToZero&) = delete;
-  FlushToZero& operator=(const FlushToZero&) = delete;
+  FlushToZero(FlushToZero&&) = delete;
 
 #if defined(__SSE2__)
  private:

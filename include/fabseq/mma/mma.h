@@ -29,8 +29,7 @@ struct MmaReport {
   int newton_steps = 0;
   double kkt_residual = 0.0;        ///< largest residual of the subproblem's optimality conditions
   std::vector<double> multipliers;  ///< lambda of each row
-  double largest_violation =
-      0.0;  ///< largest y_i of the rows with c > 0: how much the convex subproblem had to relax one
+  double largest_violation = 0.0;   ///< largest y_i of rows with c > 0: how far the subproblem relaxed one
 };
 
 /// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's

@@ -25,13 +25,11 @@ struct MmaBlock {
   Array v;                                            ///< start of minimize() and its result
 
   // What expand() finds.
-  Array even, bulge;  ///< e and 0.501 h
-  Array even_slope, bulge_slope,
-      curvature_slope;  ///< derivatives of e, 0.501 h, curvature h, over sqrt(D)
-  Array kappa;          ///< -d2psi/(dv dbarrier), over sqrt(D)
-  Array wall;           ///< 0.501 dh/dbarrier
-  double curvature_change = 0.0,
-         curvature_wall = 0.0;  ///< sums of curvature h and its derivative, the same for all rows
+  Array even, bulge;                               ///< e and 0.501 h
+  Array even_slope, bulge_slope, curvature_slope;  ///< derivatives of e, 0.501 h, curvature h, over sqrt(D)
+  Array kappa;                                     ///< -d2psi/(dv dbarrier), over sqrt(D)
+  Array wall;                                      ///< 0.501 dh/dbarrier
+  double curvature_change = 0.0, curvature_wall = 0.0;  ///< of all rows: sums of curvature h, its derivative
 
   /// Moves v to the minimizers of the Lagrangian.
   void minimize(double barrier);

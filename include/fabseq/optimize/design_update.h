@@ -3,7 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/files/checkpoint_state.h"
-#include "fabseq/layers/layer_variables.h"
+#include "fabseq/layers/layer_model.h"
 #include "fabseq/mma/mma.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/sequence/sequence.h"

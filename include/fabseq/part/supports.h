@@ -16,10 +16,9 @@ struct Supports {
   /// of both could still move as a rigid body. No reference to the part is kept.
   Supports(const Part<Dim>& part, const PartDescription& description);
 
-  std::vector<char> held;  ///< 1 for owned nodes of the grid that are held, in the void, too
-  std::vector<int>
-      holding;     ///< those that touch the part or the substrate: offsets in Grid::owned_nodes(), ascending
-  int pieces = 0;  ///< face-connected pieces of part and substrate together
+  std::vector<char> held;    ///< 1 for owned nodes of the grid that are held, in the void, too
+  std::vector<int> holding;  ///< of them, on part or substrate: offsets in Grid::owned_nodes(), ascending
+  int pieces = 0;            ///< face-connected pieces of part and substrate together
 };
 
 }  // namespace fabseq

@@ -44,8 +44,7 @@ struct ElasticModel {
   SystemDomain domain;        ///< elements of the model; supports fixed
   std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
-  std::vector<int>
-      part_element;  ///< the other way round; negative for elements of the substrate and the void
+  std::vector<int> part_element;   ///< the other way round; negative for elements of substrate and void
 
   /// Stage density of an element of the model, given those of the part: the substrate stands, the void does
   /// not.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/parity.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
@@ -64,7 +64,9 @@ class LayerElements {
   void add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* lambda,
                               int lanes, std::span<double> work, StrainField& d_strains) const;
   /// Whether this rank has all nodes, so that owned and ghosted ones are the same.
-  bool has_all_nodes() const;
+  bool has_all_nodes() const {
+    return model_.part.grid().owned_nodes().size == model_.part.grid().all_nodes().size;
+  }
   /// Values on the ghosted nodes; `room` holds them if they are not the owned ones. Collective.
   const double* ghosted(const LaneVector& owned, std::vector<double>& room) const;
 

@@ -39,8 +39,7 @@ struct ProcessAdjoint {
 /// Where the derivatives of a functional by densities and strains go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
-  StrainField* strains =
-      nullptr;  ///< like those of the simulation, sized at first use; nullptr: not asked for
+  StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
   std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
 };
 
@@ -68,7 +67,9 @@ class ProcessSimulation {
 
   /// From now on simulations end with the release from the supports. Throws InputError if there is none
   /// (release_obstacle()).
-  void release_with(const ReleaseSolver& solver);
+  void release_with(const ReleaseSolver& solver) {
+    release_ = std::make_unique<Release<Dim>>(model_, solver);
+  }
 
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
   /// the layer if one does not converge.

@@ -20,8 +20,7 @@ std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& support
 
 /// What a release is solved with.
 struct ReleaseSolver {
-  AssembledSolverSettings
-      reference;  ///< also where the lane engine does not converge; its tolerance is that of both
+  AssembledSolverSettings reference;  ///< also where lanes do not converge; its tolerance is that of both
   SolverPath path = SolverPath::reference;
   LaneCycle cycle = {};
 };

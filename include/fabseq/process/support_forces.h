@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 
@@ -30,7 +30,10 @@ class SupportForces {
   void add_motion(std::span<const double> motion, LaneVector& solutions) const;
 
  private:
-  std::size_t node(std::size_t element, int unknown) const;
+  /// Offset in the ghosted box of the node of an unknown of an element.
+  std::size_t node(std::size_t element, int unknown) const {
+    return model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[unknown / Dim];
+  }
 
   const ElasticModel<Dim>& model_;
   std::vector<int> elements_;  ///< of the model, that have a fixed node

@@ -3,7 +3,7 @@
 /// Adjoint gradients against central differences (docs/formulation.md 8).
 #pragma once
 
-#include "fabseq/optimize/problem.h"
+#include "fabseq/base/json.h"
 
 #include <string>
 #include <vector>
@@ -36,11 +36,5 @@ struct GradientCheck {
   /// Error against step for every component, both axes logarithmic, as an SVG picture.
   std::string svg(const std::string& title) const;
 };
-
-/// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
-/// Collective.
-template <int Dim>
-GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                              const Design& design);
 
 }  // namespace fabseq

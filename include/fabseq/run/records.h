@@ -6,7 +6,7 @@
 
 #include "fabseq/base/json.h"
 #include "fabseq/files/hdf5_writer.h"
-#include "fabseq/layers/layer_variables.h"
+#include "fabseq/layers/layer_model.h"
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/design_update.h"

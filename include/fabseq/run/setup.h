@@ -4,6 +4,7 @@
 #include "fabseq/config/config.h"
 #include "fabseq/optimize/model.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace fabseq {
@@ -30,7 +31,8 @@ class Setup : public Model<Dim> {
   void require_memory_of_layers() const;
 
  private:
-  int most_layers_of_a_sequence() const;
+  /// The design's sequence and the planar baseline count.
+  int most_layers_of_a_sequence() const { return std::max(this->layers->count(), this->baseline->count()); }
   void require_release() const;
   void warn_about_method() const;
 };

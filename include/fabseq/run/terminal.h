@@ -16,8 +16,7 @@ struct ProgressLine {
   int iteration = 0, max_iterations = 0;
   /// First objective term of the planar baseline divided by the current one; NaN without a baseline.
   double objective_ratio = std::numeric_limits<double>::quiet_NaN();
-  double worst_constraint =
-      std::numeric_limits<double>::quiet_NaN();  ///< relative, negative when satisfied; NaN: none
+  double worst_constraint = std::numeric_limits<double>::quiet_NaN();  ///< relative; < 0: satisfied
   double beta = 0.0;
   double seconds = 0.0;  ///< of this iteration
 };
@@ -38,8 +37,7 @@ class Progress {
   Progress(MPI_Comm comm, bool on_terminal);
   /// Ends the line, as finish().
   ~Progress() { finish(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  Progress(Progress&&) = delete;
 
   void print(const ProgressLine& line);
   /// Ends a line that would still be rewritten, so that other text can follow.

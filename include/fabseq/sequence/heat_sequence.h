@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/part/part.h"
 #include "fabseq/sequence/averaging_filter.h"
-#include "fabseq/sequence/heat_model.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/heat_solver.h"
@@ -13,6 +15,23 @@
 #include <vector>
 
 namespace fabseq {
+
+/// What the heat solves of a part have in common (docs/formulation.md 2.1): the whole box conducts, void
+/// included; the temperature is prescribed on the plate's nodes of the part and on the substrate's.
+template <int Dim>
+struct HeatModel {
+  /// The model holds no reference to the part.
+  HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
+
+  const SquareMatrix<corner_count<Dim>>& mass() const {
+    return lumped ? element.lumped_mass() : element.consistent_mass();
+  }
+
+  ElementMatrices<Dim> element;
+  double reaction;      ///< alpha, in units of diffusivity / length^2
+  bool lumped;          ///< whether the mass matrix is diagonal
+  SystemDomain domain;  ///< all elements
+};
 
 /// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1). Solves div(kappa
 /// grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
@@ -39,7 +58,9 @@ class HeatSequence : public Sequence<Dim> {
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return part_.elements().size(); }
-  DesignSpace space() const override;
+  DesignSpace space() const override {
+    return {settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log};
+  }
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;

@@ -13,8 +13,7 @@ namespace fabseq {
 struct StartRegion {
   std::vector<char> elements;  ///< part field: 1 where t_e is 0 whatever the design
   std::vector<int> free;  ///< elements or nodes with a variable: offsets in the grid's owned ones, ascending
-  std::vector<double>
-      initial_time;  ///< of these: distance from the region inside the part over the largest one
+  std::vector<double> initial_time;  ///< of these: distance from the region in the part, over the largest
 };
 
 /// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a

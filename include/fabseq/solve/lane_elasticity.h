@@ -33,7 +33,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
                                               std::span<LaneVector> displacements) override;
   /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
-  void start_cold() override;
+  /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
+  void start_cold() override { fallback_.reset(); }
   void give_back_memory() override;
   std::string description() const override;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_outcome.h"
+#include "fabseq/lanes/lane_array.h"
 
 #include <limits>
 #include <string>
@@ -16,8 +16,7 @@ struct SolveReport {
   int iterations = 0;
   double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
   bool converged = true;
-  std::string
-      reason;  ///< PETSc's word for how it ended, or the lane solver's; empty for a zero right-hand side
+  std::string reason;  ///< for how it ended, by PETSc or the lane solver; empty for a zero right-hand side
 };
 
 /// The report of a lane: what is no number has no residual, either.

@@ -29,9 +29,8 @@ PetscErrorCode converged_or_stopped(KSP solver, PetscInt iteration, PetscReal no
 
 /// How the solve of a block of columns ended.
 struct BlockReport {
-  int iterations = 0;  ///< of all columns
-  std::vector<double>
-      residuals;  ///< of each column, preconditioned, relative to a zero start; 0 of a zero one
+  int iterations = 0;             ///< of all columns
+  std::vector<double> residuals;  ///< of each column, preconditioned, over a zero start's; 0 of a zero one
 };
 
 /// The first iteration of an exact solve gains all the digits there are; rounding may want a second one.

@@ -23,23 +23,6 @@ struct Level {
   std::int64_t count = 0;
 };
 
-template <int Dim>
-DmHandle make_level_dm(const Grid<Dim>& grid, const Level<Dim>& level) {
-  DmHandle dm;
-  const auto& p = grid.processes();
-  const auto& r = level.node_ranges;
-  const auto none = DM_BOUNDARY_NONE;
-  if constexpr (Dim == 2)
-    check(DMDACreate2d(grid.comm(), none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
-                       level.elements[1] + 1, p[0], p[1], 1, 1, r[0].data(), r[1].data(), dm.receive()));
-  else
-    check(DMDACreate3d(grid.comm(), none, none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
-                       level.elements[1] + 1, level.elements[2] + 1, p[0], p[1], p[2], 1, 1, r[0].data(),
-                       r[1].data(), r[2].data(), dm.receive()));
-  check(DMSetUp(dm));
-  return dm;
-}
-
 /// Node counts of each process along each axis, from the boxes the ranks own.
 template <int Dim>
 std::array<std::vector<PetscInt>, Dim> gather_ranges(const Grid<Dim>& grid, const IndexBox<Dim>& owned) {
@@ -104,7 +87,7 @@ void for_each_parent(const Index<Dim>& fine, Function&& f) {
 template <int Dim>
 void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
   coarse.node_ranges = gather_ranges(grid, coarse.owned);
-  coarse.dm = make_level_dm(grid, coarse);
+  coarse.dm = make_node_dm<Dim>(grid.comm(), grid.processes(), coarse.node_ranges, 1);
   coarse.exchange = std::make_unique<NodeExchange<Dim>>(coarse.dm, 1);
   std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
   std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));

@@ -40,9 +40,8 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   AssembledSolverSettings settings_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   int first_layer_ = 0, lanes_ = 0;
-  std::vector<double> coefficients_;  ///< [element][lane] of the current block
-  std::map<int, std::unique_ptr<AssembledSystem<Dim>>>
-      systems_;                     ///< by layer where kept, else the only one under -1
+  std::vector<double> coefficients_;                              ///< [element][lane] of the current block
+  std::map<int, std::unique_ptr<AssembledSystem<Dim>>> systems_;  ///< by layer if kept, else under -1
   std::map<int, bool> up_to_date_;  ///< whether a kept layer's system holds its stiffness
   bool keep_;
 };
