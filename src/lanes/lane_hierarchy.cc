@@ -113,12 +113,6 @@ std::vector<std::int64_t> LaneHierarchy<Dim>::element_numbers(const SystemDomain
 }
 
 template <int Dim>
-std::int64_t LaneHierarchy<Dim>::total_elements(const LaneLevel<Dim>& level) const {
-  const std::int64_t own = level.mesh.elements();
-  return level.distributed ? sum(grid_.comm(), own) : own;
-}
-
-template <int Dim>
 Index<Dim> LaneHierarchy<Dim>::choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
                                               std::int64_t active) {
   Index<Dim> factors;
@@ -150,7 +144,8 @@ bool LaneHierarchy<Dim>::keep_distributed(const LaneLevel<Dim>& fine, std::int64
 template <int Dim>
 bool LaneHierarchy<Dim>::coarsen() {
   LaneLevel<Dim>& fine = levels_.back();
-  fine.factors = choose_factors(fine.elements, fine.spacing, total_elements(fine));
+  const std::int64_t own = fine.mesh.elements();
+  fine.factors = choose_factors(fine.elements, fine.spacing, fine.distributed ? sum(grid_.comm(), own) : own);
   // The last level is whole on every rank: a copy of this one if that is distributed.
   if (*std::max_element(fine.factors.begin(), fine.factors.end()) == 1 && !fine.distributed) return false;
   LaneLevel<Dim>& coarse = levels_.emplace_back();

@@ -134,21 +134,18 @@ class Watershed {
                             : properties_[lesser].peak > properties_[greater].peak;
       if (swap) std::swap(greater, lesser);
       Properties& ends = properties_[lesser];
-      if (!ends.supported && ends.peak > contrast_ * stiffness_[element] && ends.size >= smallest)
+      if (!ends.supported && ends.peak > contrast_ * stiffness_[element] && ends.size >= smallest) {
         ends.island = true;
-      else
-        take_in(lesser, greater);
+      } else {
+        basins_.join(lesser, greater);
+        Properties& whole = properties_[greater];
+        whole.size += ends.size;
+        whole.supported = whole.supported || ends.supported;
+        whole.peak = std::max(whole.peak, ends.peak);
+      }
     }
     components_.join(second, first);
     main_basin_[components_.find(first)] = greater;
-  }
-
-  void take_in(int lesser, int greater) {
-    basins_.join(lesser, greater);
-    Properties& whole = properties_[greater];
-    whole.size += properties_[lesser].size;
-    whole.supported = whole.supported || properties_[lesser].supported;
-    whole.peak = std::max(whole.peak, properties_[lesser].peak);
   }
 
   IndexBox<Dim> box_;

@@ -146,12 +146,7 @@ std::vector<double> Release<Dim>::solve(const std::vector<double>& load, const c
   std::vector<double> solution(load.size());
   const SolveReport report = settings_.path == SolverPath::lanes ? solve_by_lanes(load, solution)
                                                                  : solve_by_reference(load, solution);
-  if (!report.converged) {
-    std::ostringstream text;
-    text << "the " << what << " did not converge: " << report.iterations << " iterations, residual "
-         << report.residual << " (" << report.reason << ')';
-    throw NumericalError(text.str());
-  }
+  require_convergence(report, std::string("the ") + what);
   rigid_motions_.remove_fit(solution);
   return solution;
 }

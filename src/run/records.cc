@@ -29,12 +29,6 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
   return table;
 }
 
-Json lists(const std::vector<std::vector<double>>& values) {
-  Json result = Json::array();
-  for (const auto& list : values) result.push_back(list);
-  return result;
-}
-
 /// Terms of an objective have one.
 std::vector<double> first_components(const std::vector<std::vector<double>>& values) {
   std::vector<double> result;
@@ -55,7 +49,7 @@ Json optimizer_record(const MmaReport& mma) {
 
 Json binary_record(const ProblemValues& values) {
   return Json::object({{"objective", first_components(values.objective)},
-                       {"constraints", lists(values.constraints)},
+                       {"constraints", values.constraints},
                        {"worst_constraint", values.worst_constraint}});
 }
 
@@ -87,7 +81,7 @@ Json to_record(const HistoryLine& line) {
   Json record = Json::object({{"iteration", line.iterate.iteration},
                               {"objective", first_components(values.objective)},
                               {"objective_scaled", values.scaled},
-                              {"constraints", lists(values.constraints)},
+                              {"constraints", values.constraints},
                               {"worst_constraint", values.worst_constraint},
                               {"beta", line.iterate.beta},
                               {"change", line.step.change},
@@ -97,11 +91,9 @@ Json to_record(const HistoryLine& line) {
                               {"solver_iterations", to_record(line.solver_iterations)},
                               {"seconds", seconds_record(line.seconds)},
                               {"peak_memory_bytes", line.peak_memory_bytes}});
-  if (line.temperature_range)
-    record["temperature_range"] =
-        std::vector<double>{(*line.temperature_range)[0], (*line.temperature_range)[1]};
+  if (line.temperature_range) record["temperature_range"] = *line.temperature_range;
   set_layer_variables(record, line.layer_variables, line.design);
-  if (has_functionals(values)) record["functionals"] = lists(values.functionals);
+  if (has_functionals(values)) record["functionals"] = values.functionals;
   if (line.iterate.binary) record["binary"] = binary_record(*line.iterate.binary);
   return record;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/sequence/heat_sequence.h"
 
-#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
@@ -22,14 +21,6 @@ namespace {
 bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
   if (settings.mass != MassRule::automatic) return settings.mass == MassRule::lumped;
   return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
-}
-
-void require_convergence(const SolveReport& report, const char* what) {
-  if (report.converged) return;
-  std::ostringstream text;
-  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
-       << " (" << report.reason << ')';
-  throw NumericalError(text.str());
 }
 
 /// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of

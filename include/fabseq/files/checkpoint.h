@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Checkpoints a run can trust: written, synced, read back, and only then pointed to.
 #pragma once
 
 #include "fabseq/files/checkpoint_state.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The directory a run writes to.
 #pragma once
 
 #include "fabseq/base/json.h"

@@ -35,7 +35,6 @@ class IslandMap {
   std::vector<LaneIslands> find(std::span<const double> stiffness, int width) const;
 
  private:
-  std::vector<double> gather_field(std::span<const double> own, int root) const;
   std::vector<int> find_in(std::span<const double> field) const;
 
   const LaneLevel<Dim>& level_;

@@ -70,7 +70,6 @@ class LaneCg {
   void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
   void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
   void iterate(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
-  void find_islands();
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);

@@ -78,7 +78,6 @@ class LaneHierarchy {
   void find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
   bool holds_rigid_motions(const LaneLevel<Dim>& level) const;
   void set_up_sums(LaneLevel<Dim>& level);
-  std::int64_t total_elements(const LaneLevel<Dim>& level) const;
 
   const Grid<Dim>& grid_;
   int components_;

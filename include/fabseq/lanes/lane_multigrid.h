@@ -87,7 +87,6 @@ class LaneMultigrid {
   template <bool First>
   void advance(Level& level, const Scalars& alpha, const Scalars& beta, bool last);
   void solve_directly();
-  void sum(int index, std::span<double> scalars) const;
 
   LaneHierarchy<dim>& hierarchy_;
   LaneCycle cycle_;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Adjoint gradients against central differences (docs/formulation.md 8).
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -25,7 +23,8 @@ struct GradientError {
   double best() const;  ///< smallest relative error, of the central and the fourth-order differences
 };
 
-/// Errors of all components for a list of steps.
+/// Adjoint gradients against central differences (docs/formulation.md 8): errors of all components for a list
+/// of steps.
 struct GradientCheck {
   std::vector<double> steps;  ///< of the optimizer's variable, fraction of its range
   std::vector<GradientError> errors;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// From a nodal field to the elements of the part, and derivatives back.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"

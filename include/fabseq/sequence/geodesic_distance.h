@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Distance from the build plate or the substrate, or from where else a sequence starts, inside the part: for
-/// the start of the optimization and the automatic layer count.
 #pragma once
 
 #include "fabseq/part/part.h"

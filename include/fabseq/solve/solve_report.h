@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/base/error.h"
 #include "fabseq/lanes/lane_array.h"
 
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace fabseq {
@@ -18,6 +20,15 @@ struct SolveReport {
   bool converged = true;
   std::string reason;  ///< for how it ended, by PETSc or the lane solver; empty for a zero right-hand side
 };
+
+/// Throws NumericalError("WHAT did not converge: ...") if a solve did not.
+inline void require_convergence(const SolveReport& report, const std::string& what) {
+  if (report.converged) return;
+  std::ostringstream text;
+  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
+       << " (" << report.reason << ')';
+  throw NumericalError(text.str());
+}
 
 /// The report of a lane: what is no number has no residual, either.
 inline SolveReport report_of(const LaneOutcome& outcome) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The preconditioners of the reference solver, made of stock PETSc: which one, and its set-up.
 #pragma once
 
 #include "fabseq/base/petsc.h"
