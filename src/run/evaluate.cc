@@ -17,7 +17,6 @@ double evaluation_tolerance(const Config& config) { return std::min(config.solve
 namespace {
 
 /// A gradient row for every component of every response.
-template <int Dim>
 std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values) {
   std::vector<GradientRow> rows;
   for (std::size_t r = 0; r < values.size(); ++r)
@@ -52,7 +51,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
 
   const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
-  const std::vector<GradientRow> rows = all_components<Dim>(report.values);
+  const std::vector<GradientRow> rows = all_components(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
 
   Hdf5Writer file(setup.world(), directory.file("gradients.h5"));

@@ -80,8 +80,6 @@ bool stdout_is_terminal() {
   return launcher_has_terminal();
 }
 
-Progress::Progress(MPI_Comm comm) : Progress(comm, stdout_is_terminal()) {}
-
 Progress::Progress(MPI_Comm comm, bool on_terminal)
     : is_first_(rank_of(comm) == 0), on_terminal_(on_terminal) {}
 

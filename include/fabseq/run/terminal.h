@@ -32,7 +32,7 @@ bool stdout_is_terminal();
 /// after the other.
 class Progress {
  public:
-  explicit Progress(MPI_Comm comm);
+  explicit Progress(MPI_Comm comm) : Progress(comm, stdout_is_terminal()) {}
   /// `on_terminal`: whether the line is rewritten (rank 0's counts).
   Progress(MPI_Comm comm, bool on_terminal);
   /// Ends the line, as finish().
