@@ -20,7 +20,7 @@ enum class Standing { satisfied, within_elements, violated };
 /// They may be missed by this much, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
-/// The same on all ranks.
+/// What an iteration finds out about its design; the same on all ranks.
 struct Iterate {
   int iteration = 0;
   double beta = 0.0;                    ///< sharpness of the layers of `values`

@@ -14,8 +14,8 @@
 
 namespace fabseq {
 
-/// Voigt, engineering shear: a strain of its own for each part element or for each layer; if both are empty,
-/// the material's for all.
+/// Inherent strains of a whole process, or derivatives by them, Voigt, engineering shear: one for each part
+/// element or for each layer; if both are empty, the material's for all.
 struct StrainField {
   std::vector<double> of_elements;  ///< [part element][Voigt]
   std::vector<double> of_layers;    ///< [layer][Voigt]
