@@ -20,16 +20,6 @@ namespace {
 
 constexpr std::array<const char*, 2> slots = {"checkpoint/slot_0.h5", "checkpoint/slot_1.h5"};
 
-/// What is wrong with a slot, "" if nothing.
-std::string fault_of(const std::string& path) {
-  try {
-    (void)verify_checkpoint(path);
-    return "";
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
-
 struct Search {
   std::string path, warning;
 };
@@ -44,10 +34,12 @@ Search search(const std::string& directory) {
     const std::string path = directory + "/" + slot;
     std::error_code error;
     if (newest.empty() && !std::filesystem::exists(path, error)) continue;
-    const std::string fault = fault_of(path);
-    if (fault.empty())
+    try {
+      (void)verify_checkpoint(path);
       return {path, faults.empty() ? "" : faults + "; '" + path + "', which is older, is used"};
-    faults += (faults.empty() ? "" : "; ") + fault;
+    } catch (const Error& fault) {
+      faults += std::string(faults.empty() ? "" : "; ") + fault.what();
+    }
   }
   if (!newest.empty())
     throw InputError("-restart: " + faults + "; allowed: a directory with an intact checkpoint");

@@ -39,15 +39,11 @@ void remove_file(const fs::path& path) {
   if (error) fail("remove", path, error.message());
 }
 
-bool starts_and_ends(const std::string& text, std::string_view start, std::string_view end) {
-  return text.size() >= start.size() + end.size() && text.compare(0, start.size(), start) == 0 &&
-         text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 bool is_field_dump(const std::string& name) {
   constexpr std::array<std::string_view, 3> endings = {".bin", ".xdmf", ".partial"};
-  return std::any_of(endings.begin(), endings.end(),
-                     [&](std::string_view end) { return starts_and_ends(name, "iteration_", end); });
+  return std::any_of(endings.begin(), endings.end(), [&](std::string_view end) {
+    return name.starts_with("iteration_") && name.ends_with(end);
+  });
 }
 
 void remove_run(const fs::path& directory) {

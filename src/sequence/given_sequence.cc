@@ -79,8 +79,7 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   double outside = 0.0;
   for (const double t : result.time)
     if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;
-  const bool wrong = any(part.grid().comm(), outside != 0.0);
-  if (wrong)
+  if (any(part.grid().comm(), outside != 0.0))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
   return result;
