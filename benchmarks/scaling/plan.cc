@@ -17,7 +17,7 @@
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/run/setup.h"
-#include "fabseq/sequence/heat_model.h"
+#include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/solve/lane_heat.h"
 
 #include <nlohmann/json.hpp>

@@ -2,6 +2,7 @@
 #include "fabseq/base/hdf5.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/json.h"
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
@@ -13,23 +14,9 @@ namespace fabseq {
 
 namespace {
 
-std::string shape_text(std::span<const hsize_t> shape) {
-  std::string text = "[";
-  for (std::size_t axis = 0; axis < shape.size(); ++axis) {
-    if (axis > 0) text += ",";
-    text += std::to_string(shape[axis]);
-  }
-  return text + "]";
-}
-
 /// Names of the datasets of a file, for the message about one that is missing.
 std::string dataset_list(hid_t file) {
-  std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-    return 0;
-  };
-  (void)H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect, &names, H5O_INFO_BASIC);
+  const std::vector<std::string> names = dataset_names(file);
   if (names.empty()) return "the file has no datasets";
   constexpr std::size_t most = 10;
   std::string text = "the file has ";
@@ -151,8 +138,8 @@ Hdf5ParallelDataset::Hdf5ParallelDataset(MPI_Comm comm, const std::string& file,
 
 void Hdf5ParallelDataset::require_shape(std::span<const hsize_t> expected, const std::string& meaning) const {
   if (std::equal(expected.begin(), expected.end(), shape_.begin(), shape_.end())) return;
-  throw InputError(dataset_key_ + ": " + name_ + " has shape " + shape_text(shape_) + ", needs " +
-                   shape_text(expected) + " (" + meaning + ")");
+  throw InputError(dataset_key_ + ": " + name_ + " has shape " + to_text(shape_) + ", needs " +
+                   to_text(std::vector<hsize_t>(expected.begin(), expected.end())) + " (" + meaning + ")");
 }
 
 std::vector<double> Hdf5ParallelDataset::read(std::span<const hsize_t> start,

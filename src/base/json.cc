@@ -55,9 +55,8 @@ class Builder : public nlohmann::json_sax<Json> {
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
-    if (open_.back()->contains(name)) {
+    if (open_.back()->contains(name))
       throw InputError(place_ + ": key " + to_text(name) + " is given twice in the same object");
-    }
     key_ = name;
     return true;
   }
@@ -74,9 +73,8 @@ class Builder : public nlohmann::json_sax<Json> {
   }
 
   bool open(Json container) {
-    if (open_.size() >= max_depth) {
+    if (open_.size() >= max_depth)
       throw InputError(place_ + ": nested more than " + std::to_string(max_depth) + " levels deep");
-    }
     open_.push_back(&insert(std::move(container)));
     return true;
   }

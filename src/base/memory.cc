@@ -6,7 +6,6 @@
 
 #include <cstdio>
 #include <fstream>
-#include <string>
 #include <sys/resource.h>
 #include <unistd.h>
 

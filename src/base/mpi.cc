@@ -3,6 +3,8 @@
 
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 
+#include <numeric>
+
 namespace fabseq {
 
 namespace {
@@ -11,6 +13,22 @@ template <class T>
 T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op operation) {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, type, operation, comm);
   return value;
+}
+
+template <class T>
+void reduce(MPI_Comm comm, std::span<T> values, MPI_Datatype type, MPI_Op operation) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), type, operation, comm);
+}
+
+template <class T>
+std::vector<T> gather(MPI_Comm comm, std::span<const T> own, MPI_Datatype type) {
+  const int count = static_cast<int>(own.size());
+  std::vector<int> counts(static_cast<std::size_t>(size_of(comm))), starts(counts);
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
+  std::vector<T> all(static_cast<std::size_t>(starts.back()) + counts.back());
+  MPI_Allgatherv(own.data(), count, type, all.data(), counts.data(), starts.data(), type, comm);
+  return all;
 }
 
 }  // namespace
@@ -36,24 +54,19 @@ std::int64_t min(MPI_Comm comm, std::int64_t value) { return reduce(comm, value,
 
 bool any(MPI_Comm comm, bool value) { return reduce(comm, value ? 1 : 0, MPI_INT, MPI_MAX) != 0; }
 
-void sum_in_place(MPI_Comm comm, std::span<double> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm);
-}
-
-void sum_in_place(MPI_Comm comm, std::span<float> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_FLOAT, MPI_SUM, comm);
-}
-
+void sum_in_place(MPI_Comm comm, std::span<double> values) { reduce(comm, values, MPI_DOUBLE, MPI_SUM); }
+void sum_in_place(MPI_Comm comm, std::span<float> values) { reduce(comm, values, MPI_FLOAT, MPI_SUM); }
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm);
+  reduce(comm, values, MPI_INT64_T, MPI_SUM);
 }
+void sum_in_place(MPI_Comm comm, std::span<int> values) { reduce(comm, values, MPI_INT, MPI_SUM); }
+void max_in_place(MPI_Comm comm, std::span<double> values) { reduce(comm, values, MPI_DOUBLE, MPI_MAX); }
 
-void sum_in_place(MPI_Comm comm, std::span<int> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT, MPI_SUM, comm);
+std::vector<std::int64_t> gather_all(MPI_Comm comm, std::span<const std::int64_t> own) {
+  return gather(comm, own, MPI_INT64_T);
 }
-
-void max_in_place(MPI_Comm comm, std::span<double> values) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, comm);
+std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own) {
+  return gather(comm, own, MPI_DOUBLE);
 }
 
 std::string broadcast(MPI_Comm comm, const std::string& text) {

@@ -139,9 +139,7 @@ std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::center_stress(
   return result;
 }
 
-template SquareMatrix<voigt_size<2>> elasticity_matrix<2>(double);
-template SquareMatrix<voigt_size<3>> elasticity_matrix<3>(double);
-template class ElementMatrices<2>;
-template class ElementMatrices<3>;
+FABSEQ_INSTANTIATE_FUNCTION(elasticity_matrix);
+FABSEQ_INSTANTIATE_CLASS(ElementMatrices);
 
 }  // namespace fabseq

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/files/checkpoint.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
-#include "fabseq/base/memory_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/verdict.h"
@@ -145,7 +143,6 @@ void write_checkpoint(const OutputDirectory& directory, const DesignLayout<Dim>&
   directory.write("checkpoint/newest", slot.substr(slot.find('/') + 1) + "\n");
 }
 
-template void write_checkpoint<2>(const OutputDirectory&, const DesignLayout<2>&, const CheckpointState&);
-template void write_checkpoint<3>(const OutputDirectory&, const DesignLayout<3>&, const CheckpointState&);
+FABSEQ_INSTANTIATE_FUNCTION(write_checkpoint);
 
 }  // namespace fabseq

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/files/checkpoint_reader.h"
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
@@ -11,7 +10,6 @@
 #include "fabseq/files/hdf5_attribute.h"
 #include "fabseq/files/hdf5_writer.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <vector>
@@ -21,16 +19,6 @@ namespace fabseq {
 namespace {
 
 constexpr std::array<const char*, 2> slots = {"checkpoint/slot_0.h5", "checkpoint/slot_1.h5"};
-
-/// What is wrong with a slot, "" if nothing.
-std::string fault_of(const std::string& path) {
-  try {
-    (void)verify_checkpoint(path);
-    return "";
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
 
 struct Search {
   std::string path, warning;
@@ -46,33 +34,19 @@ Search search(const std::string& directory) {
     const std::string path = directory + "/" + slot;
     std::error_code error;
     if (newest.empty() && !std::filesystem::exists(path, error)) continue;
-    const std::string fault = fault_of(path);
-    if (fault.empty())
+    try {
+      (void)verify_checkpoint(path);
       return {path, faults.empty() ? "" : faults + "; '" + path + "', which is older, is used"};
-    faults += (faults.empty() ? "" : "; ") + fault;
+    } catch (const Error& fault) {
+      faults += std::string(faults.empty() ? "" : "; ") + fault.what();
+    }
   }
   if (!newest.empty())
     throw InputError("-restart: " + faults + "; allowed: a directory with an intact checkpoint");
   return {"", faults};
 }
 
-/// Names of all datasets, split into arrays (one axis) and fields.
-struct Datasets {
-  std::vector<std::string> arrays, fields;
-};
-
-Datasets datasets_of(hid_t file) {
-  Datasets result;
-  for (const std::string& name : dataset_names(file)) {
-    const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
-    const Hdf5Dataspace space(H5Dget_space(dataset));
-    (H5Sget_simple_extent_ndims(space) == 1 ? result.arrays : result.fields).push_back(name);
-  }
-  return result;
-}
-
-std::vector<double> read_array(hid_t file, const std::string& name) {
-  const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+std::vector<double> read_array(hid_t dataset, const std::string& name) {
   const Hdf5Dataspace space(H5Dget_space(dataset));
   std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
   if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -89,9 +63,13 @@ std::string read_description(const std::string& path) {
   for (const std::string& name : attribute_names(file))
     if (const std::optional<Json> value = read_attribute(file, name); value && name != "checksum_of_scalars")
       scalars[name] = *value;
-  const Datasets datasets = datasets_of(file);
-  for (const std::string& name : datasets.arrays) arrays[name] = read_array(file, name);
-  for (const std::string& name : datasets.fields) fields.push_back(name);
+  for (const std::string& name : dataset_names(file)) {
+    const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
+    if (H5Sget_simple_extent_ndims(Hdf5Dataspace(H5Dget_space(dataset))) == 1)
+      arrays[name] = read_array(dataset, name);
+    else
+      fields.push_back(name);
+  }
   return Json::object({{"scalars", scalars}, {"arrays", arrays}, {"fields", fields}}).dump();
 }
 
@@ -133,7 +111,6 @@ CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>
   return state;
 }
 
-template CheckpointState read_checkpoint<2>(const std::string&, const DesignLayout<2>&);
-template CheckpointState read_checkpoint<3>(const std::string&, const DesignLayout<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(read_checkpoint);
 
 }  // namespace fabseq

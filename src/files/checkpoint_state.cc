@@ -41,10 +41,6 @@ void CheckpointState::set_array(const std::string& name, std::vector<double> val
   arrays_[name] = std::move(values);
 }
 
-void CheckpointState::set_field(const std::string& name, std::vector<double> values) {
-  fields_[name] = std::move(values);
-}
-
 const Json& CheckpointState::scalar(const std::string& name) const { return find(scalars_, name); }
 
 int CheckpointState::integer(const std::string& name) const {

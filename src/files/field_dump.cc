@@ -34,8 +34,7 @@ void require_success(int code, const std::string& file) {
 class MpiType {
  public:
   explicit MpiType(MPI_Datatype type) : type_(type) { MPI_Type_commit(&type_); }
-  MpiType(const MpiType&) = delete;
-  MpiType& operator=(const MpiType&) = delete;
+  MpiType(MpiType&&) = delete;
   ~MpiType() { MPI_Type_free(&type_); }
   operator MPI_Datatype() const { return type_; }  // NOLINT(google-explicit-constructor)
 
@@ -58,34 +57,20 @@ MPI_Datatype make_box_type(const IndexBox<Dim>& whole, const IndexBox<Dim>& owne
   return type;
 }
 
-/// Sole owner of an MPI file.
-class MpiFile {
- public:
-  MpiFile() = default;
-  MpiFile(const MpiFile&) = delete;
-  MpiFile& operator=(const MpiFile&) = delete;
-  ~MpiFile() { (void)close(); }
-
-  operator MPI_File() const { return file_; }  // NOLINT(google-explicit-constructor)
-  MPI_File* receive() { return &file_; }
-  /// Collective.
-  int close() { return file_ == MPI_FILE_NULL ? MPI_SUCCESS : MPI_File_close(&file_); }
-  /// Leaves a file open that not all ranks could open: closing is collective and would wait for the others.
-  void forget() { file_ = MPI_FILE_NULL; }
-
- private:
-  MPI_File file_ = MPI_FILE_NULL;
-};
-
 /// A file that all ranks write together. Every member is collective and throws OutputError on all ranks.
 class SharedFile {
  public:
   /// `path` must be there.
   SharedFile(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
-    const int opened = MPI_File_open(comm_, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, file_.receive());
-    const bool all_open = !any(comm_, opened != MPI_SUCCESS);
-    if (!all_open) file_.forget();
+    const int opened = MPI_File_open(comm_, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file_);
+    // Left open where not all ranks could open it: closing is collective and would wait for the others.
+    if (any(comm_, opened != MPI_SUCCESS)) file_ = MPI_FILE_NULL;
     run_on_all(comm_, [&] { require_success(opened, path_); });
+  }
+
+  SharedFile(SharedFile&&) = delete;
+  ~SharedFile() {
+    if (file_ != MPI_FILE_NULL) (void)MPI_File_close(&file_);
   }
 
   /// Writes this rank's `values` of a field that starts at byte `offset`.
@@ -116,7 +101,7 @@ class SharedFile {
 
   void close() {
     const int synced = MPI_File_sync(file_);
-    const int closed = file_.close();
+    const int closed = MPI_File_close(&file_);
     run_on_all(comm_, [&] {
       require_success(synced, path_);
       require_success(closed, path_);
@@ -126,7 +111,7 @@ class SharedFile {
  private:
   MPI_Comm comm_;
   std::string path_;
-  MpiFile file_;
+  MPI_File file_ = MPI_FILE_NULL;
 };
 
 template <int Dim>
@@ -198,7 +183,6 @@ void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::str
   }
 }
 
-template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
-template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
+FABSEQ_INSTANTIATE_FUNCTION(write_field_dump);
 
 }  // namespace fabseq

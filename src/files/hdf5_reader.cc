@@ -47,13 +47,6 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
   return data.read(start, count);
 }
 
-template <int Dim>
-std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
-                                       const std::string& dataset, const std::string& file_key,
-                                       const std::string& dataset_key) {
-  return read_field<Dim>(grid, false, file, dataset, file_key, dataset_key);
-}
-
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               std::size_t count, const std::string& meaning, const std::string& file_key,
                               const std::string& dataset_key, int columns) {
@@ -72,13 +65,6 @@ std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std:
   return data.read({&start, 1}, {&extent, 1});
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                             \
-  template std::vector<double> read_field<Dim>(const Grid<Dim>&, bool, const std::string&,                  \
-                                               const std::string&, const std::string&, const std::string&); \
-  template std::vector<double> read_element_field<Dim>(                                                     \
-      const Grid<Dim>&, const std::string&, const std::string&, const std::string&, const std::string&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(read_field);
 
 }  // namespace fabseq

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/files/hdf5_writer.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
-#include "fabseq/base/memory_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/verdict.h"
@@ -15,7 +13,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
+#include <exception>
 #include <fcntl.h>
 #include <functional>
 #include <map>
@@ -24,10 +22,14 @@
 
 namespace fabseq {
 
-namespace {
-
 static_assert(std::endian::native == std::endian::little,
               "values are written as they lie in memory, little-endian");
+
+namespace {
+
+std::vector<hsize_t> to_extents(const std::vector<std::int64_t>& shape) {
+  return {shape.begin(), shape.end()};
+}
 
 }  // namespace
 
@@ -43,8 +45,7 @@ class Hdf5Writer::File {
   ~File() {
     if (disk_) remove_quietly(partial_name(path_));
   }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
+  File(File&&) = delete;
 
   MPI_Comm comm() const { return comm_; }
   hid_t root() const { return file_; }
@@ -139,14 +140,6 @@ class Hdf5Writer::File {
   std::map<std::string, Place> places_;
 };
 
-namespace {
-
-std::vector<hsize_t> to_extents(const std::vector<std::int64_t>& shape) {
-  return {shape.begin(), shape.end()};
-}
-
-}  // namespace
-
 Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : file_(std::make_unique<File>(comm, path)) {
   run_on_first(comm, [&] { file_->create(); });
 }
@@ -157,15 +150,21 @@ template <int Dim>
 std::uint64_t Hdf5Writer::write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
                                       bool single_precision) {
   const bool is_first = rank_of(file_->comm()) == 0;
-  FirstFailure failure;
+  std::exception_ptr failure;  // put off until all slabs are gathered
   Checksum checksum;
   for (int slab = 0; slab < slabs.count(); ++slab) {
     const std::span<const double> values = slabs.gather(slab);
-    if (!is_first) continue;
-    failure.run([&] { file_->write_values(name, first, values, single_precision, checksum); });
+    if (!is_first || failure) continue;
+    try {
+      file_->write_values(name, first, values, single_precision, checksum);
+    } catch (...) {
+      failure = std::current_exception();
+    }
     first += static_cast<std::int64_t>(values.size());
   }
-  run_on_first(file_->comm(), [&] { failure.rethrow(); });
+  run_on_first(file_->comm(), [&] {
+    if (failure) std::rethrow_exception(failure);
+  });
   return checksum.value();
 }
 
@@ -235,7 +234,6 @@ template void Hdf5Writer::write_fields<2>(const FieldSet<2>&);
 template void Hdf5Writer::write_fields<3>(const FieldSet<3>&);
 template void Hdf5Writer::write_stage<2>(const Grid<2>&, const FieldSet<2>::Field&, int, int);
 template void Hdf5Writer::write_stage<3>(const Grid<3>&, const FieldSet<3>::Field&, int, int);
-template std::string hdf5_xdmf<2>(const FieldSet<2>&, const std::string&);
-template std::string hdf5_xdmf<3>(const FieldSet<3>&, const std::string&);
+FABSEQ_INSTANTIATE_FUNCTION(hdf5_xdmf);
 
 }  // namespace fabseq

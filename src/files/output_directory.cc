@@ -4,6 +4,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
+#include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 
 #include <algorithm>
@@ -23,22 +24,10 @@ namespace fs = std::filesystem;
 constexpr std::string_view mark_of_a_run = "config.json";
 /// What else a run writes (docs/reference.md, output), and the two files by which a user talks to
 /// it.
-constexpr std::array<std::string_view, 16> files_of_a_run = {"refined.h5",
-                                                             "history.jsonl",
-                                                             "result.h5",
-                                                             "result.xdmf",
-                                                             "summary.json",
-                                                             "evaluation.json",
-                                                             "gradients.h5",
-                                                             "checkpoint/slot_0.h5",
-                                                             "checkpoint/slot_1.h5",
-                                                             "checkpoint/newest",
-                                                             "stop",
-                                                             "output_now",
-                                                             "gradient_check.csv",
-                                                             "gradient_check.json",
-                                                             "gradient_check.svg",
-                                                             mark_of_a_run};
+constexpr auto files_of_a_run = std::to_array<std::string_view>(
+    {"refined.h5", "history.jsonl", "result.h5", "result.xdmf", "summary.json", "evaluation.json",
+     "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest", "stop",
+     "output_now", "gradient_check.csv", "gradient_check.json", "gradient_check.svg", mark_of_a_run});
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
   throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);
@@ -50,15 +39,11 @@ void remove_file(const fs::path& path) {
   if (error) fail("remove", path, error.message());
 }
 
-bool starts_and_ends(const std::string& text, std::string_view start, std::string_view end) {
-  return text.size() >= start.size() + end.size() && text.compare(0, start.size(), start) == 0 &&
-         text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 bool is_field_dump(const std::string& name) {
   constexpr std::array<std::string_view, 3> endings = {".bin", ".xdmf", ".partial"};
-  return std::any_of(endings.begin(), endings.end(),
-                     [&](std::string_view end) { return starts_and_ends(name, "iteration_", end); });
+  return std::any_of(endings.begin(), endings.end(), [&](std::string_view end) {
+    return name.starts_with("iteration_") && name.ends_with(end);
+  });
 }
 
 void remove_run(const fs::path& directory) {
@@ -112,6 +97,14 @@ void prepare_to_continue(const fs::path& directory) {
   remove_file(directory / "summary.json");
 }
 
+constexpr const char* history_file = "history.jsonl";
+
+void warn_if_short(MPI_Comm comm, std::int64_t size, std::int64_t position) {
+  if (any(comm, rank_of(comm) == 0 && size < position))
+    warn(std::string(history_file) +
+         " has lost lines that belong to the checkpoint; the run continues without them");
+}
+
 }  // namespace
 
 OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
@@ -151,6 +144,31 @@ bool OutputDirectory::has(const std::string& name) const {
 
 void OutputDirectory::remove(const std::string& name) const {
   run_on_first(comm_, [&] { remove_file(file(name)); });
+}
+
+void History::append(const Json& entry) const { directory_.append_line(history_file, to_text(entry)); }
+
+std::int64_t History::sync() const {
+  std::int64_t size = 0;
+  run_on_first(directory_.comm(), [&] { size = sync_file(directory_.file(history_file)); });
+  return sum(directory_.comm(), size);
+}
+
+void History::cut_back(std::int64_t position) const {
+  std::int64_t size = 0;
+  run_on_first(directory_.comm(), [&] { size = cut_file(directory_.file(history_file), position); });
+  warn_if_short(directory_.comm(), size, position);
+}
+
+void History::copy_from(const std::string& directory, std::int64_t position) const {
+  std::int64_t size = 0;
+  run_on_first(directory_.comm(), [&] {
+    std::string text = read_file_if_there(directory + "/" + history_file);
+    text.resize(std::min(text.size(), static_cast<std::size_t>(position)));
+    size = static_cast<std::int64_t>(text.size());
+    if (!text.empty()) replace_file(directory_.file(history_file), text);
+  });
+  warn_if_short(directory_.comm(), size, position);
 }
 
 }  // namespace fabseq

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/files/seal.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 
 #include <algorithm>

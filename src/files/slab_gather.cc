@@ -73,7 +73,6 @@ void SlabGather<Dim>::place(const IndexBox<Dim>& box, const double* piece) {
   }
 }
 
-template class SlabGather<2>;
-template class SlabGather<3>;
+FABSEQ_INSTANTIATE_CLASS(SlabGather);
 
 }  // namespace fabseq

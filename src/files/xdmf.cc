@@ -64,7 +64,6 @@ std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSourc
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
-template std::string xdmf_text<2>(const FieldSet<2>&, const std::function<XdmfSource(std::size_t)>&);
-template std::string xdmf_text<3>(const FieldSet<3>&, const std::function<XdmfSource(std::size_t)>&);
+FABSEQ_INSTANTIATE_FUNCTION(xdmf_text);
 
 }  // namespace fabseq

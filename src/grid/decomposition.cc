@@ -185,16 +185,6 @@ void agree(MPI_Comm comm, Decomposition<Dim>& decomposition) {
 }  // namespace
 
 template <int Dim>
-Index<Dim> Decomposition<Dim>::position_of(int rank) const {
-  return IndexBox<Dim>{Index<Dim>{}, processes}.index(rank);
-}
-
-template <int Dim>
-int Decomposition<Dim>::rank_at(const Index<Dim>& position) const {
-  return static_cast<int>(IndexBox<Dim>{Index<Dim>{}, processes}.offset(position));
-}
-
-template <int Dim>
 IndexBox<Dim> Decomposition<Dim>::elements_of(const Index<Dim>& position) const {
   IndexBox<Dim> box;
   for (int axis = 0; axis < Dim; ++axis) {
@@ -292,10 +282,8 @@ Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Di
   return result;
 }
 
-template struct Decomposition<2>;
-template struct Decomposition<3>;
-template std::vector<Index<2>> fitting_process_grids<2>(int, const Index<2>&);
-template std::vector<Index<3>> fitting_process_grids<3>(int, const Index<3>&);
+FABSEQ_INSTANTIATE_STRUCT(Decomposition);
+FABSEQ_INSTANTIATE_FUNCTION(fitting_process_grids);
 template Decomposition<2> choose_decomposition<2>(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
 template Decomposition<3> choose_decomposition<3>(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
 template Decomposition<3> choose_decomposition<3>(MPI_Comm, int, const Index<3>&, const ElementWeights<3>&);

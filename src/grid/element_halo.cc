@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/grid/element_halo.h"
 
-#include "fabseq/grid/placed_array.h"
+#include "fabseq/base/petsc.h"
 
 #include <algorithm>
 #include <cassert>
@@ -67,7 +67,6 @@ std::vector<double> ElementHalo<Dim>::scatter_add(std::span<const double> values
   return owned;
 }
 
-template class ElementHalo<2>;
-template class ElementHalo<3>;
+FABSEQ_INSTANTIATE_CLASS(ElementHalo);
 
 }  // namespace fabseq

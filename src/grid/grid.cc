@@ -6,12 +6,21 @@
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
+#include <numeric>
 #include <string>
 
 namespace fabseq {
 
 namespace {
+
+/// Used in assertions only.
+[[maybe_unused]] PetscInt local_size(Vec vector) {
+  PetscInt size = 0;
+  check(VecGetLocalSize(vector, &size));
+  return size;
+}
 
 /// Computed in floating point, which cannot overflow: indices up to 2^31 per axis would exceed 64 bits.
 template <int Dim>
@@ -64,6 +73,42 @@ IndexBox<Dim> nodes_of(const IndexBox<Dim>& elements, const Index<Dim>& all) {
 }  // namespace
 
 template <int Dim>
+NodeExchange<Dim>::NodeExchange(DM dm, int components) : dm_(dm) {
+  std::array<PetscInt, 3> owned{}, ghosted{};
+  check(DMDAGetCorners(dm, nullptr, nullptr, nullptr, &owned[0], &owned[1], &owned[2]));
+  check(DMDAGetGhostCorners(dm, nullptr, nullptr, nullptr, &ghosted[0], &ghosted[1], &ghosted[2]));
+  const auto values = [components](const std::array<PetscInt, 3>& size) {
+    return components * size[0] * size[1] * size[2];
+  };
+  MPI_Comm comm = MPI_COMM_NULL;
+  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &comm));
+  // Vectors without arrays of their own: they are lent the caller's.
+  check(VecCreateMPIWithArray(comm, components, values(owned), PETSC_DETERMINE, nullptr, owned_.receive()));
+  check(VecCreateSeqWithArray(PETSC_COMM_SELF, components, values(ghosted), nullptr, ghosted_.receive()));
+}
+
+template <int Dim>
+void NodeExchange<Dim>::to_ghosted(std::span<const double> owned, std::span<double> ghosted) const {
+  assert(static_cast<PetscInt>(owned.size()) == local_size(owned_));
+  assert(static_cast<PetscInt>(ghosted.size()) == local_size(ghosted_));
+  const PlacedArray from(owned_, owned.data());
+  const PlacedArray to(ghosted_, ghosted.data());
+  check(DMGlobalToLocalBegin(dm_, owned_, INSERT_VALUES, ghosted_));
+  check(DMGlobalToLocalEnd(dm_, owned_, INSERT_VALUES, ghosted_));
+}
+
+template <int Dim>
+void NodeExchange<Dim>::add_to_owned(std::span<const double> ghosted, std::span<double> owned) const {
+  assert(static_cast<PetscInt>(owned.size()) == local_size(owned_));
+  assert(static_cast<PetscInt>(ghosted.size()) == local_size(ghosted_));
+  std::fill(owned.begin(), owned.end(), 0.0);
+  const PlacedArray from(ghosted_, ghosted.data());
+  const PlacedArray to(owned_, owned.data());
+  check(DMLocalToGlobalBegin(dm_, ghosted_, ADD_VALUES, owned_));
+  check(DMLocalToGlobalEnd(dm_, ghosted_, ADD_VALUES, owned_));
+}
+
+template <int Dim>
 Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights)
     : comm_(comm), domain_(domain) {
   require_domain<Dim>(comm, domain);
@@ -102,16 +147,6 @@ void Grid<Dim>::set_up_boxes() {
     element_starts_[rank + 1] = element_starts_[rank] + elements.count();
     node_starts_[rank + 1] = node_starts_[rank] + nodes_of<Dim>(elements, domain_.elements).count();
   }
-}
-
-template <int Dim>
-double Grid<Dim>::smallest_spacing() const {
-  return *std::min_element(spacing_.begin(), spacing_.end());
-}
-
-template <int Dim>
-double Grid<Dim>::largest_spacing() const {
-  return *std::max_element(spacing_.begin(), spacing_.end());
 }
 
 template <int Dim>
@@ -155,6 +190,25 @@ std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
 }
 
 template <int Dim>
+DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
+                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components) {
+  const auto all = [&](int axis) {
+    return std::accumulate(nodes[axis].begin(), nodes[axis].end(), PetscInt{0});
+  };
+  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
+  DmHandle dm;
+  if constexpr (Dim == 2)
+    check(DMDACreate2d(comm, open, open, DMDA_STENCIL_BOX, all(0), all(1), processes[0], processes[1],
+                       components, 1, nodes[0].data(), nodes[1].data(), dm.receive()));
+  else
+    check(DMDACreate3d(comm, open, open, open, DMDA_STENCIL_BOX, all(0), all(1), all(2), processes[0],
+                       processes[1], processes[2], components, 1, nodes[0].data(), nodes[1].data(),
+                       nodes[2].data(), dm.receive()));
+  check(DMSetUp(dm));
+  return dm;
+}
+
+template <int Dim>
 DM Grid<Dim>::node_dm(int components) const {
   const auto found = node_dms_.find(components);
   if (found != node_dms_.end()) return found->second;
@@ -167,18 +221,7 @@ DM Grid<Dim>::node_dm(int components) const {
       nodes[axis].push_back(starts[process + 1] - starts[process]);
     ++nodes[axis].back();
   }
-  const IndexBox<Dim> all = all_nodes();
-  const Index<Dim>& p = decomposition_.processes;
-  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
-  DmHandle dm;
-  if constexpr (Dim == 2)
-    check(DMDACreate2d(comm_, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], p[0], p[1], components,
-                       1, nodes[0].data(), nodes[1].data(), dm.receive()));
-  else
-    check(DMDACreate3d(comm_, open, open, open, DMDA_STENCIL_BOX, all.size[0], all.size[1], all.size[2], p[0],
-                       p[1], p[2], components, 1, nodes[0].data(), nodes[1].data(), nodes[2].data(),
-                       dm.receive()));
-  check(DMSetUp(dm));
+  DmHandle dm = make_node_dm<Dim>(comm_, decomposition_.processes, nodes, components);
   return node_dms_.emplace(components, std::move(dm)).first->second;
 }
 
@@ -189,7 +232,8 @@ const NodeExchange<Dim>& Grid<Dim>::exchange(int components) const {
   return *entry;
 }
 
-template class Grid<2>;
-template class Grid<3>;
+FABSEQ_INSTANTIATE_FUNCTION(make_node_dm);
+FABSEQ_INSTANTIATE_CLASS(Grid);
+FABSEQ_INSTANTIATE_CLASS(NodeExchange);
 
 }  // namespace fabseq

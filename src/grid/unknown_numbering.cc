@@ -37,7 +37,6 @@ UnknownNumbering<Dim>::UnknownNumbering(const Grid<Dim>& grid, const SystemDomai
   numbers_.assign(ghosted.begin(), ghosted.end());
 }
 
-template class UnknownNumbering<2>;
-template class UnknownNumbering<3>;
+FABSEQ_INSTANTIATE_CLASS(UnknownNumbering);
 
 }  // namespace fabseq

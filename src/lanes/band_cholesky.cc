@@ -3,8 +3,6 @@
 
 #include "fabseq/base/blas.h"
 
-#include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace fabseq {
@@ -63,7 +61,6 @@ void BandCholesky::solve(std::span<double> values) const {
   dpbtrs_("L", &size_, &bandwidth_, &columns, band_.data(), &leading, values.data(), &size_, &info);
 }
 
-template class BandNumbering<2>;
-template class BandNumbering<3>;
+FABSEQ_INSTANTIATE_CLASS(BandNumbering);
 
 }  // namespace fabseq

@@ -80,7 +80,6 @@ void FreeMotions<Dim>::balance(LaneArray& forces) const {
   project(forces, forces_, [this](std::int64_t node) { return stiffness_[node]; });
 }
 
-template class FreeMotions<2>;
-template class FreeMotions<3>;
+FABSEQ_INSTANTIATE_CLASS(FreeMotions);
 
 }  // namespace fabseq

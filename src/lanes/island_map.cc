@@ -67,15 +67,6 @@ IslandMap<Dim>::IslandMap(const LaneLevel<Dim>& level)
   all_supported_ = gather(level.comm, MPI_CHAR, element_supported_, element_counts_, element_starts_);
 }
 
-/// The whole field on `root`, in the order of the ranks' elements; empty elsewhere.
-template <int Dim>
-std::vector<double> IslandMap<Dim>::gather_field(std::span<const double> own, int root) const {
-  std::vector<double> all(rank_of(level_.comm) == root ? all_places_.size() : 0);
-  MPI_Gatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, all.data(), element_counts_.data(),
-              element_starts_.data(), MPI_DOUBLE, root, level_.comm);
-  return all;
-}
-
 /// The number of islands, then for all ranks' nodes which they are on. Not collective.
 template <int Dim>
 std::vector<int> IslandMap<Dim>::find_in(std::span<const double> field) const {
@@ -103,7 +94,10 @@ std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness,
   std::vector<double> own(places_.size());
   for (int lane = 0; lane < width; ++lane) {
     for (std::size_t e = 0; e < own.size(); ++e) own[e] = stiffness[e * width + lane];
-    fields[lane] = gather_field(own, lane % ranks);
+    // The whole field on one rank, in the order of the ranks' elements.
+    if (rank == lane % ranks) fields[lane].resize(all_places_.size());
+    MPI_Gatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, fields[lane].data(),
+                element_counts_.data(), element_starts_.data(), MPI_DOUBLE, lane % ranks, level_.comm);
   }
   std::vector<std::vector<int>> found(static_cast<std::size_t>(width));
   for (int lane = rank; lane < width; lane += ranks) found[lane] = find_in(fields[lane]);
@@ -125,7 +119,6 @@ std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness,
   return result;
 }
 
-template class IslandMap<2>;
-template class IslandMap<3>;
+FABSEQ_INSTANTIATE_CLASS(IslandMap);
 
 }  // namespace fabseq

@@ -3,9 +3,6 @@
 
 namespace fabseq {
 
-template class LaneCg<LaneElasticityProblem<2>, 8>;
-template class LaneCg<LaneElasticityProblem<2>, 4>;
-template class LaneCg<LaneElasticityProblem<2>, 2>;
-template class LaneCg<LaneElasticityProblem<2>, 1>;
+FABSEQ_EACH_LANE_CG(template, LaneElasticityProblem<2>);
 
 }  // namespace fabseq

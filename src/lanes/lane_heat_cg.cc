@@ -3,13 +3,7 @@
 
 namespace fabseq {
 
-template class LaneCg<LaneHeatProblem<2>, 8>;
-template class LaneCg<LaneHeatProblem<2>, 4>;
-template class LaneCg<LaneHeatProblem<2>, 2>;
-template class LaneCg<LaneHeatProblem<2>, 1>;
-template class LaneCg<LaneHeatProblem<3>, 8>;
-template class LaneCg<LaneHeatProblem<3>, 4>;
-template class LaneCg<LaneHeatProblem<3>, 2>;
-template class LaneCg<LaneHeatProblem<3>, 1>;
+FABSEQ_EACH_LANE_CG(template, LaneHeatProblem<2>);
+FABSEQ_EACH_LANE_CG(template, LaneHeatProblem<3>);
 
 }  // namespace fabseq

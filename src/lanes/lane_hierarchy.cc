@@ -5,8 +5,6 @@
 #include "fabseq/grid/rigid_fit.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 namespace fabseq {
@@ -115,12 +113,6 @@ std::vector<std::int64_t> LaneHierarchy<Dim>::element_numbers(const SystemDomain
 }
 
 template <int Dim>
-std::int64_t LaneHierarchy<Dim>::total_elements(const LaneLevel<Dim>& level) const {
-  const std::int64_t own = level.mesh.elements();
-  return level.distributed ? sum(grid_.comm(), own) : own;
-}
-
-template <int Dim>
 Index<Dim> LaneHierarchy<Dim>::choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
                                               std::int64_t active) {
   Index<Dim> factors;
@@ -152,7 +144,8 @@ bool LaneHierarchy<Dim>::keep_distributed(const LaneLevel<Dim>& fine, std::int64
 template <int Dim>
 bool LaneHierarchy<Dim>::coarsen() {
   LaneLevel<Dim>& fine = levels_.back();
-  fine.factors = choose_factors(fine.elements, fine.spacing, total_elements(fine));
+  const std::int64_t own = fine.mesh.elements();
+  fine.factors = choose_factors(fine.elements, fine.spacing, fine.distributed ? sum(grid_.comm(), own) : own);
   // The last level is whole on every rank: a copy of this one if that is distributed.
   if (*std::max_element(fine.factors.begin(), fine.factors.end()) == 1 && !fine.distributed) return false;
   LaneLevel<Dim>& coarse = levels_.emplace_back();
@@ -273,13 +266,11 @@ bool LaneHierarchy<Dim>::holds_rigid_motions(const LaneLevel<Dim>& level) const 
   return fit.factor(rounding);
 }
 
-template struct LaneLevel<2>;
-template struct LaneLevel<3>;
+FABSEQ_INSTANTIATE_STRUCT(LaneLevel);
 template void sum_over_holders(LaneLevel<2>&, double*, int);
 template void sum_over_holders(LaneLevel<3>&, double*, int);
 template void sum_over_holders(LaneLevel<2>&, float*, int);
 template void sum_over_holders(LaneLevel<3>&, float*, int);
-template class LaneHierarchy<2>;
-template class LaneHierarchy<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneHierarchy);
 
 }  // namespace fabseq

@@ -41,7 +41,6 @@ void LaneLayout<Dim>::to_owned(const LaneArray& mesh, int width, LaneVector& own
   grid_.exchange(components_ * lanes).add_to_owned(ghosted_, owned.values);
 }
 
-template class LaneLayout<2>;
-template class LaneLayout<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneLayout);
 
 }  // namespace fabseq

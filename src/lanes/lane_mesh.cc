@@ -150,7 +150,6 @@ void LaneMesh<Dim>::set_shared(std::span<const std::int64_t> nodes) {
   }
 }
 
-template class LaneMesh<2>;
-template class LaneMesh<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneMesh);
 
 }  // namespace fabseq

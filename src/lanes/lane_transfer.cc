@@ -29,7 +29,6 @@ LaneTransfer<Dim>::LaneTransfer(const LaneMesh<Dim>& fine, const LaneMesh<Dim>& 
   }
 }
 
-template class LaneTransfer<2>;
-template class LaneTransfer<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneTransfer);
 
 }  // namespace fabseq

@@ -23,21 +23,15 @@ IndexBox<Dim> intersection(const IndexBox<Dim>& a, const IndexBox<Dim>& b) {
   return common;
 }
 
-template <int Dim>
-std::vector<IndexBox<Dim>> node_boxes(MPI_Comm comm, const IndexBox<Dim>& own) {
-  std::vector<IndexBox<Dim>> boxes(static_cast<std::size_t>(size_of(comm)));
-  static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
-  MPI_Allgather(&own, 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
-  return boxes;
-}
-
 }  // namespace
 
 template <int Dim>
 SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm), rank_(rank_of(comm)) {
   std::map<std::int64_t, int> lowest_holder;
   std::map<int, std::vector<std::int64_t>> common_nodes;
-  const auto boxes = node_boxes(comm, mesh.node_box());
+  std::vector<IndexBox<Dim>> boxes(static_cast<std::size_t>(size_of(comm)));
+  static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
+  MPI_Allgather(&mesh.node_box(), 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
   for (int rank = 0; rank < static_cast<int>(boxes.size()); ++rank) {
     const IndexBox<Dim> common = intersection(mesh.node_box(), boxes[rank]);
     if (rank == rank_ || common.count() == 0) continue;

@@ -134,21 +134,18 @@ class Watershed {
                             : properties_[lesser].peak > properties_[greater].peak;
       if (swap) std::swap(greater, lesser);
       Properties& ends = properties_[lesser];
-      if (!ends.supported && ends.peak > contrast_ * stiffness_[element] && ends.size >= smallest)
+      if (!ends.supported && ends.peak > contrast_ * stiffness_[element] && ends.size >= smallest) {
         ends.island = true;
-      else
-        take_in(lesser, greater);
+      } else {
+        basins_.join(lesser, greater);
+        Properties& whole = properties_[greater];
+        whole.size += ends.size;
+        whole.supported = whole.supported || ends.supported;
+        whole.peak = std::max(whole.peak, ends.peak);
+      }
     }
     components_.join(second, first);
     main_basin_[components_.find(first)] = greater;
-  }
-
-  void take_in(int lesser, int greater) {
-    basins_.join(lesser, greater);
-    Properties& whole = properties_[greater];
-    whole.size += properties_[lesser].size;
-    whole.supported = whole.supported || properties_[lesser].supported;
-    whole.peak = std::max(whole.peak, properties_[lesser].peak);
   }
 
   IndexBox<Dim> box_;
@@ -192,9 +189,6 @@ StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const doub
   return result;
 }
 
-template StiffIslands find_stiff_islands<2>(const Index<2>&, std::span<const double>, std::span<const char>,
-                                            double, int);
-template StiffIslands find_stiff_islands<3>(const Index<3>&, std::span<const double>, std::span<const char>,
-                                            double, int);
+FABSEQ_INSTANTIATE_FUNCTION(find_stiff_islands);
 
 }  // namespace fabseq

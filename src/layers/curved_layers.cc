@@ -4,17 +4,12 @@
 #include "fabseq/layers/smooth_step.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace fabseq {
 
-namespace {
-
 /// Elements on a time point belong to the earlier layer.
 constexpr double time_tolerance = 1e-12;
-
-}  // namespace
 
 std::vector<double> uniform_time_points(int count) {
   std::vector<double> result;

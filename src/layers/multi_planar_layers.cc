@@ -2,8 +2,8 @@
 #include "fabseq/layers/multi_planar_layers.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/layers/logistic_step.h"
 #include "fabseq/layers/print_direction.h"
+#include "fabseq/layers/smooth_step.h"
 
 #include <algorithm>
 #include <cmath>
@@ -280,7 +280,6 @@ std::vector<double> MultiPlanarLayers<Dim>::layer_index(std::span<const double> 
   return result;
 }
 
-template class MultiPlanarLayers<2>;
-template class MultiPlanarLayers<3>;
+FABSEQ_INSTANTIATE_CLASS(MultiPlanarLayers);
 
 }  // namespace fabseq

@@ -33,11 +33,10 @@ void check_sizes(std::size_t n, std::span<const double> x, std::span<const doubl
           "Mma::update: vectors must have an entry for each of this rank's variables");
   require(gradients.size() == m && rows.a.size() == m && rows.c.size() == m && rows.d.size() == m,
           "Mma::update: gradients, a, c and d must have an entry a row");
-  for (std::size_t i = 0; i < m; ++i) {
+  for (std::size_t i = 0; i < m; ++i)
     require(rows.a[i] >= 0.0 && rows.c[i] >= 0.0 && rows.d[i] >= 0.0 && rows.c[i] + rows.d[i] > 0.0 &&
                 (rows.a[i] == 0.0 || rows.a0 > 0.0),
             "Mma::update: a, c, d must not be negative, c + d must be positive, and so must a0 where a is");
-  }
   require(std::all_of(gradients.begin(), gradients.end(), [n](const auto& row) { return row.size() == n; }),
           "Mma::update: each gradient must have an entry for each of this rank's variables");
 }
@@ -129,10 +128,9 @@ void Mma::move_asymptotes(std::span<const double> x, std::span<const double> low
                    step_before = state_.previous[j] - state_.before_previous[j];
       double factor = 1.0;
       // The direction of a step that is only rounding must not decide anything.
-      if (std::min(std::abs(step), std::abs(step_before)) > still * range) {
+      if (std::min(std::abs(step), std::abs(step_before)) > still * range)
         factor =
             (step > 0.0) == (step_before > 0.0) ? settings_.asymptote_increase : settings_.asymptote_decrease;
-      }
       below = factor * (state_.previous[j] - state_.low[j]);
       above = factor * (state_.upp[j] - state_.previous[j]);
     }

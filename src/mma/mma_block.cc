@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_block.h"
+#include "fabseq/mma/mma_variables.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace fabseq {
 
-namespace {
-
 // Tolerance of a variable's own equation, in v. Steps converge quadratically: after one as small as this the
 // next would be lost in rounding.
 constexpr double step_tolerance = 1e-8;
 constexpr int step_iterations = 60;
-
-}  // namespace
 
 // One step of all variables to their minimizer: what is left after taking away the barrier of the nearer
 // bound is taken as linear, and the quadratic equation for the distance from this bound solved. Returns the

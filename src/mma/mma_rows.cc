@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_rows.h"
-
 #include "fabseq/base/blas.h"
 #include "fabseq/mma/mma_row_newton.h"
+#include "fabseq/mma/mma_subproblem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -131,9 +130,7 @@ MmaMultipliers RowModel::solve() {
   for (int step = 0; step < step_limit; ++step) {
     newton_.set_residuals(point_);
     double terms = size_;  // what rounding is a part of
-    for (std::size_t i = 0; i < m_; ++i) {
-      terms = std::max(terms, newton_.diagonal(i) * point_.lambda[i]);
-    }
+    for (std::size_t i = 0; i < m_; ++i) terms = std::max(terms, newton_.diagonal(i) * point_.lambda[i]);
     const double mean = products(zero, 0.0).mean;
     const double enough = std::max(residual_tolerance * size_, rounding * terms);
     if ((newton_.largest_residual(size_) <= enough && mean <= product_tolerance * size_) ||

@@ -4,7 +4,6 @@
 #include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
-#include "fabseq/mma/mma_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -141,9 +140,8 @@ void Solver::set_direction() {
   const double plus = 1.0;
   std::vector<double> right = function_, least(m_);
   dsymv_("L", &m, &plus, sums_->schur.data(), &stride, lambda_.data(), &one, &plus, right.data(), &one);
-  for (std::size_t i = 0; i < m_; ++i) {
+  for (std::size_t i = 0; i < m_; ++i)
     least[i] = caution_ * (rows_.c[i] > 0.0 ? std::min(lambda_[i], rows_.c[i]) : lambda_[i]);
-  }
   const MmaMultipliers model = solve_row_model(sums_->schur, m_ + 1, right, rows_, least);
 
   // Ranks must not drift apart, on whatever processors they run: all follow rank 0.
@@ -192,9 +190,8 @@ bool Solver::search() {
 void Solver::lower_barrier() {
   const double next =
       std::max(final_barrier, std::min(barrier_factor * barrier_, std::pow(barrier_, barrier_power)));
-  for (std::size_t i = 0; i < m_; ++i) {
+  for (std::size_t i = 0; i < m_; ++i)
     function_[i] += (next - barrier_) * (sums_->wall[i] + sums_->schur[i * (m_ + 1) + m_]);
-  }
   predicted_ = next != barrier_;
   barrier_ = next;
 }
@@ -228,11 +225,10 @@ MmaReport Solver::solve() {
     report.kkt_residual = residual();
     const double enough = (stalled(report.kkt_residual) ? stalled_factor : 1.0) * tolerance_;
     if (barrier_ == final_barrier && report.kkt_residual <= enough) break;
-    if (report.newton_steps == newton_step_limit) {
+    if (report.newton_steps == newton_step_limit)
       throw NumericalError("MMA: the subproblem has not converged after " +
                            std::to_string(newton_step_limit) + " steps, residual " +
                            std::to_string(report.kkt_residual));
-    }
     set_caution(good);
     if (good) lower_barrier();
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/design_update.h"
 
-#include "fabseq/base/mpi.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>

@@ -122,7 +122,6 @@ GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings) {
   return choose_automatically<Dim>(settings, size, static_cast<double>(available_memory_bytes(world)));
 }
 
-template GroupChoice choose_layer_groups<2>(MPI_Comm, const ModelSettings&);
-template GroupChoice choose_layer_groups<3>(MPI_Comm, const ModelSettings&);
+FABSEQ_INSTANTIATE_FUNCTION(choose_layer_groups);
 
 }  // namespace fabseq

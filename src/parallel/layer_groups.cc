@@ -23,14 +23,7 @@ std::vector<double> LayerGroups::share(std::span<const double> field) const {
 }
 
 std::vector<double> LayerGroups::gather(std::span<const double> share) const {
-  const int own = static_cast<int>(share.size());
-  std::vector<int> counts(count_), starts(count_);
-  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, across());
-  std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
-  std::vector<double> field(static_cast<std::size_t>(starts.back()) + counts.back());
-  MPI_Allgatherv(share.data(), own, MPI_DOUBLE, field.data(), counts.data(), starts.data(), MPI_DOUBLE,
-                 across());
-  return field;
+  return gather_all(across(), share);
 }
 
 std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vector<double>> own,

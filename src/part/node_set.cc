@@ -3,7 +3,6 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/gather_all.h"
 
 #include <algorithm>
 #include <limits>
@@ -102,7 +101,6 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   return set;
 }
 
-template NodeSet make_node_set<2>(const Part<2>&, const std::string&, const NodeSetDescription&);
-template NodeSet make_node_set<3>(const Part<3>&, const std::string&, const NodeSetDescription&);
+FABSEQ_INSTANTIATE_FUNCTION(make_node_set);
 
 }  // namespace fabseq

@@ -6,32 +6,18 @@
 #include "fabseq/base/session.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace fabseq {
 
 namespace {
 
-template <int Dim>
-std::string point_text(const Point<Dim>& point) {
-  std::string text;
-  for (const double coordinate : point) {
-    std::array<char, 32> number{};
-    std::snprintf(number.data(), number.size(), "%.6g", coordinate);
-    text += text.empty() ? "[" : ",";
-    text += number.data();
-  }
-  return text + "]";
-}
-
 /// "14 elements in [0.1,0,0.5]..[0.3,0.2,0.9]"
 template <int Dim>
 std::string piece_text(const Piece<Dim>& piece) {
   return std::to_string(piece.elements) + (piece.elements == 1 ? " element in " : " elements in ") +
-         point_text<Dim>(piece.min) + ".." + point_text<Dim>(piece.max);
+         to_text<Dim>(piece.min) + ".." + to_text<Dim>(piece.max);
 }
 
 template <int Dim>
@@ -77,8 +63,8 @@ void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
     message += " in dataset '" + voxels->dataset + "' of '" + voxels->file + "'" +
                (voxels->threshold ? " with this threshold" : "");
   else
-    message += ": no element's centre in the domain " + point_text<Dim>(Point<Dim>{}) + ".." +
-               point_text<Dim>(grid_.domain().size) + " lies inside the shape";
+    message += ": no element's centre in the domain " + to_text<Dim>(Point<Dim>{}) + ".." +
+               to_text<Dim>(grid_.domain().size) + " lies inside the shape";
   if (substrate_.count() > 0) message += " and outside the substrate";
   throw InputError(message + "; needs at least one");
 }
@@ -164,26 +150,6 @@ double Part<Dim>::longest_edge() const {
   return longest;
 }
 
-template <int Dim>
-bool Part<Dim>::on_plate(const Index<Dim>& node) const {
-  return node[plate_.axis] == (plate_.upper ? grid_.domain().elements[plate_.axis] : 0);
-}
-
-template <int Dim>
-std::vector<double> Part<Dim>::expand(std::span<const double> part_field, double outside) const {
-  std::vector<double> field(density_.size(), outside);
-  for (std::size_t i = 0; i < elements_.size(); ++i) field[elements_[i]] = part_field[i];
-  return field;
-}
-
-template <int Dim>
-std::vector<double> Part<Dim>::restrict_to_part(std::span<const double> element_field) const {
-  std::vector<double> field(elements_.size());
-  for (std::size_t i = 0; i < elements_.size(); ++i) field[i] = element_field[elements_[i]];
-  return field;
-}
-
-template class Part<2>;
-template class Part<3>;
+FABSEQ_INSTANTIATE_CLASS(Part);
 
 }  // namespace fabseq

@@ -3,7 +3,6 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/grid/gather_all.h"
 
 #include <algorithm>
 #include <limits>
@@ -192,9 +191,6 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
   return map;
 }
 
-template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&,
-                                    const std::vector<char>&);
-template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&,
-                                    const std::vector<char>&);
+FABSEQ_INSTANTIATE_FUNCTION(find_pieces);
 
 }  // namespace fabseq

@@ -157,12 +157,8 @@ Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const Par
   return Grid<Dim>(comm, domain, element_weights<Dim>(comm, domain, description));
 }
 
-template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
-                                             const IndexBox<2>&);
-template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
-                                             const IndexBox<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(read_density);
 template ElementWeights<3> element_weights<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
-template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
-template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
+FABSEQ_INSTANTIATE_FUNCTION(make_balanced_grid);
 
 }  // namespace fabseq

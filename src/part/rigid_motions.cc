@@ -8,12 +8,8 @@
 
 namespace fabseq {
 
-namespace {
-
 /// Pivots below this share of the number of nodes are rounding.
 constexpr double rounding = 1e-10;
-
-}  // namespace
 
 template <int Dim>
 RigidMotions<Dim>::RigidMotions(const Grid<Dim>& grid, std::vector<int> nodes)
@@ -89,7 +85,6 @@ void RigidMotions<Dim>::balance(std::span<double> forces) const {
   }
 }
 
-template class RigidMotions<2>;
-template class RigidMotions<3>;
+FABSEQ_INSTANTIATE_CLASS(RigidMotions);
 
 }  // namespace fabseq

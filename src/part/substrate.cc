@@ -76,9 +76,7 @@ std::vector<double> Substrate<Dim>::contact_distance() const {
   return distance;
 }
 
-template class Substrate<2>;
-template class Substrate<3>;
-template std::vector<char> nodes_of_elements<2>(const Grid<2>&, const std::vector<char>&);
-template std::vector<char> nodes_of_elements<3>(const Grid<3>&, const std::vector<char>&);
+FABSEQ_INSTANTIATE_CLASS(Substrate);
+FABSEQ_INSTANTIATE_FUNCTION(nodes_of_elements);
 
 }  // namespace fabseq

@@ -74,7 +74,6 @@ Supports<Dim>::Supports(const Part<Dim>& part, const PartDescription& descriptio
     require_held_pieces(grid, map, holding, description.clamps.has_value());
 }
 
-template struct Supports<2>;
-template struct Supports<3>;
+FABSEQ_INSTANTIATE_STRUCT(Supports);
 
 }  // namespace fabseq

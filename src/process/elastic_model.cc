@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/elastic_model.h"
 
-#include <algorithm>
-
 namespace fabseq {
 
 template <int Dim>
@@ -63,7 +61,6 @@ typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double*
   return result;
 }
 
-template struct ElasticModel<2>;
-template struct ElasticModel<3>;
+FABSEQ_INSTANTIATE_STRUCT(ElasticModel);
 
 }  // namespace fabseq

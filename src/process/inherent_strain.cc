@@ -106,7 +106,6 @@ void InherentStrain<Dim>::pull_back(std::span<const double> gradient, const Laye
   }
 }
 
-template class InherentStrain<2>;
-template class InherentStrain<3>;
+FABSEQ_INSTANTIATE_CLASS(InherentStrain);
 
 }  // namespace fabseq

@@ -3,7 +3,6 @@
 
 #include "fabseq/base/log_event.h"
 #include "fabseq/lanes/element_energy.h"
-#include "fabseq/lanes/lane_chunks.h"
 
 #include <algorithm>
 #include <array>
@@ -200,12 +199,6 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
 }
 
 template <int Dim>
-bool LayerElements<Dim>::has_all_nodes() const {
-  const Grid<Dim>& grid = model_.part.grid();
-  return grid.owned_nodes().size == grid.all_nodes().size;
-}
-
-template <int Dim>
 const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<double>& room) const {
   if (has_all_nodes()) return owned.values.data();
   const Grid<Dim>& grid = model_.part.grid();
@@ -215,7 +208,6 @@ const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<d
   return room.data();
 }
 
-template class LayerElements<2>;
-template class LayerElements<3>;
+FABSEQ_INSTANTIATE_CLASS(LayerElements);
 
 }  // namespace fabseq

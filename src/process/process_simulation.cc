@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <utility>
 
 namespace fabseq {
 
@@ -53,11 +52,6 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       supports_(model),
       solver_(std::move(solver)) {
   result_.all_layers = groups.world();
-}
-
-template <int Dim>
-void ProcessSimulation<Dim>::release_with(const ReleaseSolver& solver) {
-  release_ = std::make_unique<Release<Dim>>(model_, solver);
 }
 
 template <int Dim>
@@ -236,7 +230,6 @@ void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities,
   }
 }
 
-template class ProcessSimulation<2>;
-template class ProcessSimulation<3>;
+FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);
 
 }  // namespace fabseq

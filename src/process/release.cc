@@ -146,12 +146,7 @@ std::vector<double> Release<Dim>::solve(const std::vector<double>& load, const c
   std::vector<double> solution(load.size());
   const SolveReport report = settings_.path == SolverPath::lanes ? solve_by_lanes(load, solution)
                                                                  : solve_by_reference(load, solution);
-  if (!report.converged) {
-    std::ostringstream text;
-    text << "the " << what << " did not converge: " << report.iterations << " iterations, residual "
-         << report.residual << " (" << report.reason << ')';
-    throw NumericalError(text.str());
-  }
+  require_convergence(report, std::string("the ") + what);
   rigid_motions_.remove_fit(solution);
   return solution;
 }
@@ -175,9 +170,7 @@ std::vector<double> Release<Dim>::adjoint(std::span<const double> derivative) {
   return solve(load, "adjoint of the release");
 }
 
-template std::string release_obstacle<2>(const Grid<2>&, const Supports<2>&, VoidModel);
-template std::string release_obstacle<3>(const Grid<3>&, const Supports<3>&, VoidModel);
-template class Release<2>;
-template class Release<3>;
+FABSEQ_INSTANTIATE_FUNCTION(release_obstacle);
+FABSEQ_INSTANTIATE_CLASS(Release);
 
 }  // namespace fabseq

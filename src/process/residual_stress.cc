@@ -113,12 +113,8 @@ StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const doubl
   return result;
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                            \
-  template std::vector<double> residual_stress<Dim>(const ProcessSimulation<Dim>&, const LayerDensities&); \
-  template std::vector<double> finished_stress<Dim>(const ElasticModel<Dim>&, std::span<const double>);    \
-  template StressExtremes<Dim> stress_extremes<Dim>(const Part<Dim>&, std::span<const double>);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(residual_stress);
+FABSEQ_INSTANTIATE_FUNCTION(finished_stress);
+FABSEQ_INSTANTIATE_FUNCTION(stress_extremes);
 
 }  // namespace fabseq

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/support_forces.h"
 
-#include <algorithm>
 #include <array>
 
 namespace fabseq {
@@ -18,12 +17,6 @@ SupportForces<Dim>::SupportForces(const ElasticModel<Dim>& model) : model_(model
         elements_.push_back(static_cast<int>(e));
         break;
       }
-}
-
-/// Offset in the ghosted box of the node of an unknown of an element.
-template <int Dim>
-std::size_t SupportForces<Dim>::node(std::size_t element, int unknown) const {
-  return model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[unknown / Dim];
 }
 
 template <int Dim>
@@ -92,7 +85,6 @@ void SupportForces<Dim>::add_motion(std::span<const double> motion, LaneVector& 
       solutions(i, lane) += motion[i];
 }
 
-template class SupportForces<2>;
-template class SupportForces<3>;
+FABSEQ_INSTANTIATE_CLASS(SupportForces);
 
 }  // namespace fabseq

@@ -19,17 +19,6 @@ void print_line(const char* format, Arguments... arguments) {
 }
 
 template <int Dim>
-std::string place(const Point<Dim>& point) {
-  std::string text = "[";
-  for (int axis = 0; axis < Dim; ++axis) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%s%.6g", axis > 0 ? "," : "", point[axis]);
-    text += number;
-  }
-  return text + "]";
-}
-
-template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
@@ -57,12 +46,12 @@ void run_check(const Setup<Dim>& setup) {
              static_cast<long long>(setup.grid.all_elements().count()),
              static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
              part.volume());
-  print("bounding box " + place<Dim>(part.lower()) + " to " + place<Dim>(part.upper()));
+  print("bounding box " + to_text<Dim>(part.lower()) + " to " + to_text<Dim>(part.upper()));
   print_line("pieces: %zu", part.pieces().size());
   for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
     const Piece<Dim>& piece = part.pieces()[i];
-    print("  " + std::to_string(piece.elements) + " elements in " + place<Dim>(piece.min) + " to " +
-          place<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
+    print("  " + std::to_string(piece.elements) + " elements in " + to_text<Dim>(piece.min) + " to " +
+          to_text<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
   }
   const bool on_substrate = part.substrate().count() > 0;
   const std::string place_of_contact = on_substrate ? "contact with plate or substrate: " : "plate contact: ";
@@ -87,7 +76,6 @@ void run_check(const Setup<Dim>& setup) {
   print_cost(setup);
 }
 
-template void run_check<2>(const Setup<2>&);
-template void run_check<3>(const Setup<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(run_check);
 
 }  // namespace fabseq

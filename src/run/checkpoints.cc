@@ -41,7 +41,6 @@ void Checkpoints<Dim>::write() {
   due_ = false;
 }
 
-template class Checkpoints<2>;
-template class Checkpoints<3>;
+FABSEQ_INSTANTIATE_CLASS(Checkpoints);
 
 }  // namespace fabseq

@@ -176,8 +176,7 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =
       fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
-  FieldSet<Dim> fields;
-  fields.grid = &fine.grid;
+  FieldSet<Dim> fields{&fine.grid, {}};
   fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
   file.template write_fields<Dim>(fields);
@@ -197,9 +196,7 @@ std::optional<CoarseGrid<Dim>> make_coarse_grid(const Setup<Dim>& fine, const Co
   return CoarseGrid<Dim>(fine);
 }
 
-template class CoarseGrid<2>;
-template class CoarseGrid<3>;
-template std::optional<CoarseGrid<2>> make_coarse_grid<2>(const Setup<2>&, const CommandLine&);
-template std::optional<CoarseGrid<3>> make_coarse_grid<3>(const Setup<3>&, const CommandLine&);
+FABSEQ_INSTANTIATE_CLASS(CoarseGrid);
+FABSEQ_INSTANTIATE_FUNCTION(make_coarse_grid);
 
 }  // namespace fabseq

@@ -2,9 +2,8 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
-#include "fabseq/run/history_line.h"
-#include "fabseq/run/layer_variable_output.h"
-#include "fabseq/run/run_directory.h"
+#include "fabseq/run/records.h"
+#include "fabseq/run/restart.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
@@ -18,7 +17,6 @@ double evaluation_tolerance(const Config& config) { return std::min(config.solve
 namespace {
 
 /// A gradient row for every component of every response.
-template <int Dim>
 std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values) {
   std::vector<GradientRow> rows;
   for (std::size_t r = 0; r < values.size(); ++r)
@@ -33,8 +31,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
                     const Design& gradient, bool has_field) {
   if (has_field) {
     const std::vector<double> field = setup.design_field(gradient.field);
-    FieldSet<Dim> fields;
-    fields.grid = &setup.grid;
+    FieldSet<Dim> fields{&setup.grid, {}};
     fields.add(setup.design_support.on_nodes(), name + "/design", field);
     file.template write_fields<Dim>(fields);
   }
@@ -54,7 +51,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
 
   const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
   const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
-  const std::vector<GradientRow> rows = all_components<Dim>(report.values);
+  const std::vector<GradientRow> rows = all_components(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
 
   Hdf5Writer file(setup.world(), directory.file("gradients.h5"));
@@ -71,7 +68,6 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   print("values and gradients in " + directory.path());
 }
 
-template void run_evaluate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_evaluate<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(run_evaluate);
 
 }  // namespace fabseq

@@ -4,7 +4,8 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/run/run_directory.h"
+#include "fabseq/optimize/problem.h"
+#include "fabseq/run/restart.h"
 #include "fabseq/run/tasks.h"
 
 #include <algorithm>
@@ -84,55 +85,8 @@ double relative_error(double difference, double adjoint) {
   return difference == adjoint ? 0.0 : std::abs(difference - adjoint) / std::abs(adjoint);
 }
 
-}  // namespace
-
-std::vector<double> GradientError::extrapolated() const {
-  std::vector<double> result;
-  for (std::size_t s = 1; s < differences.size(); ++s)
-    result.push_back((step_ratio_squared * differences[s] - differences[s - 1]) / (step_ratio_squared - 1.0));
-  return result;
-}
-
-double GradientError::best() const {
-  double result = *std::min_element(relative.begin(), relative.end());
-  for (const double difference : extrapolated())
-    result = std::min(result, relative_error(difference, adjoint));
-  return result;
-}
-
-double GradientCheck::worst() const {
-  double result = 0.0;
-  for (const GradientError& error : errors) result = std::max(result, error.best());
-  return result;
-}
-
-std::string GradientCheck::csv() const {
-  std::ostringstream text;
-  text.precision(10);
-  text << "name,type,variables,value,adjoint,step,difference,relative_error\n";
-  for (const GradientError& error : errors)
-    for (std::size_t s = 0; s < steps.size(); ++s)
-      text << error.name << ',' << error.type << ',' << error.variables << ',' << error.value << ','
-           << error.adjoint << ',' << steps[s] << ',' << error.differences[s] << ',' << error.relative[s]
-           << '\n';
-  return text.str();
-}
-
-Json GradientCheck::json() const {
-  Json list = Json::array();
-  for (const GradientError& error : errors)
-    list.push_back(Json::object({{"name", error.name},
-                                 {"type", error.type},
-                                 {"variables", error.variables},
-                                 {"value", error.value},
-                                 {"adjoint", error.adjoint},
-                                 {"differences", error.differences},
-                                 {"relative_errors", error.relative},
-                                 {"extrapolated", error.extrapolated()},
-                                 {"best", error.best()}}));
-  return Json::object({{"steps", steps}, {"worst", worst()}, {"components", list}});
-}
-
+/// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
+/// Collective.
 template <int Dim>
 GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const Design& design) {
@@ -187,6 +141,55 @@ void keep_off_the_bounds(Design& design, const DesignSpace& space, const LayerVa
   }
 }
 
+}  // namespace
+
+std::vector<double> GradientError::extrapolated() const {
+  std::vector<double> result;
+  for (std::size_t s = 1; s < differences.size(); ++s)
+    result.push_back((step_ratio_squared * differences[s] - differences[s - 1]) / (step_ratio_squared - 1.0));
+  return result;
+}
+
+double GradientError::best() const {
+  double result = *std::min_element(relative.begin(), relative.end());
+  for (const double difference : extrapolated())
+    result = std::min(result, relative_error(difference, adjoint));
+  return result;
+}
+
+double GradientCheck::worst() const {
+  double result = 0.0;
+  for (const GradientError& error : errors) result = std::max(result, error.best());
+  return result;
+}
+
+std::string GradientCheck::csv() const {
+  std::ostringstream text;
+  text.precision(10);
+  text << "name,type,variables,value,adjoint,step,difference,relative_error\n";
+  for (const GradientError& error : errors)
+    for (std::size_t s = 0; s < steps.size(); ++s)
+      text << error.name << ',' << error.type << ',' << error.variables << ',' << error.value << ','
+           << error.adjoint << ',' << steps[s] << ',' << error.differences[s] << ',' << error.relative[s]
+           << '\n';
+  return text.str();
+}
+
+Json GradientCheck::json() const {
+  Json list = Json::array();
+  for (const GradientError& error : errors)
+    list.push_back(Json::object({{"name", error.name},
+                                 {"type", error.type},
+                                 {"variables", error.variables},
+                                 {"value", error.value},
+                                 {"adjoint", error.adjoint},
+                                 {"differences", error.differences},
+                                 {"relative_errors", error.relative},
+                                 {"extrapolated", error.extrapolated()},
+                                 {"best", error.best()}}));
+  return Json::object({{"steps", steps}, {"worst", worst()}, {"components", list}});
+}
+
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   Pipeline<Dim> pipeline(setup, gradient_check_tolerance, timer);
@@ -215,9 +218,6 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   print(line + directory.path());
 }
 
-template GradientCheck check_gradients<2>(const Model<2>&, Problem<2>&, Pipeline<2>&, const Design&);
-template GradientCheck check_gradients<3>(const Model<3>&, Problem<3>&, Pipeline<3>&, const Design&);
-template void run_check_gradients<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_check_gradients<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(run_check_gradients);
 
 }  // namespace fabseq

@@ -84,17 +84,10 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
   return reports;
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                             \
-  template CommandLine begin_on_coarse_grid<Dim>(const std::optional<CoarseGrid<Dim>>&, const CommandLine&, \
-                                                 const Setup<Dim>&, RunOutput<Dim>&, const Optimize<Dim>&); \
-  template RunState<Dim> starting_state<Dim>(const Setup<Dim>&, const CommandLine&, const CommandLine&,     \
-                                             const std::optional<Restart>&, Pipeline<Dim>&);                \
-  template SequenceReport<Dim> planar_baseline<Dim>(const Setup<Dim>&, const Problem<Dim>&, PhaseTimer&);   \
-  template std::optional<ProblemValues> judge_binary<Dim>(Pipeline<Dim>&, RunState<Dim>&, int);             \
-  template FinalReports<Dim> final_reports<Dim>(const Setup<Dim>&, const Problem<Dim>&, Pipeline<Dim>&,     \
-                                                const BestIterate&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
+FABSEQ_INSTANTIATE_FUNCTION(starting_state);
+FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
+FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
+FABSEQ_INSTANTIATE_FUNCTION(final_reports);
 
 }  // namespace fabseq

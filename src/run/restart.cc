@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/restart.h"
 
-#include "fabseq/base/checksum.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/config/config_difference.h"
-#include "fabseq/files/checkpoint_reader.h"
-#include "fabseq/files/output_directory.h"
+#include "fabseq/files/checkpoint.h"
+#include "fabseq/files/seal.h"
+
+#include <hdf5.h>
+#include <petscsys.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -66,12 +68,29 @@ void require_same_config(MPI_Comm comm, const std::string& directory, const Json
   if (!difference.empty()) refuse_other_problem("the run in '" + directory + "'", difference);
 }
 
-}  // namespace
+Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+  char petsc[256];
+  check(PetscGetVersion(petsc, sizeof petsc));
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int length = 0;
+  MPI_Get_library_version(mpi, &length);
+  Json record = config.effective;
+  record["run"] = Json::object({{"command_line", command_line.text},
+                                {"fabseq", FABSEQ_VERSION},
+                                {"petsc", petsc},
+                                {"mpi", mpi},
+                                {"hdf5", H5_VERS_INFO},
+                                {"ranks", size_of(comm)}});
+  return record;
+}
 
+/// Whether two paths lead to the same directory, which is there. Collective.
 bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b) {
   std::error_code error;
   return any(comm, rank_of(comm) == 0 && std::filesystem::equivalent(a, b, error));
 }
+
+}  // namespace
 
 std::string output_path(const Config& config, const CommandLine& command_line) {
   if (command_line.output) return *command_line.output;
@@ -115,11 +134,23 @@ void save_problem(const Setup<Dim>& setup, CheckpointState& state) {
   state.set_scalar("part_checksum", part_checksum(setup.part));
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                             \
-  template std::optional<Restart> find_restart<Dim>(const Setup<Dim>&, const CommandLine&); \
-  template void save_problem<Dim>(const Setup<Dim>&, CheckpointState&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues) {
+  const MPI_Comm comm = setup.world();
+  const std::string path = output_path(setup.config, command_line);
+  const bool goes_on = command_line.restart == "auto" ||
+                       (command_line.restart && same_directory(comm, *command_line.restart, path));
+  const bool replaces = command_line.overwrite || goes_on;
+  OutputDirectory directory =
+      continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
+  if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
+  directory.write("config.json", to_text(config_record(setup.config, command_line, comm), 2) + "\n");
+  return directory;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(find_restart);
+FABSEQ_INSTANTIATE_FUNCTION(save_problem);
+FABSEQ_INSTANTIATE_FUNCTION(make_output_directory);
 
 }  // namespace fabseq

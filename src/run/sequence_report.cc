@@ -73,13 +73,8 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   return report;
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                             \
-  template DisplacementSize displacement_size<Dim>(const Part<Dim>&, const std::vector<double>&);           \
-  template struct SequenceReport<Dim>;                                                                      \
-  template SequenceReport<Dim> report_sequence<Dim>(const Model<Dim>&, const Problem<Dim>&, Pipeline<Dim>&, \
-                                                    const PipelineState<Dim>&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(displacement_size);
+FABSEQ_INSTANTIATE_STRUCT(SequenceReport);
+FABSEQ_INSTANTIATE_FUNCTION(report_sequence);
 
 }  // namespace fabseq

@@ -6,7 +6,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/solve/reference/interpolation.h"
+#include "fabseq/solve/reference/preconditioner.h"
 
 #include <algorithm>
 
@@ -18,12 +18,6 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   (void)this->grid.node_dm(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
   require_release();
   warn_about_method();
-}
-
-/// The design's sequence and the planar baseline count.
-template <int Dim>
-int Setup<Dim>::most_layers_of_a_sequence() const {
-  return std::max(this->layers->count(), this->baseline->count());
 }
 
 /// Refuses terms after a release that there cannot be.
@@ -63,7 +57,6 @@ void Setup<Dim>::require_memory_of_layers() const {
           " elements" + (group_count > 1 ? " in " + std::to_string(group_count) + " layer groups" : ""));
 }
 
-template class Setup<2>;
-template class Setup<3>;
+FABSEQ_INSTANTIATE_CLASS(Setup);
 
 }  // namespace fabseq

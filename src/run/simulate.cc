@@ -7,16 +7,15 @@
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/optimize/stages.h"
 #include "fabseq/process/residual_stress.h"
-#include "fabseq/run/layer_variable_output.h"
+#include "fabseq/run/records.h"
+#include "fabseq/run/restart.h"
 #include "fabseq/run/run_clock.h"
-#include "fabseq/run/run_directory.h"
 #include "fabseq/run/sequence_report.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
 #include <cmath>
 #include <optional>
-#include <span>
 
 namespace fabseq {
 
@@ -116,8 +115,7 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
       has_design ? setup.design_field(simulation.design.field) : std::vector<double>();
   const std::vector<double> substrate = setup.substrate_field();
   const auto& released = simulation.released;
-  FieldSet<Dim> fields;
-  fields.grid = &setup.grid;
+  FieldSet<Dim> fields{&setup.grid, {}};
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
@@ -207,7 +205,6 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   if (!simulation.failure.empty()) throw NumericalError(simulation.failure);
 }
 
-template void run_simulate<2>(const CommandLine&, const Setup<2>&, PhaseTimer&);
-template void run_simulate<3>(const CommandLine&, const Setup<3>&, PhaseTimer&);
+FABSEQ_INSTANTIATE_FUNCTION(run_simulate);
 
 }  // namespace fabseq

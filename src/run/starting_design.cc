@@ -99,7 +99,6 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
   return design;
 }
 
-template Design starting_design<2>(const Setup<2>&, const Sequence<2>&, const CommandLine&);
-template Design starting_design<3>(const Setup<3>&, const Sequence<3>&, const CommandLine&);
+FABSEQ_INSTANTIATE_FUNCTION(starting_design);
 
 }  // namespace fabseq

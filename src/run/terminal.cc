@@ -1,11 +1,105 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/terminal.h"
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace fabseq {
+
+namespace {
+
+std::string duration_text(double seconds) {
+  const auto total = static_cast<long long>(std::llround(std::clamp(seconds, 0.0, 1e9)));
+  char text[40];
+  std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", total / 3600, total / 60 % 60, total % 60);
+  return text;
+}
+
+/// Parent of a process, 0 if unknown.
+int parent_of(int process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  std::string word;
+  while (status >> word)
+    if (word == "PPid:") {
+      int parent = 0;
+      return status >> parent ? parent : 0;
+    }
+  return 0;
+}
+
+/// Looks at the output of the nearest ancestor that does not share ours: mpirun, above the scripts it may
+/// have started.
+bool launcher_has_terminal() {
+  struct stat ours {};
+  if (fstat(STDOUT_FILENO, &ours) != 0) return false;
+  for (int process = getppid(); process > 1; process = parent_of(process)) {
+    const std::string output = "/proc/" + std::to_string(process) + "/fd/1";
+    struct stat theirs {};
+    if (stat(output.c_str(), &theirs) != 0) return false;
+    if (S_ISCHR(theirs.st_mode) && theirs.st_rdev == ours.st_rdev) continue;
+    const int descriptor = open(output.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+    const bool result = descriptor >= 0 && isatty(descriptor) != 0;
+    if (descriptor >= 0) (void)close(descriptor);
+    return result;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string progress_text(const ProgressLine& line, double mean_seconds) {
+  char text[200];
+  const int width = static_cast<int>(std::to_string(line.max_iterations).size());
+  std::snprintf(text, sizeof text, "iteration %*d/%d", width, line.iteration, line.max_iterations);
+  std::string result = text;
+  if (!std::isnan(line.objective_ratio)) {
+    std::snprintf(text, sizeof text, "  planar/objective %.4g", line.objective_ratio);
+    result += text;
+  }
+  if (!std::isnan(line.worst_constraint)) {
+    std::snprintf(text, sizeof text, "  worst constraint %+.2e", line.worst_constraint);
+    result += text;
+  }
+  std::snprintf(text, sizeof text, "  beta %.4g  %.3g s/iteration", line.beta, line.seconds);
+  result += text;
+  return result + "  left " + duration_text(mean_seconds * (line.max_iterations - line.iteration));
+}
+
+bool stdout_is_terminal() {
+  if (isatty(STDOUT_FILENO) == 0) return false;
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) return true;
+  return launcher_has_terminal();
+}
+
+Progress::Progress(MPI_Comm comm, bool on_terminal)
+    : is_first_(rank_of(comm) == 0), on_terminal_(on_terminal) {}
+
+void Progress::print(const ProgressLine& line) {
+  // The last iterations count most: what one costs changes along the way.
+  constexpr double memory = 0.8;
+  mean_seconds_ =
+      mean_seconds_ == 0.0 ? line.seconds : memory * mean_seconds_ + (1.0 - memory) * line.seconds;
+  if (!is_first_) return;
+  const std::string text = progress_text(line, mean_seconds_);
+  // The escape clears what is left of a longer line.
+  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
+  line_open_ = on_terminal_;
+}
+
+void Progress::finish() {
+  if (!line_open_) return;
+  write_text(STDOUT_FILENO, "\n");
+  line_open_ = false;
+}
 
 void print_responses(const SequenceNumbers& numbers) {
   for (const auto& [name, type, value] : numbers.responses)

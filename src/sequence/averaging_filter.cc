@@ -71,7 +71,6 @@ std::vector<double> AveragingFilter<Dim>::apply_transpose(std::span<const double
   return part_.restrict_to_part(halo_->scatter_add(values));
 }
 
-template class AveragingFilter<2>;
-template class AveragingFilter<3>;
+FABSEQ_INSTANTIATE_CLASS(AveragingFilter);
 
 }  // namespace fabseq

@@ -44,13 +44,7 @@ LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& el
   return result;
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                           \
-  template ElementMeans element_means<Dim>(const Part<Dim>&, const ElementMatrices<Dim>&, \
-                                           std::span<const double>);                      \
-  template LaneVector pull_back_means<Dim>(const Part<Dim>&, const ElementMatrices<Dim>&, \
-                                           std::span<const TimeDerivatives>);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(element_means);
+FABSEQ_INSTANTIATE_FUNCTION(pull_back_means);
 
 }  // namespace fabseq

@@ -231,13 +231,9 @@ double geodesic_height(const Part<Dim>& part, const std::vector<double>& distanc
   return max(part.grid().comm(), farthest) + 0.5 * part.grid().spacing()[part.plate().axis];
 }
 
-template std::vector<double> geodesic_distance<2>(const Part<2>&);
-template std::vector<double> geodesic_distance<3>(const Part<3>&);
-template std::vector<double> geodesic_distance_of_elements<2>(const Part<2>&, std::span<const char>);
-template std::vector<double> geodesic_distance_of_elements<3>(const Part<3>&, std::span<const char>);
-template std::vector<double> geodesic_distance_of_nodes<2>(const Part<2>&, std::span<const char>);
-template std::vector<double> geodesic_distance_of_nodes<3>(const Part<3>&, std::span<const char>);
-template double geodesic_height<2>(const Part<2>&, const std::vector<double>&);
-template double geodesic_height<3>(const Part<3>&, const std::vector<double>&);
+FABSEQ_INSTANTIATE_FUNCTION(geodesic_distance);
+FABSEQ_INSTANTIATE_FUNCTION(geodesic_distance_of_elements);
+FABSEQ_INSTANTIATE_FUNCTION(geodesic_distance_of_nodes);
+FABSEQ_INSTANTIATE_FUNCTION(geodesic_height);
 
 }  // namespace fabseq

@@ -75,12 +75,11 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction) {
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
   PseudoTime<Dim> result;
-  result.time = part.restrict_to_part(read_element_field(part.grid(), file, dataset));
+  result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   double outside = 0.0;
   for (const double t : result.time)
     if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;
-  const bool wrong = any(part.grid().comm(), outside != 0.0);
-  if (wrong)
+  if (any(part.grid().comm(), outside != 0.0))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
   return result;
@@ -108,13 +107,9 @@ std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double
   return sum(grid.comm(), minima);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                           \
-  template PseudoTime<Dim> planar_time<Dim>(const Part<Dim>&, std::vector<double>);                       \
-  template double planar_height<Dim>(const Part<Dim>&, std::vector<double>);                              \
-  template PseudoTime<Dim> time_from_file<Dim>(const Part<Dim>&, const std::string&, const std::string&); \
-  template std::int64_t count_interior_minima<Dim>(const Part<Dim>&, std::span<const double>);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(planar_time);
+FABSEQ_INSTANTIATE_FUNCTION(planar_height);
+FABSEQ_INSTANTIATE_FUNCTION(time_from_file);
+FABSEQ_INSTANTIATE_FUNCTION(count_interior_minima);
 
 }  // namespace fabseq

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/sequence/heat_sequence.h"
 
-#include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
@@ -18,12 +17,10 @@ namespace fabseq {
 
 namespace {
 
-void require_convergence(const SolveReport& report, const char* what) {
-  if (report.converged) return;
-  std::ostringstream text;
-  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
-       << " (" << report.reason << ')';
-  throw NumericalError(text.str());
+/// With the consistent matrix the temperature leaves its range where the drain outweighs conduction.
+bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
+  if (settings.mass != MassRule::automatic) return settings.mass == MassRule::lumped;
+  return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
 }
 
 /// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of
@@ -34,10 +31,69 @@ std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
   return std::clamp<std::int64_t>(limit, 1, most);
 }
 
+/// K_0 T of the part elements, [part element][corner], for a temperature on the ghosted node box.
+template <int Dim>
+std::vector<double> heat_flux(const Part<Dim>& part, const ElementMatrices<Dim>& element,
+                              std::span<const double> temperature) {
+  constexpr int count = corner_count<Dim>;
+  const auto& offsets = part.grid().corner_offsets();
+  const auto& corners = part.first_corners();
+  std::vector<double> flux(corners.size() * count);
+  for (std::size_t e = 0; e < corners.size(); ++e)
+    for (int i = 0; i < count; ++i) {
+      double sum = 0.0;
+      for (int j = 0; j < count; ++j)
+        sum += element.conductivity()[i * count + j] * temperature[corners[e] + offsets[j]];
+      flux[e * count + i] = sum;
+    }
+  return flux;
+}
+
+/// dJ/dkappa_e = lambda^T K_0 T, a part field for each lane of adjoints lambda on the owned nodes.
+/// Collective.
+template <int Dim>
+std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span<const double> heat_flux,
+                                                const LaneVector& adjoints) {
+  const Grid<Dim>& grid = part.grid();
+  const auto& corners = part.first_corners();
+  const int lanes = adjoints.lanes;
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes);
+  grid.exchange(lanes).to_ghosted(adjoints.values, ghosted);
+  std::vector<std::vector<double>> result(lanes, std::vector<double>(corners.size()));
+  std::vector<double> sums(lanes);
+  for (std::size_t e = 0; e < corners.size(); ++e) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
+      const double flux = heat_flux[e * corner_count<Dim> + corner];
+      const double* adjoint =
+          &ghosted[static_cast<std::size_t>(corners[e] + grid.corner_offsets()[corner]) * lanes];
+      for (int lane = 0; lane < lanes; ++lane) sums[lane] += flux * adjoint[lane];
+    }
+    for (int lane = 0; lane < lanes; ++lane) result[lane][e] = sums[lane];
+  }
+  return result;
+}
+
 /// Beyond this the discrete maximum principle does not hold.
 constexpr double temperature_tolerance = 1e-9;
 
 }  // namespace
+
+template <int Dim>
+HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& settings)
+    : element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
+      reaction(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
+      lumped(lump_mass(settings, reaction, part.grid().largest_spacing())) {
+  const Grid<Dim>& grid = part.grid();
+  grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
+    domain.first_corners.push_back(grid.first_corner(index));
+  });
+  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    const bool on_plate = part.on_plate(node) && part.touched_nodes()[offset] != 0;
+    domain.fixed[offset] = on_plate || part.substrate().nodes()[offset] != 0 ? 1 : 0;
+  });
+}
 
 template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
@@ -50,13 +106,7 @@ HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& s
       solver_(std::move(solver)),
       across_(across),
       lanes_(lanes),
-      filter_(part, settings.filter_radius),
-      chain_rule_(part, model_->element) {}
-
-template <int Dim>
-DesignSpace HeatSequence<Dim>::space() const {
-  return {settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log};
-}
+      filter_(part, settings.filter_radius) {}
 
 template <int Dim>
 std::vector<double> HeatSequence<Dim>::initial_design() const {
@@ -170,23 +220,25 @@ template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
   const std::size_t together = rows_at_once(part_.grid(), lanes_);
   adjoint_iterations_.clear();
-  chain_rule_.set_temperature(ghosted_temperature_);
+  const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;
   for (std::size_t first = 0; first < rows.size(); first += together) {
-    const LaneVector loads = chain_rule_.loads(rows.subspan(first, std::min(together, rows.size() - first)));
+    // K_T lambda = -dJ/dT: mean and gradient of the temperature enter the time with a minus.
+    const LaneVector loads =
+        pull_back_means(part_, model_->element, rows.subspan(first, std::min(together, rows.size() - first)));
     LaneVector adjoints = loads;
     for (const SolveReport& report : solver_->solve({&loads, 1}, {&adjoints, 1})) {
       require_convergence(report, "a heat adjoint");
       adjoint_iterations_.push_back(report.iterations);
     }
-    for (const std::vector<double>& gradient : chain_rule_.gradients(adjoints))
+    for (const std::vector<double>& gradient : by_diffusivity(part_, flux, adjoints))
       result.push_back(filter_.apply_transpose(gradient));
   }
   solver_->give_back_memory();
   return result;
 }
 
-template class HeatSequence<2>;
-template class HeatSequence<3>;
+FABSEQ_INSTANTIATE_CLASS(HeatSequence);
+FABSEQ_INSTANTIATE_STRUCT(HeatModel);
 
 }  // namespace fabseq

@@ -29,21 +29,6 @@ std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Sha
   return result;
 }
 
-/// Number of nodes of each part element that are flagged, a part field. Collective.
-template <int Dim>
-std::vector<int> count_corners(const Part<Dim>& part, const std::vector<char>& nodes) {
-  const Grid<Dim>& grid = part.grid();
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(std::vector<double>(nodes.begin(), nodes.end()), ghosted);
-  std::vector<int> result;
-  for (const int first : part.first_corners()) {
-    int count = 0;
-    for (const int corner : grid.corner_offsets()) count += ghosted[first + corner] > 0.0 ? 1 : 0;
-    result.push_back(count);
-  }
-  return result;
-}
-
 template <int Dim>
 std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& shape) {
   const Grid<Dim>& grid = part.grid();
@@ -55,10 +40,18 @@ std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& sh
   return result;
 }
 
+/// Part elements with at least so many of the flagged nodes, a part field. Collective.
 template <int Dim>
 std::vector<char> elements_with_corners(const Part<Dim>& part, const std::vector<char>& nodes, int least) {
+  const Grid<Dim>& grid = part.grid();
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  grid.exchange(1).to_ghosted(std::vector<double>(nodes.begin(), nodes.end()), ghosted);
   std::vector<char> result;
-  for (const int corners : count_corners(part, nodes)) result.push_back(corners >= least ? 1 : 0);
+  for (const int first : part.first_corners()) {
+    int count = 0;
+    for (const int corner : grid.corner_offsets()) count += ghosted[first + corner] > 0.0 ? 1 : 0;
+    result.push_back(count >= least ? 1 : 0);
+  }
   return result;
 }
 
@@ -144,7 +137,6 @@ StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& set
                                                     : region_of_elements(part, settings.start);
 }
 
-template StartRegion make_start_region<2>(const Part<2>&, const SequenceSettings&);
-template StartRegion make_start_region<3>(const Part<3>&, const SequenceSettings&);
+FABSEQ_INSTANTIATE_FUNCTION(make_start_region);
 
 }  // namespace fabseq

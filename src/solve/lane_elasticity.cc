@@ -146,12 +146,6 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
   displacement.set_lane(lane, solution.lane(0));
 }
 
-/// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
-template <int Dim>
-void LaneElasticity<Dim>::start_cold() {
-  fallback_.reset();
-}
-
 template <int Dim>
 void LaneElasticity<Dim>::give_back_memory() {
   if (most_lanes_ == widest) return;
@@ -174,7 +168,6 @@ std::string LaneElasticity<Dim>::description() const {
   return text.str();
 }
 
-template class LaneElasticity<2>;
-template class LaneElasticity<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneElasticity);
 
 }  // namespace fabseq

@@ -58,7 +58,6 @@ SolveReport LaneFreeBody<Dim>::solve(std::span<const double> load, std::span<dou
   return report;
 }
 
-template class LaneFreeBody<2>;
-template class LaneFreeBody<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneFreeBody);
 
 }  // namespace fabseq

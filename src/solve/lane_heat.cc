@@ -141,7 +141,6 @@ ReferenceHeat<Dim>& LaneHeat<Dim>::fallback() {
   return *fallback_;
 }
 
-template class LaneHeat<2>;
-template class LaneHeat<3>;
+FABSEQ_INSTANTIATE_CLASS(LaneHeat);
 
 }  // namespace fabseq

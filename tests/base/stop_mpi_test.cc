@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Requests to stop reach all ranks, and say what they were.
 #include "fabseq/base/error.h"
-#include "fabseq/base/standard_streams.h"
+#include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 
 #include "support/io_support.h"

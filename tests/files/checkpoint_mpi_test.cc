@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/base/checksum.h"
 #include "fabseq/files/checkpoint.h"
-#include "fabseq/files/checkpoint_reader.h"
 #include "fabseq/files/seal.h"
 #include "fabseq/parallel/layer_groups.h"
 

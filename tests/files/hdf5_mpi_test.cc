@@ -244,7 +244,7 @@ void expect_round_trip() {
   Hdf5Writer writer(PETSC_COMM_WORLD, scratch.file("a.h5"));
   writer.write_field<Dim>(grid, {"group/design", false, 1, values});
   writer.close();
-  EXPECT_EQ(read_element_field(grid, scratch.file("a.h5"), "group/design"), values);
+  EXPECT_EQ(read_field(grid, false, scratch.file("a.h5"), "group/design"), values);
 }
 
 TEST(ReadElementField, ReturnsWhatWasWritten3D) { expect_round_trip<3>(); }
@@ -268,7 +268,7 @@ TEST(ReadElementField, SaysWhatIsWrongOnAllRanks) {
   MPI_Barrier(PETSC_COMM_WORLD);
   const auto text_of = [&](const std::string& file, const std::string& dataset) {
     return error_text<InputError>(
-        [&] { read_element_field(grid, scratch.file(file), dataset, "-design", "/x"); });
+        [&] { read_field(grid, false, scratch.file(file), dataset, "-design", "/x"); });
   };
   for (const char* file : {"missing.h5", "text.h5", "cut.h5", "."}) {
     const std::string text = text_of(file, "vectors");

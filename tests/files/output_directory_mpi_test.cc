@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/verdict.h"
-#include "fabseq/files/history.h"
 #include "fabseq/files/output_directory.h"
-#include "fabseq/run/progress.h"
+#include "fabseq/run/terminal.h"
 
 #include "support/io_support.h"
 #include <cstdio>

@@ -2,7 +2,7 @@
 /// Mutual energies and works of elements against the matrices (formulation 8).
 #include "fabseq/lanes/element_energy.h"
 
-#include "fabseq/lanes/lane_chunks.h"
+#include "fabseq/lanes/lanes.h"
 
 #include <gtest/gtest.h>
 

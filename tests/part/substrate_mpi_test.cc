@@ -4,7 +4,7 @@
 #include "fabseq/part/supports.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/sequence/heat_model.h"
+#include "fabseq/sequence/heat_sequence.h"
 
 #include <gtest/gtest.h>
 

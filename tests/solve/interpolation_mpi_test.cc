@@ -2,7 +2,7 @@
 /// Interpolation between nested grids, as the geometric multigrid uses it.
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/reference/assembled_system.h"
-#include "fabseq/solve/reference/interpolation.h"
+#include "fabseq/solve/reference/preconditioner.h"
 
 #include <gtest/gtest.h>
 

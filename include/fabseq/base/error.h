@@ -23,29 +23,20 @@ class Error : public std::runtime_error {
   ExitStatus status_;
 };
 
+template <ExitStatus Status>
+class ErrorWith : public Error {
+ public:
+  explicit ErrorWith(const std::string& message) : Error(Status, message) {}
+};
+
 /// The user's config, command line or files are wrong; thrown before anything is written. `message` is one
 /// line that names the key (JSON pointer), what was found and what is allowed.
-class InputError : public Error {
- public:
-  explicit InputError(const std::string& message) : Error(ExitStatus::bad_input, message) {}
-};
-
+using InputError = ErrorWith<ExitStatus::bad_input>;
 /// A solver diverged or a NaN appeared.
-class NumericalError : public Error {
- public:
-  explicit NumericalError(const std::string& message) : Error(ExitStatus::numerical_failure, message) {}
-};
-
+using NumericalError = ErrorWith<ExitStatus::numerical_failure>;
 /// Somebody asked the run to end before its time (stop.h). Not a failure: what was reached is kept.
-class Stopped : public Error {
- public:
-  explicit Stopped(const std::string& message) : Error(ExitStatus::stopped, message) {}
-};
-
+using Stopped = ErrorWith<ExitStatus::stopped>;
 /// A file or directory could not be written.
-class OutputError : public Error {
- public:
-  explicit OutputError(const std::string& message) : Error(ExitStatus::output_failure, message) {}
-};
+using OutputError = ErrorWith<ExitStatus::output_failure>;
 
 }  // namespace fabseq

@@ -28,13 +28,9 @@ class Hdf5Handle {
     std::swap(id_, other.id_);
     return *this;
   }
-  Hdf5Handle(const Hdf5Handle&) = delete;
-  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
   ~Hdf5Handle() { (void)close(); }
 
-  operator hid_t() const {
-    return id_;
-  }  // NOLINT(google-explicit-constructor): HDF5 calls take the identifier
+  operator hid_t() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
   /// Closes now; false if HDF5 reports an error (data that could not be written, for a file). Nothing held:
   /// true.

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// PETSc log events: a line each in -log_view, within the stage of their phase.
 #pragma once
 
 #include "fabseq/base/petsc.h"
 
 namespace fabseq {
 
-/// Registers the events of all modules. PETSc matches the events of different ranks by number, and layer
-/// groups would come to them in orders of their own. PETSc must be initialized.
-void register_log_events();
-
-/// A kind of work that -log_view reports by name. Make one at first use, as a static of the function that
-/// does the work.
+/// A kind of work that -log_view reports by name, a line within the stage of its phase. Make one at first
+/// use, as a static of the function that does the work.
 class LogEvent {
  public:
   /// Registers the event; PETSc must be initialized.
@@ -28,8 +22,7 @@ class LogEvent {
       check(PetscLogEventBegin(event_, nullptr, nullptr, nullptr, nullptr));
     }
     ~Scope() { (void)end(); }
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
+    Scope(Scope&&) = delete;
 
    private:
     PetscErrorCode end() const {

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -23,8 +24,6 @@ class Communicator {
     std::swap(comm_, other.comm_);
     return *this;
   }
-  Communicator(const Communicator&) = delete;
-  Communicator& operator=(const Communicator&) = delete;
   ~Communicator() {
     if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
   }
@@ -59,6 +58,10 @@ void max_in_place(MPI_Comm comm, std::span<double> values);
 std::string broadcast(MPI_Comm comm, const std::string& text);
 /// Values of rank 0 on every rank, in place; the same length on all ranks.
 void broadcast(MPI_Comm comm, std::span<double> values);
+
+/// The entries of all ranks, rank after rank, on every rank; at most 2^31 - 1 in all.
+std::vector<std::int64_t> gather_all(MPI_Comm comm, std::span<const std::int64_t> own);
+std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own);
 
 /// Sum of `value` over the ranks below this one.
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value);

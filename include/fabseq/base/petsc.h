@@ -27,13 +27,9 @@ class PetscHandle {
     std::swap(object_, other.object_);
     return *this;
   }
-  PetscHandle(const PetscHandle&) = delete;
-  PetscHandle& operator=(const PetscHandle&) = delete;
   ~PetscHandle() { reset(); }
 
-  operator Object() const {
-    return object_;
-  }  // NOLINT(google-explicit-constructor): PETSc calls take the object
+  operator Object() const { return object_; }
   explicit operator bool() const { return object_ != nullptr; }
   /// For PETSc's Create functions; frees what the handle held before.
   Object* receive() {
@@ -56,5 +52,18 @@ using DmHandle = PetscHandle<DM, DMDestroy>;
 using IndexSetHandle = PetscHandle<IS, ISDestroy>;
 using ScatterHandle = PetscHandle<VecScatter, VecScatterDestroy>;
 using NullSpaceHandle = PetscHandle<MatNullSpace, MatNullSpaceDestroy>;
+
+/// While it lives, the values of `vector` (made without an array of its own) are those at `values`, which
+/// must hold the vector's local size and outlive the scope. A vector that is only read from may be lent a
+/// const array.
+class PlacedArray {
+ public:
+  PlacedArray(Vec vector, const double* values) : vector_(vector) { check(VecPlaceArray(vector, values)); }
+  ~PlacedArray() { (void)VecResetArray(vector_); }
+  PlacedArray(PlacedArray&&) = delete;
+
+ private:
+  Vec vector_;
+};
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where the time of a run goes, phase by phase: for history, summary, and PETSc's -log_view.
 #pragma once
 
 #include <petscsys.h>
@@ -15,7 +13,8 @@ constexpr int phase_count = 7;
 constexpr std::array<std::string_view, phase_count> phase_names = {
     "heat", "layers", "primal", "adjoint", "responses", "optimizer", "output"};
 
-/// Wall seconds spent in each phase, on this rank; each phase is a PETSc log stage.
+/// Where the time of a run goes: wall seconds spent in each phase, on this rank; each phase is a stage of
+/// PETSc's -log_view.
 class PhaseTimer {
  public:
   /// Registers the log stages and events; PETSc must be initialized.
@@ -26,8 +25,7 @@ class PhaseTimer {
    public:
     Scope(PhaseTimer& timer, Phase phase);
     ~Scope();
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
+    Scope(Scope&&) = delete;
 
    private:
     PhaseTimer& timer_;

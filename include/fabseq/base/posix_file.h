@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -16,13 +17,10 @@ class PosixFile {
  public:
   /// `flags` as for open(2).
   PosixFile(const std::string& path, int flags);
-  PosixFile(const PosixFile&) = delete;
-  PosixFile& operator=(const PosixFile&) = delete;
+  PosixFile(PosixFile&&) = delete;
   ~PosixFile();
 
-  operator int() const {
-    return descriptor_;
-  }  // NOLINT(google-explicit-constructor): system calls take the number
+  operator int() const { return descriptor_; }  ///< for system calls
   void write(std::string_view bytes) const;
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
   void resize(std::int64_t bytes) const;
@@ -61,5 +59,24 @@ std::string read_file_if_there(const std::string& path);
 void publish_file(const std::string& path);
 /// Removes a file that is there; does not fail.
 void remove_quietly(const std::string& path) noexcept;
+
+/// A file in memory, without a name, for HDF5: there nothing fails that would on a disk. Gone with the
+/// object.
+class MemoryFile {
+ public:
+  MemoryFile();
+  MemoryFile(MemoryFile&&) = delete;
+  ~MemoryFile();
+
+  /// A path under which this process can open it.
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  std::int64_t size() const;
+  /// Whether all of `bytes` could be read, or written.
+  bool read_at(std::int64_t offset, std::span<char> bytes) const;
+  bool write_at(std::int64_t offset, std::span<const char> bytes) const;
+
+ private:
+  int descriptor_;
+};
 
 }  // namespace fabseq

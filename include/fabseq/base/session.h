@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Start and end of MPI and PETSc, and the one place where exceptions become exit statuses.
+/// Start and end of MPI and PETSc, the one place where exceptions become exit statuses, and text for standard
+/// output and standard error that never keeps a run from stopping.
 #pragma once
 
 #include <mpi.h>
@@ -25,5 +26,10 @@ void warn(const std::string& message);
 void warn(MPI_Comm comm, const std::string& message);
 /// Prints a line on stdout, once (rank 0 of the world).
 void print(const std::string& line);
+
+/// Writes text to file descriptor 1 or 2, whole, and waits where there is no room for it. Once this rank has
+/// been asked to stop (stop.h) it waits no longer than a moment, and what has no room is lost: mpirun, told
+/// to end, reads no more of what its ranks print, and a checkpoint must not wait for that. Does not fail.
+void write_text(int descriptor, const std::string& text) noexcept;
 
 }  // namespace fabseq

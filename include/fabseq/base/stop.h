@@ -18,8 +18,7 @@ class StopRequests {
  public:
   /// `max_wall_time`: seconds from the start of the process after which it shall stop.
   explicit StopRequests(std::optional<double> max_wall_time);
-  StopRequests(const StopRequests&) = delete;
-  StopRequests& operator=(const StopRequests&) = delete;
+  StopRequests(StopRequests&&) = delete;
   ~StopRequests();
 };
 
@@ -29,8 +28,7 @@ class StopFile {
  public:
   /// Rank 0 of `comm` looks.
   StopFile(MPI_Comm comm, const std::string& path);
-  StopFile(const StopFile&) = delete;
-  StopFile& operator=(const StopFile&) = delete;
+  StopFile(StopFile&&) = delete;
   ~StopFile();
 };
 

@@ -5,7 +5,6 @@
 
 #include <mpi.h>
 
-#include <exception>
 #include <functional>
 
 namespace fabseq {
@@ -22,26 +21,5 @@ void run_on_first(MPI_Comm comm, const std::function<void()>& work);
 /// and is waited for in between: `across` holds one rank of each group. With one group this is `work` and
 /// nothing else. Collective on `across`.
 void run_in_groups(MPI_Comm across, const std::function<void()>& work);
-
-/// Puts off an exception until the collective calls around the failed work are through: after the first
-/// failure further work is skipped, and rethrow() throws it.
-class FirstFailure {
- public:
-  template <class Work>
-  void run(Work&& work) noexcept {
-    if (failure_) return;
-    try {
-      work();
-    } catch (...) {
-      failure_ = std::current_exception();
-    }
-  }
-  void rethrow() const {
-    if (failure_) std::rethrow_exception(failure_);
-  }
-
- private:
-  std::exception_ptr failure_;
-};
 
 }  // namespace fabseq

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Matrices of one box element, Q4 (plane stress) or H8, by full Gauss integration (docs/formulation.md
-/// 1, 2.1, 4.1).
 #pragma once
 
 #include "fabseq/grid/index_box.h"
@@ -29,7 +26,8 @@ using SquareMatrix = std::array<double, static_cast<std::size_t>(Size) * Size>;
 template <int Dim>
 SquareMatrix<voigt_size<Dim>> elasticity_matrix(double poisson);
 
-/// All matrices of a box element with edge lengths `spacing`; in 2D integrals carry the thickness.
+/// The matrices of a box element, Q4 (plane stress) or H8, with edge lengths `spacing`, by full Gauss
+/// integration (docs/formulation.md 1, 2.1, 4.1); in 2D integrals carry the thickness.
 template <int Dim>
 class ElementMatrices {
  public:
@@ -69,8 +67,5 @@ class ElementMatrices {
   StrainMatrix center_stress_{};  ///< C B at the element's centre
   double volume_ = 0.0;
 };
-
-extern template class ElementMatrices<2>;
-extern template class ElementMatrices<3>;
 
 }  // namespace fabseq

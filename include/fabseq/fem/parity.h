@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Element matrices of a box in the basis of even and odd node combinations.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -41,10 +39,5 @@ struct ParityMatrix {
 /// `components` wide): bounds the spectrum of the assembled, likewise scaled operator whatever the
 /// coefficients of the elements are.
 double scaled_spectrum_bound(std::span<const double> matrix, int corners, int components);
-
-extern template struct ParityMatrix<2, 1>;
-extern template struct ParityMatrix<2, 2>;
-extern template struct ParityMatrix<3, 1>;
-extern template struct ParityMatrix<3, 3>;
 
 }  // namespace fabseq

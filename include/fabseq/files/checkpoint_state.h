@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What a run carries from one iteration to the next, by name: every class that has some of it adds its own
-/// to a state, and takes it back from one.
 #pragma once
 
 #include "fabseq/base/json.h"
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
 
-/// Named scalars, arrays and fields of the design. Names may have groups ("optimizer/low"). Reading what is
-/// not there throws InputError, on all ranks since all have the same names: the checkpoint was written by
-/// another version.
+/// What a run carries from one iteration to the next, as named scalars, arrays and fields of the design:
+/// every class that has some of it adds its own to a state, and takes it back from one. Names may have groups
+/// ("optimizer/low"). Reading what is not there throws InputError, on all ranks since all have the same
+/// names: the checkpoint was written by another version.
 class CheckpointState {
  public:
   /// A boolean, integer, finite number or string, the same on all ranks.
@@ -23,7 +22,7 @@ class CheckpointState {
   void set_array(const std::string& name, std::vector<double> values);
   /// An entry for each of this rank's design variables. Read on another number of ranks, or shared by them in
   /// another way, it comes back distributed like theirs.
-  void set_field(const std::string& name, std::vector<double> values);
+  void set_field(const std::string& name, std::vector<double> values) { fields_[name] = std::move(values); }
 
   bool has_array(const std::string& name) const { return arrays_.contains(name); }
   int integer(const std::string& name) const;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where a rank's entries of a design belong on the grid, for those who write and read such vectors.
 #pragma once
 
 #include "fabseq/grid/grid.h"

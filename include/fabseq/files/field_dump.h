@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Field dumps during a run: one raw binary file written by all ranks through MPI-IO, and an XDMF file beside
-/// it.
 #pragma once
 
 #include "fabseq/files/field_set.h"
@@ -19,8 +16,5 @@ namespace fabseq {
 /// failed.
 template <int Dim>
 void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base);
-
-extern template void write_field_dump<2>(MPI_Comm, const FieldSet<2>&, const std::string&);
-extern template void write_field_dump<3>(MPI_Comm, const FieldSet<3>&, const std::string&);
 
 }  // namespace fabseq

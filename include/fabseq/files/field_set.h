@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Named fields on a grid, ready for output: registered once, written by any writer.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -11,16 +9,16 @@
 
 namespace fabseq {
 
-/// Names and values of element and node fields. Values are not copied: what was added must outlive the set.
+/// Names and values of element and node fields, for any writer. Values are not copied: what was added must
+/// outlive the set.
 template <int Dim>
 struct FieldSet {
   struct Field {
     std::string name;
     bool on_nodes = false;
     int components = 1;
-    std::span<const double>
-        values;  ///< owned entities of this rank, [entity][component], lexicographic in the owned box
-    bool single_precision = false;  ///< stored as 32-bit floats
+    std::span<const double> values;  ///< [owned entity][component], lexicographic in the owned box
+    bool single_precision = false;   ///< stored as 32-bit floats
   };
 
   const Grid<Dim>* grid = nullptr;

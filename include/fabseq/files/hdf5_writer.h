@@ -24,13 +24,12 @@ class SlabGather;
 /// ranks: OutputError on all of them, naming the file, after which only the destructor may be called. Without
 /// close() nothing is left behind. The ranks of the grids that fields live on must be the first of `comm`;
 /// what further ranks have must be copies. Apart from stages, datasets have an attribute `checksum`
-/// (fabseq/base/checksum.h) of their bytes.
+/// (fabseq/files/seal.h) of their bytes.
 class Hdf5Writer {
  public:
   Hdf5Writer(MPI_Comm comm, const std::string& path);
   ~Hdf5Writer();
-  Hdf5Writer(const Hdf5Writer&) = delete;
-  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+  Hdf5Writer(Hdf5Writer&&) = delete;
 
   /// A field with axes [z][y][x] (2D [y][x]), and [component] if it has several. Groups in the name ("a/b")
   /// are made.
@@ -76,10 +75,6 @@ template <int Dim>
 std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
                                const std::string& dataset, const std::string& file_key = "field file",
                                const std::string& dataset_key = "field");
-template <int Dim>
-std::vector<double> read_element_field(const Grid<Dim>& grid, const std::string& file,
-                                       const std::string& dataset, const std::string& file_key = "field file",
-                                       const std::string& dataset_key = "field");
 
 /// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`; throws InputError like
 /// read_field(), and where the dataset has several axes.

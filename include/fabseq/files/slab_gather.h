@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Brings a distributed field to rank 0 in pieces that fit its memory.
 #pragma once
 
 #include "fabseq/files/field_set.h"
@@ -12,9 +10,9 @@
 
 namespace fabseq {
 
-/// Gathers a field on rank 0, one slab (one index of the slowest axis) at a time. Construction and gather()
-/// are collective on `comm`, whose first ranks must be those of the grid: further ranks may hold copies of
-/// the field, of which nothing is sent. Grid and values must outlive the object.
+/// Gathers a field on rank 0, one slab (one index of the slowest axis) at a time, which fits its memory.
+/// Construction and gather() are collective on `comm`, whose first ranks must be those of the grid: further
+/// ranks may hold copies of the field, of which nothing is sent. Grid and values must outlive the object.
 template <int Dim>
 class SlabGather {
  public:
@@ -43,8 +41,5 @@ class SlabGather {
   std::vector<int> counts_, offsets_;
   std::vector<double> pieces_, slab_;
 };
-
-extern template class SlabGather<2>;
-extern template class SlabGather<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// XDMF: the small text file beside binary or HDF5 data by which ParaView opens them.
 #pragma once
 
 #include "fabseq/files/field_set.h"
@@ -17,8 +15,8 @@ struct XdmfSource {
   std::string content;
 };
 
-/// Text of an XDMF file for `fields`; `source(i)` is asked for each field i. Not collective, no values are
-/// read.
+/// Text of an XDMF file, the small one beside binary or HDF5 data by which ParaView opens them: `source(i)`
+/// is asked for each field i. Not collective, no values are read.
 ///
 /// A 2D grid is described as a flat 3D one with one layer of nodes at z = 0: 2D meshes end up in ParaView's
 /// yz plane. Its older "XDMF Reader" shows no element fields of such a grid; the two that it offers first do.
@@ -26,8 +24,5 @@ struct XdmfSource {
 /// yy yz zz) is not the Voigt order of docs/formulation.md 1.
 template <int Dim>
 std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source);
-
-extern template std::string xdmf_text<2>(const FieldSet<2>&, const std::function<XdmfSource(std::size_t)>&);
-extern template std::string xdmf_text<3>(const FieldSet<3>&, const std::function<XdmfSource(std::size_t)>&);
 
 }  // namespace fabseq

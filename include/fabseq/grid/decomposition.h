@@ -21,12 +21,13 @@ using ElementWeights = std::function<std::vector<double>(const IndexBox<Dim>&)>;
 /// range_starts[a][p + 1].
 template <int Dim>
 struct Decomposition {
-  Index<Dim> processes{};  ///< ranks along each axis; rank = px + Px (py + Py pz)
-  std::array<std::vector<int>, Dim>
-      range_starts;  ///< processes[a] + 1 entries, ascending, from 0 to the axis' elements
+  Index<Dim> processes{};                          ///< ranks along each axis; rank = px + Px (py + Py pz)
+  std::array<std::vector<int>, Dim> range_starts;  ///< processes[a] + 1 entries, 0 to the axis' elements
 
-  Index<Dim> position_of(int rank) const;
-  int rank_at(const Index<Dim>& position) const;
+  Index<Dim> position_of(int rank) const { return IndexBox<Dim>{Index<Dim>{}, processes}.index(rank); }
+  int rank_at(const Index<Dim>& position) const {
+    return static_cast<int>(IndexBox<Dim>{Index<Dim>{}, processes}.offset(position));
+  }
   /// Elements of the process at `position`.
   IndexBox<Dim> elements_of(const Index<Dim>& position) const;
   /// Position of the process that has `element`.
@@ -53,8 +54,5 @@ Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& element
 template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights);
-
-extern template struct Decomposition<2>;
-extern template struct Decomposition<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Element fields of the neighbourhood, however wide: for filters, neighbour searches and distances.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -29,8 +27,5 @@ class ElementHalo {
   VecHandle owned_, extended_;
   ScatterHandle scatter_;
 };
-
-extern template class ElementHalo<2>;
-extern template class ElementHalo<3>;
 
 }  // namespace fabseq

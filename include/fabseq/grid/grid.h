@@ -7,6 +7,7 @@
 #include "fabseq/grid/decomposition.h"
 #include "fabseq/grid/index_box.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -52,6 +53,11 @@ class NodeExchange {
   VecHandle owned_, ghosted_;
 };
 
+/// A DMDA (box stencil of width 1). `nodes`: that each process has along each axis. Collective.
+template <int Dim>
+DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
+                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components);
+
 /// A DMDA-decomposed box grid of Q4 or H8 elements. The element with index i belongs to the rank that owns
 /// its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are tensor
 /// products, chosen so that the largest sum of element weights of a rank is smallest.
@@ -72,8 +78,8 @@ class Grid {
   const Domain<Dim>& domain() const { return domain_; }
   /// Element edge lengths.
   const Point<Dim>& spacing() const { return spacing_; }
-  double smallest_spacing() const;
-  double largest_spacing() const;
+  double smallest_spacing() const { return *std::min_element(spacing_.begin(), spacing_.end()); }
+  double largest_spacing() const { return *std::max_element(spacing_.begin(), spacing_.end()); }
   /// Volume of an element (2D: area times thickness).
   double element_volume() const;
 
@@ -121,10 +127,5 @@ class Grid {
   mutable std::map<int, DmHandle> node_dms_;
   mutable std::map<int, std::unique_ptr<NodeExchange<Dim>>> exchanges_;
 };
-
-extern template class NodeExchange<2>;
-extern template class NodeExchange<3>;
-extern template class Grid<2>;
-extern template class Grid<3>;
 
 }  // namespace fabseq

@@ -5,7 +5,20 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <string>
+
+/// Explicit instantiation, in 2D and 3D, of a class or struct template, or of a function template that is not
+/// overloaded, whatever its arguments.
+#define FABSEQ_INSTANTIATE_CLASS(Name) \
+  template class Name<2>;              \
+  template class Name<3>
+#define FABSEQ_INSTANTIATE_STRUCT(Name) \
+  template struct Name<2>;              \
+  template struct Name<3>
+#define FABSEQ_INSTANTIATE_FUNCTION(name) \
+  template decltype(name<2>) name<2>;     \
+  template decltype(name<3>) name<3>
 
 namespace fabseq {
 
@@ -16,13 +29,25 @@ using Point = std::array<double, Dim>;
 template <int Dim>
 using Index = std::array<int, Dim>;
 
-/// "[1,2,3]", for messages.
+/// "[1,2,3]" or "[0.5,1,1.5]", for messages.
 template <int Dim>
 std::string to_text(const Index<Dim>& index) {
   std::string text;
   for (const int value : index) {
     text += text.empty() ? "[" : ",";
     text += std::to_string(value);
+  }
+  return text + "]";
+}
+
+template <int Dim>
+std::string to_text(const Point<Dim>& point) {
+  std::string text;
+  for (const double coordinate : point) {
+    std::array<char, 32> number{};
+    std::snprintf(number.data(), number.size(), "%.6g", coordinate);
+    text += text.empty() ? "[" : ",";
+    text += number.data();
   }
   return text + "]";
 }

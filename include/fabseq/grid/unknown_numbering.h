@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Which nodes of the grid are unknowns of a system, and their numbers in PETSc's matrices.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -18,8 +16,8 @@ struct SystemDomain {
   std::vector<char> fixed;         ///< 1 where the value is prescribed, [owned node][component]
 };
 
-/// Numbers the free nodes of the model consecutively, rank by rank. Nodes that touch no element of the model,
-/// or of which every component is fixed, are no unknowns. Construction is collective.
+/// Numbers the free nodes of the model consecutively, rank by rank, for PETSc's matrices. Nodes that touch no
+/// element of the model, or of which every component is fixed, are no unknowns. Construction is collective.
 template <int Dim>
 class UnknownNumbering {
  public:
@@ -45,8 +43,5 @@ class UnknownNumbering {
   std::int64_t first_ = 0, count_ = 0;
   std::vector<PetscInt> numbers_, fixed_rows_;
 };
-
-extern template class UnknownNumbering<2>;
-extern template class UnknownNumbering<3>;
 
 }  // namespace fabseq

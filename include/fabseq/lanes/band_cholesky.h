@@ -80,7 +80,4 @@ void BandCholesky::solve_lanes(std::span<double> values) const {
   }
 }
 
-extern template class BandNumbering<2>;
-extern template class BandNumbering<3>;
-
 }  // namespace fabseq

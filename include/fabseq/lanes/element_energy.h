@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What two displacement fields have to do with each other in every element, several systems at once.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -13,8 +11,8 @@
 namespace fabseq {
 
 /// Mutual energy lambda^T K_0 u and work lambda^T f_0 of the elements, f_0 being the load of a constant
-/// strain. Both in the basis of even and odd combinations (ParityMatrix), where K_0 falls apart into small
-/// blocks and f_0 has one entry per component and axis.
+/// strain, several systems at once. Both in the basis of even and odd combinations (ParityMatrix), where K_0
+/// falls apart into small blocks and f_0 has one entry per component and axis.
 template <int Dim, int Width>
 class ElementEnergy {
  public:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Numbers too small for their format become zero.
 #pragma once
 
 #if defined(__SSE2__)
@@ -20,8 +18,7 @@ class FlushToZero {
 #else
   FlushToZero() = default;
 #endif
-  FlushToZero(const FlushToZero&) = delete;
-  FlushToZero& operator=(const FlushToZero&) = delete;
+  FlushToZero(FlushToZero&&) = delete;
 
 #if defined(__SSE2__)
  private:

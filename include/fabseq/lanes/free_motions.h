@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Rigid motions of a body that nothing holds, and how to keep an iteration free of them.
 #pragma once
 
 #include "fabseq/grid/rigid_fit.h"
@@ -13,7 +11,7 @@
 namespace fabseq {
 
 /// Projections of one system's vectors, [node][component] on the finest level, to the space without rigid
-/// motions R. All calls are collective on the level's communicator.
+/// motions R, for a body that nothing holds. All calls are collective on the level's communicator.
 template <int Dim>
 class FreeMotions {
  public:
@@ -38,8 +36,5 @@ class FreeMotions {
   LaneArray stiffness_;                ///< sum over the elements around each node
   RigidFit<Dim> displacements_, forces_;
 };
-
-extern template class FreeMotions<2>;
-extern template class FreeMotions<3>;
 
 }  // namespace fabseq

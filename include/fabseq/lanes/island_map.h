@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Stiff islands of every lane, on a distributed mesh.
 #pragma once
 
 #include "fabseq/lanes/lane_hierarchy.h"
@@ -22,7 +20,8 @@ struct LaneIslands {
   std::vector<Node> nodes;  ///< none of them held
 };
 
-/// Finds the islands of each lane: lanes are dealt out to the ranks, and a rank sees its lanes' whole fields.
+/// Finds the stiff islands of each lane: lanes are dealt out to the ranks, and a rank sees its lanes' whole
+/// fields.
 template <int Dim>
 class IslandMap {
  public:
@@ -36,7 +35,6 @@ class IslandMap {
   std::vector<LaneIslands> find(std::span<const double> stiffness, int width) const;
 
  private:
-  std::vector<double> gather_field(std::span<const double> own, int root) const;
   std::vector<int> find_in(std::span<const double> field) const;
 
   const LaneLevel<Dim>& level_;
@@ -47,8 +45,5 @@ class IslandMap {
   std::vector<int> all_places_, all_node_places_;
   std::vector<char> all_supported_;
 };
-
-extern template class IslandMap<2>;
-extern template class IslandMap<3>;
 
 }  // namespace fabseq

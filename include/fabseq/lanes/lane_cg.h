@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Conjugate gradients for several lanes at once.
 #pragma once
 
 #include "fabseq/lanes/free_motions.h"
 #include "fabseq/lanes/island_modes.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_multigrid.h"
-#include "fabseq/lanes/lane_outcome.h"
 #include "fabseq/lanes/spectrum_estimate.h"
 
 #include <memory>
@@ -72,7 +70,6 @@ class LaneCg {
   void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
   void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
   void iterate(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
-  void find_islands();
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
@@ -110,21 +107,16 @@ void with_narrowest(LaneCg<Problem, 8>& widest, int lanes, Use&& use) {
     use.template operator()<1>(widest.half().half().half());
 }
 
-extern template class LaneCg<LaneElasticityProblem<2>, 8>;
-extern template class LaneCg<LaneElasticityProblem<2>, 4>;
-extern template class LaneCg<LaneElasticityProblem<2>, 2>;
-extern template class LaneCg<LaneElasticityProblem<2>, 1>;
-extern template class LaneCg<LaneElasticityProblem<3>, 8>;
-extern template class LaneCg<LaneElasticityProblem<3>, 4>;
-extern template class LaneCg<LaneElasticityProblem<3>, 2>;
-extern template class LaneCg<LaneElasticityProblem<3>, 1>;
-extern template class LaneCg<LaneHeatProblem<2>, 8>;
-extern template class LaneCg<LaneHeatProblem<2>, 4>;
-extern template class LaneCg<LaneHeatProblem<2>, 2>;
-extern template class LaneCg<LaneHeatProblem<2>, 1>;
-extern template class LaneCg<LaneHeatProblem<3>, 8>;
-extern template class LaneCg<LaneHeatProblem<3>, 4>;
-extern template class LaneCg<LaneHeatProblem<3>, 2>;
-extern template class LaneCg<LaneHeatProblem<3>, 1>;
+/// The solvers of all widths for a problem: instantiated by `template`, elsewhere by `extern template`, so
+/// that the widest does not bring the code of the others along.
+#define FABSEQ_EACH_LANE_CG(template_, Problem) \
+  template_ class LaneCg<Problem, 8>;           \
+  template_ class LaneCg<Problem, 4>;           \
+  template_ class LaneCg<Problem, 2>;           \
+  template_ class LaneCg<Problem, 1>
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<3>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<3>);
 
 }  // namespace fabseq

@@ -42,11 +42,6 @@ void LaneCg<Problem, Width>::set_up() {
   const LaneArray& coefficients = matrix_->coefficients();
   multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
   positive_ = multigrid_->set_up();
-  find_islands();
-}
-
-template <class Problem, int Width>
-void LaneCg<Problem, Width>::find_islands() {
   if constexpr (Problem::own_operators) {
     if (!cycle_.islands || hierarchy_.count() == 1) return;
     if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
@@ -73,11 +68,8 @@ std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArra
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
   matrix_->clear_held(load.data());
-  const Scalars squares = [&] {
-    auto sums = matrix_->dot(load.data(), load.data());
-    sum_in_place(matrix_->level().comm, sums);
-    return sums;
-  }();
+  Scalars squares = matrix_->dot(load.data(), load.data());
+  sum_in_place(matrix_->level().comm, squares);
   for (int lane = 0; lane < Width; ++lane) {
     const double size = std::sqrt(squares[lane]);
     state.scale[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;

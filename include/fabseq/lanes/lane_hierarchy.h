@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The levels of the lane multigrid: meshes, supports and transfers, common to all lanes.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -15,7 +13,8 @@
 
 namespace fabseq {
 
-/// One level. A level is either distributed like the grid or agglomerated: held whole by every rank.
+/// One level of the lane multigrid, common to all lanes. It is either distributed like the grid or
+/// agglomerated: held whole by every rank.
 template <int Dim>
 struct LaneLevel {
   /// Nodes begin ... end - 1.
@@ -79,20 +78,10 @@ class LaneHierarchy {
   void find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
   bool holds_rigid_motions(const LaneLevel<Dim>& level) const;
   void set_up_sums(LaneLevel<Dim>& level);
-  std::int64_t total_elements(const LaneLevel<Dim>& level) const;
 
   const Grid<Dim>& grid_;
   int components_;
   std::deque<LaneLevel<Dim>> levels_;
 };
-
-extern template struct LaneLevel<2>;
-extern template struct LaneLevel<3>;
-extern template void sum_over_holders(LaneLevel<2>&, double*, int);
-extern template void sum_over_holders(LaneLevel<3>&, double*, int);
-extern template void sum_over_holders(LaneLevel<2>&, float*, int);
-extern template void sum_over_holders(LaneLevel<3>&, float*, int);
-extern template class LaneHierarchy<2>;
-extern template class LaneHierarchy<3>;
 
 }  // namespace fabseq

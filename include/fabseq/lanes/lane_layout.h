@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Between fields on a rank's owned nodes and vectors on its lane mesh.
 #pragma once
 
 #include "fabseq/grid/grid.h"
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_hierarchy.h"
-#include "fabseq/lanes/lane_vector.h"
 
 #include <vector>
 
@@ -36,8 +33,5 @@ class LaneLayout {
   std::vector<char> counted_;            ///< whether this rank hands out the node's value
   mutable std::vector<double> ghosted_;  ///< kept: new memory costs more than what is done with it
 };
-
-extern template class LaneLayout<2>;
-extern template class LaneLayout<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Elements and nodes of a rank as the lane kernels walk through them.
 #pragma once
 
 #include "fabseq/grid/index_box.h"
@@ -95,8 +93,5 @@ class LaneMesh {
   std::vector<Segment> segments_;
   std::vector<Line> lines_;
 };
-
-extern template class LaneMesh<2>;
-extern template class LaneMesh<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Geometric multigrid for several lanes at once.
 #pragma once
 
 #include "fabseq/lanes/band_cholesky.h"
@@ -32,9 +30,9 @@ struct LaneCycle {
   }
 };
 
-/// A preconditioner for K x = b in every lane: Chebyshev smoothing with node blocks, coarse operators by
-/// re-discretization with the mean of the children's coefficients, band Cholesky on the last level. Vectors
-/// as LaneOperator's, on the finest level. Collective on the grid's communicator.
+/// A preconditioner for K x = b in every lane, geometric multigrid: Chebyshev smoothing with node blocks,
+/// coarse operators by re-discretization with the mean of the children's coefficients, band Cholesky on the
+/// last level. Vectors as LaneOperator's, on the finest level. Collective on the grid's communicator.
 ///
 /// `Real`: of vectors and coefficients; the solves on the last level are in double precision all the same. A
 /// preconditioner in single precision moves half the bytes. Its rounding, about 1e-7 of the forces, is little
@@ -89,7 +87,6 @@ class LaneMultigrid {
   template <bool First>
   void advance(Level& level, const Scalars& alpha, const Scalars& beta, bool last);
   void solve_directly();
-  void sum(int index, std::span<double> scalars) const;
 
   LaneHierarchy<dim>& hierarchy_;
   LaneCycle cycle_;

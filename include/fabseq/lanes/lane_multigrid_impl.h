@@ -211,7 +211,7 @@ void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int ste
       put(1, both[0]);
       put(2, both[1]);
     }
-    sum(index, sums);
+    if (matrix.level().distributed) sum_in_place(matrix.level().comm, sums);
     Scalars beta, alpha;
     for (int lane = 0; lane < Width; ++lane) {
       beta[lane] = energy[lane] > 0.0 ? -sums[2 * Width + lane] / energy[lane] : 0.0;
@@ -275,11 +275,6 @@ void LaneMultigrid<Problem, Width, Real>::solve_directly() {
     for (int lane = 0; lane < Width; ++lane)
       last.solution[unknown * Width + lane] = static_cast<Real>(direct_values_[place(unknown, lane)]);
   last.matrix->clear_held(last.solution.data());
-}
-
-template <class Problem, int Width, class Real>
-void LaneMultigrid<Problem, Width, Real>::sum(int index, std::span<double> scalars) const {
-  if (hierarchy_.level(index).distributed) sum_in_place(hierarchy_.level(index).comm, scalars);
 }
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The operator of one multigrid level for several lanes, its residual and its smoother.
 #pragma once
 
 #include "fabseq/lanes/lane_hierarchy.h"
@@ -12,10 +10,10 @@
 
 namespace fabseq {
 
-/// K x for every lane, without a matrix. Vectors are [node][component][lane] on the level's mesh, the same on
-/// all holders of a node, and zero at held unknowns. All calls that take vectors are collective on the
-/// level's communicator unless they say otherwise. `Real`: double, or float in preconditioners; inner
-/// products are double.
+/// K x for every lane on one level, without a matrix, its residual and its smoother. Vectors are
+/// [node][component][lane] on the level's mesh, the same on all holders of a node, and zero at held unknowns.
+/// All calls that take vectors are collective on the level's communicator unless they say otherwise. `Real`:
+/// double, or float in preconditioners; inner products are double.
 template <class Problem, int Width, class Real = double>
 class LaneOperator {
  public:

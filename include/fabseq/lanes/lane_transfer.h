@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Multilinear interpolation between two levels of lane meshes, along runs of nodes.
 #pragma once
 
 #include "fabseq/lanes/lane_mesh.h"
@@ -12,8 +10,9 @@
 
 namespace fabseq {
 
-/// A fine mesh and the coarse one it sits in: coarse node I lies where fine node factor * I lies. Every
-/// coarse node that interpolates to a node of the fine mesh is in the coarse mesh.
+/// Multilinear interpolation, along runs of nodes, between a fine mesh and the coarse one it sits in: coarse
+/// node I lies where fine node factor * I lies. Every coarse node that interpolates to a node of the fine
+/// mesh is in the coarse mesh.
 template <int Dim>
 class LaneTransfer {
  public:
@@ -135,8 +134,5 @@ void LaneTransfer<Dim>::restrict_add(const Real* fine, Real* coarse) const {
     add(i, sum);
   }
 }
-
-extern template class LaneTransfer<2>;
-extern template class LaneTransfer<3>;
 
 }  // namespace fabseq

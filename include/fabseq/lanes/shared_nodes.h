@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Nodes that elements of several ranks touch: each rank sums its own elements, then the ranks sum up.
 #pragma once
 
 #include "fabseq/lanes/lane_mesh.h"

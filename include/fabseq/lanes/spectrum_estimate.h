@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What conjugate gradients learn of the preconditioned operator's spectrum on the way.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Stiff islands in soft surroundings: what a multigrid cycle does not see.
 #pragma once
 
 #include "fabseq/grid/index_box.h"
@@ -10,7 +8,7 @@
 
 namespace fabseq {
 
-/// Nodes that move with an island.
+/// Nodes that move with a stiff island in soft surroundings, which a multigrid cycle does not see.
 struct StiffIslands {
   int count = 0;
   std::vector<int> node_island;  ///< of each node of the box, lexicographic; -1: none
@@ -25,10 +23,5 @@ struct StiffIslands {
 template <int Dim>
 StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const double> stiffness,
                                 std::span<const char> supported, double contrast = 100.0, int most = 8);
-
-extern template StiffIslands find_stiff_islands<2>(const Index<2>&, std::span<const double>,
-                                                   std::span<const char>, double, int);
-extern template StiffIslands find_stiff_islands<3>(const Index<3>&, std::span<const double>,
-                                                   std::span<const char>, double, int);
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Layers between isosurfaces of the pseudo-time (docs/formulation.md 3.1).
 #pragma once
 
 #include "fabseq/layers/layers.h"
@@ -13,7 +11,8 @@ namespace fabseq {
 /// T_j = j / count: T_0 = 0 ... T_N = 1.
 std::vector<double> uniform_time_points(int count);
 
-/// The smooth (or binary) step between stages. Its variables are T_1 ... T_{N-1}. No call is collective.
+/// Layers between isosurfaces of the pseudo-time (docs/formulation.md 3.1), by the smooth (or binary) step
+/// between stages. Its variables are T_1 ... T_{N-1}. No call is collective.
 class CurvedLayers : public Layers {
  public:
   /// `density`: of the part elements; not owned, must outlive the object. `time_points`: T_0 = 0 ... T_N = 1.

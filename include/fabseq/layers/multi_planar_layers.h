@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Sub-parts of planar layers, each with a print direction of its own (docs/formulation.md 3.2).
 #pragma once
 
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/layers/layers.h"
-#include "fabseq/layers/negligible_layers.h"
 #include "fabseq/part/part.h"
 
 #include <span>
@@ -13,7 +10,8 @@
 
 namespace fabseq {
 
-/// Layers (i, j): slab j, of equal thickness across n_i, of sub-part i,
+/// Sub-parts of planar layers, each with a print direction n_i of its own (docs/formulation.md 3.2): layer
+/// (i, j) is slab j, of equal thickness across n_i, of sub-part i,
 ///
 ///     drho = rho E_i E_ij,   rho_stage = rho (H(t; tau_{i-1}) + E_i sum_{k <= j} E_ik),
 ///
@@ -65,8 +63,5 @@ class MultiPlanarLayers : public Layers {
   NegligibleLayers negligible_;
   std::vector<double> centers_;  ///< of the part elements, [part element][axis]
 };
-
-extern template class MultiPlanarLayers<2>;
-extern template class MultiPlanarLayers<3>;
 
 }  // namespace fabseq

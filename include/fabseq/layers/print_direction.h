@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Print directions and their angles (docs/formulation.md 3.2).
 #pragma once
 
 #include <array>
@@ -12,8 +10,8 @@ namespace fabseq {
 template <int Dim>
 constexpr int angle_count = Dim - 1;
 
-/// Unit vector (cos a, sin a) in 2D, (cos a cos b, cos a sin b, sin a) of elevation a and azimuth b in 3D.
-/// `angles`: [angle].
+/// Print direction (docs/formulation.md 3.2): unit vector (cos a, sin a) in 2D, (cos a cos b, cos a sin b,
+/// sin a) of elevation a and azimuth b in 3D. `angles`: [angle].
 template <int Dim>
 std::array<double, Dim> print_direction(const double* angles) {
   const double c = std::cos(angles[0]), s = std::sin(angles[0]);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The method of moving asymptotes, distributed.
 #pragma once
 
 #include "fabseq/mma/mma_settings.h"
@@ -31,8 +29,7 @@ struct MmaReport {
   int newton_steps = 0;
   double kkt_residual = 0.0;        ///< largest residual of the subproblem's optimality conditions
   std::vector<double> multipliers;  ///< lambda of each row
-  double largest_violation =
-      0.0;  ///< largest y_i of the rows with c > 0: how much the convex subproblem had to relax one
+  double largest_violation = 0.0;   ///< largest y_i of rows with c > 0: how far the subproblem relaxed one
 };
 
 /// What an update remembers of the updates before: low_, upp_ (asymptotes) and the two last x, this rank's
@@ -42,9 +39,10 @@ struct MmaState {
   std::vector<double> low, upp, previous, before_previous;
 };
 
-/// One design update after the other (Svanberg, "The method of moving asymptotes", 1987, and "MMA and GCMMA",
-/// 2007; distribution over ranks after Aage & Lazarov 2013: variables are distributed, rows are on every
-/// rank). The iterates do not depend on the number of ranks beyond rounding. Collective on `comm`.
+/// The method of moving asymptotes, one design update after the other (Svanberg, "The method of moving
+/// asymptotes", 1987, and "MMA and GCMMA", 2007; distribution over ranks after Aage & Lazarov 2013: variables
+/// are distributed, rows are on every rank). The iterates do not depend on the number of ranks beyond
+/// rounding. Collective on `comm`.
 class Mma {
  public:
   /// `local`: number of variables on this rank (may be 0).

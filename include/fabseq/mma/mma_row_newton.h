@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Newton's method for the conditions of solve_row_model(): residuals, factorization, directions.
 #pragma once
 
 #include "fabseq/mma/mma.h"
@@ -33,8 +31,8 @@ struct MmaRowPoint {
   }
 };
 
-/// The equations of the row model linearized at a point, which it is handed. Arguments as of
-/// solve_row_model(), borrowed.
+/// Newton's method for the conditions of solve_row_model(): these linearized at a point, which it is handed.
+/// Arguments as of solve_row_model(), borrowed.
 class MmaRowNewton {
  public:
   MmaRowNewton(std::span<const double> matrix, std::size_t stride, std::span<const double> right,

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The distributed half of the MMA subproblem: everything that has an entry per variable.
 #pragma once
-
-#include "fabseq/mma/mma_block.h"
 
 #include <mpi.h>
 
@@ -13,6 +9,36 @@
 #include <vector>
 
 namespace fabseq {
+
+/// Half of 1.001 + 0.001 (Svanberg 2007): what a row's convex part gets of its gradient's size.
+constexpr double mma_bulge_factor = 0.501;
+
+/// Entry k of each array belongs to the block's variable k. Formulas and symbols: MmaVariables.
+struct MmaBlock {
+  static constexpr std::size_t size = 512;
+  using Array = std::array<double, size>;
+
+  std::size_t count = 0;                              ///< entries in use
+  Array upper, lower, alpha, beta, curvature, width;  ///< of the box
+  Array ratio;                                        ///< S / (2 T), from -1 to 1: it alone decides v
+  Array curved;                                       ///< T
+  Array v;                                            ///< start of minimize() and its result
+
+  // What expand() finds.
+  Array even, bulge;                               ///< e and 0.501 h
+  Array even_slope, bulge_slope, curvature_slope;  ///< derivatives of e, 0.501 h, curvature h, over sqrt(D)
+  Array kappa;                                     ///< -d2psi/(dv dbarrier), over sqrt(D)
+  Array wall;                                      ///< 0.501 dh/dbarrier
+  double curvature_change = 0.0, curvature_wall = 0.0;  ///< of all rows: sums of curvature h, its derivative
+
+  /// Moves v to the minimizers of the Lagrangian.
+  void minimize(double barrier);
+  /// Sets what the rows need at v.
+  void expand(double barrier);
+
+ private:
+  double approach(double barrier);
+};
 
 /// Where the variables of one update may go, this rank's entries. Lengths are fractions of the variable's
 /// step width `beta - alpha`, so that the subproblem is dimensionless: x = x_k + width * v. A new box holds
@@ -37,7 +63,7 @@ struct MmaSums {
   std::vector<double> wall;    ///< dg_i/dbarrier at constant v, one per row
 };
 
-/// The variables of the subproblem as functions of the rows' multipliers.
+/// The distributed half of the MMA subproblem: its variables as functions of the rows' multipliers.
 ///
 /// The approximation of row i around x_k (docs/formulation.md 9): with a = U w v / (U - v), b = L w v / (L +
 /// v), g_i(v) = f_i + sum_j df_ij e_j(v_j) + (0.501 |df_ij| + curvature_j) h_j(v_j), e = (a + b) / 2, h = a -

@@ -1,20 +1,50 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The design a run ends with: the best feasible iterate at the last sharpness (docs/formulation.md 9).
 #pragma once
 
 #include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/design.h"
-#include "fabseq/optimize/iterate.h"
+#include "fabseq/optimize/problem.h"
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace fabseq {
 
-/// Keeps the best of the designs offered so far: the one whose constraints stand best, then the one of
-/// smaller merit; where constraints are violated, the smaller violation counts first, and where it is the
-/// same (all that it depends on may be fixed) the merit. Local to the rank; ranks agree because values do.
+/// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what
+/// smooth layers satisfy may be out of their reach: `within_elements` says that the optimizer's own
+/// constraints hold and theirs are missed by little.
+enum class Standing { satisfied, within_elements, violated };
+
+/// They may be missed by this much, in the unit of `worst_constraint`.
+inline constexpr double binary_allowance = 0.01;
+
+/// What an iteration finds out about its design; the same on all ranks.
+struct Iterate {
+  int iteration = 0;
+  double beta = 0.0;                    ///< sharpness of the layers of `values`
+  ProblemValues values;                 ///< what the optimizer goes by
+  std::optional<ProblemValues> binary;  ///< of binary layers, where the iterate is judged by these
+
+  /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind
+  /// of layers alone owes that to the soft bounds of these, or to where elements happen to lie.
+  double merit() const { return binary ? std::max(values.merit, binary->merit) : values.merit; }
+  double worst_constraint() const {
+    return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;
+  }
+  Standing standing() const {
+    if (worst_constraint() <= 0.0) return Standing::satisfied;
+    const bool within =
+        binary && values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance;
+    return within ? Standing::within_elements : Standing::violated;
+  }
+};
+
+/// Keeps the best of the designs offered so far, with which a run ends (docs/formulation.md 9): the one whose
+/// constraints stand best, then the one of smaller merit; where constraints are violated, the smaller
+/// violation counts first, and where it is the same (all that it depends on may be fixed) the merit. Local to
+/// the rank; ranks agree because values do.
 class BestIterate {
  public:
   /// `layer_variables`: their name, for checkpoints.

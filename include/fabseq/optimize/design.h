@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// All variables of a problem together.
 #pragma once
 
 #include <vector>

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// One step of the optimizer on the scale the design moves on.
 #pragma once
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/files/checkpoint_state.h"
-#include "fabseq/layers/layer_variables.h"
+#include "fabseq/layers/layer_model.h"
 #include "fabseq/mma/mma.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/sequence/sequence.h"

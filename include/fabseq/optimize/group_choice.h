@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The layer groups with which a run takes least time.
 #pragma once
 
 #include "fabseq/optimize/model_settings.h"
@@ -11,7 +9,7 @@
 
 namespace fabseq {
 
-/// Layer groups of a run, and why there are so many.
+/// The layer groups with which a run takes least time, and why there are so many.
 struct GroupChoice {
   int groups = 1;
   std::string explanation;  ///< a line for the log; empty with a single rank
@@ -21,8 +19,5 @@ struct GroupChoice {
 /// memory now available. Collective on `world`. Throws InputError if ranks cannot be dealt out so.
 template <int Dim>
 GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings);
-
-extern template GroupChoice choose_layer_groups<2>(MPI_Comm, const ModelSettings&);
-extern template GroupChoice choose_layer_groups<3>(MPI_Comm, const ModelSettings&);
 
 }  // namespace fabseq

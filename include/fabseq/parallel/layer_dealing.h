@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Which group solves for which layers.
 #pragma once
 
 #include <span>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The two levels of parallelism: groups of ranks that share the layers (docs/architecture.md, distribution).
 #pragma once
 
 #include "fabseq/base/mpi.h"
@@ -12,9 +10,10 @@
 
 namespace fabseq {
 
-/// The ranks of a run as groups of equal size. Every group holds the whole box, decomposed over its ranks in
-/// the same way, and solves for its share of the layers. So rank p of every group has the same elements and
-/// nodes: its *copies* are the ranks p of the other groups. Rank = group * (ranks of a group) + p.
+/// The ranks of a run as groups of equal size that share the layers (docs/architecture.md, distribution).
+/// Every group holds the whole box, decomposed over its ranks in the same way, and solves for its share of
+/// the layers. So rank p of every group has the same elements and nodes: its *copies* are the ranks p of the
+/// other groups. Rank = group * (ranks of a group) + p.
 ///
 /// Fields are the same on all copies, bit for bit, but what has one entry per design variable is split among
 /// them: each has a *share*, a contiguous range of the entries. All calls but the plain queries are

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Named sets of nodes on which distortion is measured.
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -19,7 +17,7 @@ struct NodeSetDescription {
   double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
 };
 
-/// The nodes of a set, distributed like the grid's nodes.
+/// A named set of nodes on which distortion is measured, distributed like the grid's nodes.
 struct NodeSet {
   std::string name;
   std::vector<int> owned;  ///< offsets in Grid::owned_nodes(), ascending
@@ -32,8 +30,5 @@ struct NodeSet {
 /// than samples.
 template <int Dim>
 NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
-
-extern template NodeSet make_node_set<2>(const Part<2>&, const std::string&, const NodeSetDescription&);
-extern template NodeSet make_node_set<3>(const Part<3>&, const std::string&, const NodeSetDescription&);
 
 }  // namespace fabseq

@@ -22,8 +22,7 @@ namespace fabseq {
 struct VoxelFile {
   std::string file;  ///< absolute path
   std::string dataset = "density";
-  std::optional<double>
-      threshold;  ///< density >= threshold counts as 1; without it the grey density is used as it is
+  std::optional<double> threshold;  ///< density >= threshold counts as 1; none: the grey density as it is
 };
 
 /// What the config says of the part.
@@ -96,12 +95,22 @@ class Part {
   /// Owned nodes of at least one part element (1 or 0), lexicographic in Grid::owned_nodes().
   const std::vector<char>& touched_nodes() const { return touched_nodes_; }
   /// Whether a node lies on the plate's face of the box.
-  bool on_plate(const Index<Dim>& node) const;
+  bool on_plate(const Index<Dim>& node) const {
+    return node[plate_.axis] == (plate_.upper ? grid_.domain().elements[plate_.axis] : 0);
+  }
 
   /// Values of a part field on all owned elements of the grid, `outside` where there is no part.
-  std::vector<double> expand(std::span<const double> part_field, double outside = 0.0) const;
+  std::vector<double> expand(std::span<const double> part_field, double outside = 0.0) const {
+    std::vector<double> field(density_.size(), outside);
+    for (std::size_t i = 0; i < elements_.size(); ++i) field[elements_[i]] = part_field[i];
+    return field;
+  }
   /// The part elements' values of a field on all owned elements.
-  std::vector<double> restrict_to_part(std::span<const double> element_field) const;
+  std::vector<double> restrict_to_part(std::span<const double> element_field) const {
+    std::vector<double> field(elements_.size());
+    for (std::size_t i = 0; i < elements_.size(); ++i) field[i] = element_field[elements_[i]];
+    return field;
+  }
 
  private:
   void refuse_empty_part(const PartDescription& description) const;
@@ -122,14 +131,5 @@ class Part {
   std::vector<Piece<Dim>> pieces_;
   std::vector<char> touched_nodes_;
 };
-
-extern template std::vector<double> read_density<2>(MPI_Comm, const Domain<2>&, const PartDescription&,
-                                                    const IndexBox<2>&);
-extern template std::vector<double> read_density<3>(MPI_Comm, const Domain<3>&, const PartDescription&,
-                                                    const IndexBox<3>&);
-extern template Grid<2> make_balanced_grid<2>(MPI_Comm, const Domain<2>&, const PartDescription&);
-extern template Grid<3> make_balanced_grid<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
-extern template class Part<2>;
-extern template class Part<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The face-connected pieces of a part, and whether they stand on the build plate.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -47,10 +45,5 @@ struct PieceMap {
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
                           const std::vector<char>& on_substrate = {});
-
-extern template PieceMap<2> find_pieces<2>(const Grid<2>&, std::span<const double>, const BuildPlate&,
-                                           const std::vector<char>&);
-extern template PieceMap<3> find_pieces<3>(const Grid<3>&, std::span<const double>, const BuildPlate&,
-                                           const std::vector<char>&);
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Rigid motions of the grid's nodes, fitted to some of them (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -12,9 +10,9 @@
 namespace fabseq {
 
 /// The translations and rotations R of all nodes, and their least-squares fit C = (R_P^T R_P)^-1 R_P^T to the
-/// displacements of a set of nodes P. Rotations are about the centre of the set, in units of its extent.
-/// Displacements and forces are [owned node][component]. All calls but determined() are collective on the
-/// grid's communicator.
+/// displacements of a set of nodes P (docs/formulation.md 4.3). Rotations are about the centre of the set, in
+/// units of its extent. Displacements and forces are [owned node][component]. All calls but determined() are
+/// collective on the grid's communicator.
 template <int Dim>
 class RigidMotions {
  public:
@@ -42,8 +40,5 @@ class RigidMotions {
   RigidFit<Dim> fit_;  ///< factor of R_P^T R_P
   bool determined_ = false;
 };
-
-extern template class RigidMotions<2>;
-extern template class RigidMotions<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What stands before the first layer (docs/formulation.md 4.4).
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -13,8 +11,8 @@
 
 namespace fabseq {
 
-/// Elements that stand from the start and are no part of what is built, such as a base plate; there may be
-/// none.
+/// Elements that stand from the start and are no part of what is built, such as a base plate
+/// (docs/formulation.md 4.4); there may be none.
 template <int Dim>
 class Substrate {
  public:
@@ -43,10 +41,5 @@ class Substrate {
 /// Owned nodes of the given owned elements (1 or 0 each), of any rank. Collective.
 template <int Dim>
 std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements);
-
-extern template class Substrate<2>;
-extern template class Substrate<3>;
-extern template std::vector<char> nodes_of_elements<2>(const Grid<2>&, const std::vector<char>&);
-extern template std::vector<char> nodes_of_elements<3>(const Grid<3>&, const std::vector<char>&);
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Which nodes are held while the part is built (docs/formulation.md 4.1, 4.4).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -9,7 +7,8 @@
 
 namespace fabseq {
 
-/// The nodes that the mechanical model is held at: those of the plate's face, or the clamps in its place.
+/// The nodes that the mechanical model is held at (docs/formulation.md 4.1, 4.4): those of the plate's face,
+/// or the clamps in its place.
 template <int Dim>
 struct Supports {
   /// Collective on the grid's communicator. With a substrate and without clamps, the substrate's side towards
@@ -17,13 +16,9 @@ struct Supports {
   /// of both could still move as a rigid body. No reference to the part is kept.
   Supports(const Part<Dim>& part, const PartDescription& description);
 
-  std::vector<char> held;  ///< 1 for owned nodes of the grid that are held, in the void, too
-  std::vector<int>
-      holding;     ///< those that touch the part or the substrate: offsets in Grid::owned_nodes(), ascending
-  int pieces = 0;  ///< face-connected pieces of part and substrate together
+  std::vector<char> held;    ///< 1 for owned nodes of the grid that are held, in the void, too
+  std::vector<int> holding;  ///< of them, on part or substrate: offsets in Grid::owned_nodes(), ascending
+  int pieces = 0;            ///< face-connected pieces of part and substrate together
 };
-
-extern template struct Supports<2>;
-extern template struct Supports<3>;
 
 }  // namespace fabseq

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the elastic solves of a part have in common: elements, supports, element matrices
-/// (docs/formulation.md 4.1, 4.4).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -9,7 +6,6 @@
 #include "fabseq/part/part.h"
 #include "fabseq/part/supports.h"
 #include "fabseq/process/process_settings.h"
-#include "fabseq/process/strain_field.h"
 
 #include <algorithm>
 #include <array>
@@ -18,8 +14,18 @@
 
 namespace fabseq {
 
-/// The elements of the mechanical model: those of part and substrate, or all of the box where the void is
-/// quiet. Works with unit Young's modulus: displacements do not depend on it.
+/// Inherent strains of a whole process, or derivatives by them, Voigt, engineering shear: one for each part
+/// element or for each layer; if both are empty, the material's for all.
+struct StrainField {
+  std::vector<double> of_elements;  ///< [part element][Voigt]
+  std::vector<double> of_layers;    ///< [layer][Voigt]
+
+  bool uniform() const { return of_elements.empty() && of_layers.empty(); }
+};
+
+/// What the elastic solves of a part have in common (docs/formulation.md 4.1, 4.4). The elements of the model
+/// are those of part and substrate, or all of the box where the void is quiet. Works with unit Young's
+/// modulus: displacements do not depend on it.
 template <int Dim>
 struct ElasticModel {
   using ElementLoad = std::array<double, element_unknowns<Dim>>;
@@ -38,8 +44,7 @@ struct ElasticModel {
   SystemDomain domain;        ///< elements of the model; supports fixed
   std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
-  std::vector<int>
-      part_element;  ///< the other way round; negative for elements of the substrate and the void
+  std::vector<int> part_element;   ///< the other way round; negative for elements of substrate and void
 
   /// Stage density of an element of the model, given those of the part: the substrate stands, the void does
   /// not.
@@ -81,8 +86,5 @@ struct ElasticModel {
     return std::pow(positive, exponent);
   }
 };
-
-extern template struct ElasticModel<2>;
-extern template struct ElasticModel<3>;
 
 }  // namespace fabseq

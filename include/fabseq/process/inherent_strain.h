@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The inherent strain of each part element (docs/formulation.md 4.2, 4.5).
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/process/elastic_model.h"
 #include "fabseq/process/process_settings.h"
-#include "fabseq/process/strain_field.h"
 #include "fabseq/sequence/sequence.h"
 
 #include <array>
@@ -15,7 +13,8 @@
 
 namespace fabseq {
 
-/// Either the same strain in all elements, or one that turns with the layers:
+/// The inherent strain of each part element (docs/formulation.md 4.2, 4.5): either the same in all, or one
+/// that turns with the layers:
 ///
 ///     eps* = tangential (I - n n^T) + normal n n^T,
 ///
@@ -56,8 +55,5 @@ class InherentStrain {
   double regularization_;                       ///< eps^2
   Strain scale_{};
 };
-
-extern template class InherentStrain<2>;
-extern template class InherentStrain<3>;
 
 }  // namespace fabseq

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the elements contribute to the systems of a block of layers, and to their derivatives
-/// (docs/formulation.md 4.1, 8).
 #pragma once
 
 #include "fabseq/fem/parity.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/process/strain_field.h"
 
 #include <span>
 #include <utility>
@@ -17,8 +13,9 @@
 
 namespace fabseq {
 
-/// Loops over elements for layers side by side. Arguments `first` and `lanes`: the block is layers first ...
-/// first + lanes - 1.
+/// What the elements contribute to the systems of a block of layers, side by side, and to their derivatives
+/// (docs/formulation.md 4.1, 8). Arguments `first` and `lanes`: the block is layers first ... first + lanes -
+/// 1.
 template <int Dim>
 class LayerElements {
  public:
@@ -67,7 +64,9 @@ class LayerElements {
   void add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* lambda,
                               int lanes, std::span<double> work, StrainField& d_strains) const;
   /// Whether this rank has all nodes, so that owned and ghosted ones are the same.
-  bool has_all_nodes() const;
+  bool has_all_nodes() const {
+    return model_.part.grid().owned_nodes().size == model_.part.grid().all_nodes().size;
+  }
   /// Values on the ghosted nodes; `room` holds them if they are not the owned ones. Collective.
   const double* ghosted(const LaneVector& owned, std::vector<double>& room) const;
 
@@ -75,8 +74,5 @@ class LayerElements {
   ParityMatrix<Dim, Dim> stiffness_;
   StrainField strains_;
 };
-
-extern template class LayerElements<2>;
-extern template class LayerElements<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8).
 #pragma once
 
 #include "fabseq/layers/layers.h"
@@ -41,12 +39,12 @@ struct ProcessAdjoint {
 /// Where the derivatives of a functional by densities and strains go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
-  StrainField* strains =
-      nullptr;  ///< like those of the simulation, sized at first use; nullptr: not asked for
+  StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
   std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
 };
 
-/// For each layer j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
+/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8). For each layer
+/// j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
 ///
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
@@ -69,7 +67,9 @@ class ProcessSimulation {
 
   /// From now on simulations end with the release from the supports. Throws InputError if there is none
   /// (release_obstacle()).
-  void release_with(const ReleaseSolver& solver);
+  void release_with(const ReleaseSolver& solver) {
+    release_ = std::make_unique<Release<Dim>>(model_, solver);
+  }
 
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
   /// the layer if one does not converge.
@@ -131,8 +131,5 @@ class ProcessSimulation {
   ProcessResult result_;
   std::vector<int> adjoint_iterations_;
 };
-
-extern template class ProcessSimulation<2>;
-extern template class ProcessSimulation<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/part/rigid_motions.h"
@@ -22,13 +20,13 @@ std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& support
 
 /// What a release is solved with.
 struct ReleaseSolver {
-  AssembledSolverSettings
-      reference;  ///< also where the lane engine does not converge; its tolerance is that of both
+  AssembledSolverSettings reference;  ///< also where lanes do not converge; its tolerance is that of both
   SolverPath path = SolverPath::reference;
   LaneCycle cycle = {};
 };
 
-/// Solves with the stiffness K_N of the finished part, its supports free:
+/// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3): solves with its
+/// stiffness K_N, its supports free:
 ///
 ///     v:  K_N v~ = -r,             v = v~ - R C v~        of reactions r that balance themselves,
 ///     w:  K_N w = b - C^T R^T b                           its adjoint, b = -dJ/dv.
@@ -63,10 +61,5 @@ class Release {
   std::unique_ptr<LaneFreeBody<Dim>> lanes_;  ///< made at first use, as well as
   std::unique_ptr<AssembledSystem<Dim>> system_;
 };
-
-extern template std::string release_obstacle<2>(const Grid<2>&, const Supports<2>&, VoidModel);
-extern template std::string release_obstacle<3>(const Grid<3>&, const Supports<3>&, VoidModel);
-extern template class Release<2>;
-extern template class Release<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Residual stress after the last layer, and what is left of it after the release (docs/formulation.md 4.3).
 #pragma once
 
 #include "fabseq/process/process_simulation.h"
@@ -12,7 +10,8 @@
 namespace fabseq {
 
 /// sigma = sum_j [E_j C B du_j - (drho_j)^q E_0 C eps*] at the centres of the model's elements, [owned
-/// element][Voigt], stress unit, 0 outside the model; from the simulation's last result. Collective.
+/// element][Voigt], stress unit, 0 outside the model; from the simulation's last result
+/// (docs/formulation.md 4.3). Collective.
 template <int Dim>
 std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
                                     const LayerDensities& densities);

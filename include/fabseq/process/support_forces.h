@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the supports do to the systems of the layers: reactions, and supports that move
-/// (docs/formulation.md 4.3).
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/process/strain_field.h"
 
 #include <span>
 #include <vector>
 
 namespace fabseq {
 
-/// Loops over the few elements with a node on a support. Argument `first`: the lanes are layers first, first
-/// + 1, ... Calls are collective on the grid's communicator.
+/// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md
+/// 4.3). Argument `first`: the lanes are layers first, first + 1, ... Calls are collective on the grid's
+/// communicator.
 template <int Dim>
 class SupportForces {
  public:
@@ -33,13 +30,13 @@ class SupportForces {
   void add_motion(std::span<const double> motion, LaneVector& solutions) const;
 
  private:
-  std::size_t node(std::size_t element, int unknown) const;
+  /// Offset in the ghosted box of the node of an unknown of an element.
+  std::size_t node(std::size_t element, int unknown) const {
+    return model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[unknown / Dim];
+  }
 
   const ElasticModel<Dim>& model_;
   std::vector<int> elements_;  ///< of the model, that have a fixed node
 };
-
-extern template class SupportForces<2>;
-extern template class SupportForces<3>;
 
 }  // namespace fabseq

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// When an optimization's state is kept, and when it is written (docs/reference.md, restart).
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
-#include "fabseq/files/history.h"
 #include "fabseq/files/output_directory.h"
 #include "fabseq/optimize/run_state.h"
 #include "fabseq/run/restart.h"
@@ -14,8 +11,8 @@
 
 namespace fabseq {
 
-/// The checkpoints of a run's directory. All calls are collective; OutputError on all ranks if one cannot be
-/// written.
+/// The checkpoints of a run's directory (docs/reference.md, restart). All calls are collective; OutputError
+/// on all ranks if one cannot be written.
 template <int Dim>
 class Checkpoints {
  public:
@@ -46,8 +43,5 @@ class Checkpoints {
   std::optional<int> written_;  ///< iterations of the checkpoint in the directory, if it has one
   bool due_ = false;            ///< whatever the iteration
 };
-
-extern template class Checkpoints<2>;
-extern template class Checkpoints<3>;
 
 }  // namespace fabseq

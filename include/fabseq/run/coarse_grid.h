@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Half the resolution, on which an optimization may begin (docs/formulation.md 9, grid sequencing).
 #pragma once
 
 #include "fabseq/config/command_line.h"
@@ -12,11 +10,12 @@
 
 namespace fabseq {
 
-/// The same problem on elements of twice the edge lengths, which is an optimization of its own with a
-/// directory of its own: `coarse` in that of the fine one. An element's density is the mean over its fine
-/// elements, so that thin walls become grey and stay connected. Odd numbers of elements are rounded up: the
-/// last coarse elements reach beyond the fine box, which is empty there. Node sets that have no nodes on the
-/// coarse grid take the nearest ones; where samples are more than nodes, all of them.
+/// The same problem on elements of twice the edge lengths (docs/formulation.md 9, grid sequencing), which is
+/// an optimization of its own with a directory of its own: `coarse` in that of the fine one. An element's
+/// density is the mean over its fine elements, so that thin walls become grey and stay connected. Odd numbers
+/// of elements are rounded up: the last coarse elements reach beyond the fine box, which is empty there. Node
+/// sets that have no nodes on the coarse grid take the nearest ones; where samples are more than nodes, all
+/// of them.
 template <int Dim>
 class CoarseGrid {
  public:
@@ -40,8 +39,5 @@ class CoarseGrid {
 /// The coarse grid that a run has to begin on; none if the config asks for none. Collective.
 template <int Dim>
 std::optional<CoarseGrid<Dim>> make_coarse_grid(const Setup<Dim>& fine, const CommandLine& command_line);
-
-extern template class CoarseGrid<2>;
-extern template class CoarseGrid<3>;
 
 }  // namespace fabseq

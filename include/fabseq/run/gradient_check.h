@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Adjoint gradients against central differences (docs/formulation.md 8).
 #pragma once
 
-#include "fabseq/optimize/problem.h"
+#include "fabseq/base/json.h"
 
 #include <string>
 #include <vector>
@@ -25,7 +23,8 @@ struct GradientError {
   double best() const;  ///< smallest relative error, of the central and the fourth-order differences
 };
 
-/// Errors of all components for a list of steps.
+/// Adjoint gradients against central differences (docs/formulation.md 8): errors of all components for a list
+/// of steps.
 struct GradientCheck {
   std::vector<double> steps;  ///< of the optimizer's variable, fraction of its range
   std::vector<GradientError> errors;
@@ -36,11 +35,5 @@ struct GradientCheck {
   /// Error against step for every component, both axes logarithmic, as an SVG picture.
   std::string svg(const std::string& title) const;
 };
-
-/// Compares along pseudo-random directions, one for each kind of variables, the same on any number of ranks.
-/// Collective.
-template <int Dim>
-GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                              const Design& design);
 
 }  // namespace fabseq

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// -restart: which checkpoint a run continues from, and whether it is one of the same problem.
+/// The directory that a task writes to, and -restart: which checkpoint a run continues from.
 #pragma once
 
 #include "fabseq/config/command_line.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/files/output_directory.h"
 #include "fabseq/run/setup.h"
 
 #include <optional>
@@ -23,9 +24,6 @@ struct Restart {
 /// Output directory of a run: -output, the directory of -restart DIR, or output/NAME.
 std::string output_path(const Config& config, const CommandLine& command_line);
 
-/// Whether two paths lead to the same directory, which is there. Collective on `comm`.
-bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b);
-
 /// What -restart asks for; none for a new run, which -restart auto is where there is no checkpoint yet. Reads
 /// only. Throws InputError if there is no intact checkpoint, or one of another part or of a config that
 /// differs in what matters (config_difference()), which it names. Collective.
@@ -35,5 +33,11 @@ std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& 
 /// Adds to a state what find_restart() compares: the config and a checksum of the part. Collective.
 template <int Dim>
 void save_problem(const Setup<Dim>& setup, CheckpointState& state);
+
+/// Makes the directory of output_path(), writes config.json: the effective config with the key `run` (command
+/// line, versions, ranks). `continues`: a run that is there goes on. Collective.
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues = false);
 
 }  // namespace fabseq

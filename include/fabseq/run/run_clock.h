@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where the seconds of a run went.
 #pragma once
 
 #include "fabseq/base/json.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What is reported of one evaluated sequence, be it optimized, binary or planar.
 #pragma once
 
-#include "fabseq/base/json.h"
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
 
@@ -23,7 +20,7 @@ struct DisplacementSize {
   double largest = 0.0, rms = 0.0;
 };
 
-/// The same on all ranks.
+/// What is reported of one evaluated sequence, be it optimized, binary or planar. The same on all ranks.
 struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
@@ -34,11 +31,6 @@ struct SequenceNumbers {
   /// Number of layers that hold more than a trace of the part's volume.
   int used_layers() const;
 };
-
-/// A member of summary.json; add_members() puts its members into another record.
-Json to_record(const SequenceNumbers& numbers);
-void add_members(Json& record, const SequenceNumbers& numbers);
-Json to_record(const DisplacementSize& size);
 
 /// Numbers and fields of a sequence, copied out of the pipeline.
 template <int Dim>
@@ -60,8 +52,5 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
 /// Size of a displacement, [owned node][component]. Collective.
 template <int Dim>
 DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
-
-extern template struct SequenceReport<2>;
-extern template struct SequenceReport<3>;
 
 }  // namespace fabseq

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// A config and the model it asks for.
 #pragma once
 
 #include "fabseq/config/config.h"
 #include "fabseq/optimize/model.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace fabseq {
 
-/// What all tasks start from. Collective construction on the world of the run. The config must outlive it.
-/// Throws InputError for what is wrong with the model, and for a release that there cannot be.
+/// What all tasks start from: a config and the model it asks for. Collective construction on the world of the
+/// run. The config must outlive it. Throws InputError for what is wrong with the model, and for a release
+/// that there cannot be.
 template <int Dim>
 class Setup : public Model<Dim> {
  public:
@@ -31,12 +31,10 @@ class Setup : public Model<Dim> {
   void require_memory_of_layers() const;
 
  private:
-  int most_layers_of_a_sequence() const;
+  /// The design's sequence and the planar baseline count.
+  int most_layers_of_a_sequence() const { return std::max(this->layers->count(), this->baseline->count()); }
   void require_release() const;
   void warn_about_method() const;
 };
-
-extern template class Setup<2>;
-extern template class Setup<3>;
 
 }  // namespace fabseq

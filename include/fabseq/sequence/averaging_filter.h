@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Hat-shaped averaging of a field over the part (docs/formulation.md 2.2).
 #pragma once
 
 #include "fabseq/grid/element_halo.h"
@@ -12,8 +10,8 @@
 
 namespace fabseq {
 
-/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance. Radius
-/// 0: the identity.
+/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance
+/// (docs/formulation.md 2.2). Radius 0: the identity.
 template <int Dim>
 class AveragingFilter {
  public:
@@ -39,8 +37,5 @@ class AveragingFilter {
   std::vector<double> in_part_;  ///< 1 for part elements of the halo's box
   std::vector<double> row_sum_;  ///< a part field
 };
-
-extern template class AveragingFilter<2>;
-extern template class AveragingFilter<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where on the grid the variables of a design are.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -27,19 +25,28 @@ class DesignSupport {
   std::size_t size() const { return places_.size(); }
 
   /// Values of the variables on all owned elements or nodes of the grid, 0 where nothing is variable.
-  std::vector<double> expand(std::span<const double> variables) const;
+  std::vector<double> expand(std::span<const double> variables) const {
+    const std::int64_t count = on_nodes_ ? grid_.owned_nodes().count() : grid_.owned_elements().count();
+    std::vector<double> field(static_cast<std::size_t>(count), 0.0);
+    for (std::size_t i = 0; i < places_.size(); ++i) field[places_[i]] = variables[i];
+    return field;
+  }
   /// The variables' values of a field on all owned elements or nodes.
-  std::vector<double> restrict_to_variables(std::span<const double> field) const;
+  std::vector<double> restrict_to_variables(std::span<const double> field) const {
+    std::vector<double> variables;
+    for (const int place : places_) variables.push_back(field[place]);
+    return variables;
+  }
   /// Lexicographic number of a variable's place in the whole grid.
-  std::int64_t number(std::size_t variable) const;
+  std::int64_t number(std::size_t variable) const {
+    return on_nodes_ ? grid_.all_nodes().offset(grid_.owned_nodes().index(places_[variable]))
+                     : grid_.all_elements().offset(grid_.owned_elements().index(places_[variable]));
+  }
 
  private:
   const Grid<Dim>& grid_;
   bool on_nodes_;
   std::vector<int> places_;
 };
-
-extern template class DesignSupport<2>;
-extern template class DesignSupport<3>;
 
 }  // namespace fabseq

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// From a nodal field to the elements of the part, and derivatives back.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
 
@@ -28,14 +26,5 @@ ElementMeans element_means(const Part<Dim>& part, const ElementMatrices<Dim>& el
 template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const TimeDerivatives> rows);
-
-extern template ElementMeans element_means<2>(const Part<2>&, const ElementMatrices<2>&,
-                                              std::span<const double>);
-extern template ElementMeans element_means<3>(const Part<3>&, const ElementMatrices<3>&,
-                                              std::span<const double>);
-extern template LaneVector pull_back_means<2>(const Part<2>&, const ElementMatrices<2>&,
-                                              std::span<const TimeDerivatives>);
-extern template LaneVector pull_back_means<3>(const Part<3>&, const ElementMatrices<3>&,
-                                              std::span<const TimeDerivatives>);
 
 }  // namespace fabseq

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Distance from the build plate or the substrate, or from where else a sequence starts, inside the part: for
-/// the start of the optimization and the automatic layer count.
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -32,14 +29,5 @@ std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<
 /// spacing along the plate's normal, all ranks. Collective.
 template <int Dim>
 double geodesic_height(const Part<Dim>& part, const std::vector<double>& distance);
-
-extern template std::vector<double> geodesic_distance<2>(const Part<2>&);
-extern template std::vector<double> geodesic_distance<3>(const Part<3>&);
-extern template std::vector<double> geodesic_distance_of_elements<2>(const Part<2>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_elements<3>(const Part<3>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_nodes<2>(const Part<2>&, std::span<const char>);
-extern template std::vector<double> geodesic_distance_of_nodes<3>(const Part<3>&, std::span<const char>);
-extern template double geodesic_height<2>(const Part<2>&, const std::vector<double>&);
-extern template double geodesic_height<3>(const Part<3>&, const std::vector<double>&);
 
 }  // namespace fabseq

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Sequences without design variables: planar layers and a pseudo-time from a file
-/// (docs/formulation.md 3.3, 3.1).
 #pragma once
 
 #include "fabseq/sequence/sequence.h"
@@ -12,7 +9,7 @@
 
 namespace fabseq {
 
-/// A pseudo-time that stays as it is.
+/// A sequence without design variables (docs/formulation.md 3.3, 3.1): a pseudo-time that stays as it is.
 template <int Dim>
 class GivenSequence : public Sequence<Dim> {
  public:

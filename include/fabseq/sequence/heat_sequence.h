@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1).
 #pragma once
 
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/part/part.h"
 #include "fabseq/sequence/averaging_filter.h"
-#include "fabseq/sequence/heat_chain_rule.h"
-#include "fabseq/sequence/heat_model.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/heat_solver.h"
@@ -16,8 +16,25 @@
 
 namespace fabseq {
 
-/// Solves div(kappa grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void
-/// conducting too:
+/// What the heat solves of a part have in common (docs/formulation.md 2.1): the whole box conducts, void
+/// included; the temperature is prescribed on the plate's nodes of the part and on the substrate's.
+template <int Dim>
+struct HeatModel {
+  /// The model holds no reference to the part.
+  HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
+
+  const SquareMatrix<corner_count<Dim>>& mass() const {
+    return lumped ? element.lumped_mass() : element.consistent_mass();
+  }
+
+  ElementMatrices<Dim> element;
+  double reaction;      ///< alpha, in units of diffusivity / length^2
+  bool lumped;          ///< whether the mass matrix is diagonal
+  SystemDomain domain;  ///< all elements
+};
+
+/// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1). Solves div(kappa
+/// grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
 ///
 ///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
@@ -41,7 +58,9 @@ class HeatSequence : public Sequence<Dim> {
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return part_.elements().size(); }
-  DesignSpace space() const override;
+  DesignSpace space() const override {
+    return {settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log};
+  }
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
@@ -61,14 +80,10 @@ class HeatSequence : public Sequence<Dim> {
   MPI_Comm across_;
   int lanes_;
   AveragingFilter<Dim> filter_;
-  HeatChainRule<Dim> chain_rule_;
   std::vector<double> diffusivity_;          ///< of all owned elements, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
   PseudoTime<Dim> time_;
   std::vector<int> adjoint_iterations_;
 };
-
-extern template class HeatSequence<2>;
-extern template class HeatSequence<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where the pseudo-time comes from: the first stage of the pipeline (docs/formulation.md 2, 3.3).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -16,9 +14,8 @@ namespace fabseq {
 /// The pseudo-time on the part elements, and what it came from.
 template <int Dim>
 struct PseudoTime {
-  std::vector<double> time;  ///< t_e, a part field, 0 to 1
-  std::vector<double>
-      gradient;  ///< grad t at the elements' centres, [part element][axis], 1/length; empty if not defined
+  std::vector<double> time;         ///< t_e, a part field, 0 to 1
+  std::vector<double> gradient;     ///< grad t at centres, [part element][axis], 1/length; empty: not defined
   std::vector<double> temperature;  ///< T on the owned nodes; empty if there is none
   double lowest_temperature = std::numeric_limits<double>::quiet_NaN();
   double highest_temperature = std::numeric_limits<double>::quiet_NaN();
@@ -49,7 +46,8 @@ struct DesignSpace {
   double slope(double design) const;
 };
 
-/// Design variables to pseudo-time. All calls are collective on the grid's communicator.
+/// Design variables to pseudo-time: the first stage of the pipeline (docs/formulation.md 2, 3.3). All calls
+/// are collective on the grid's communicator.
 template <int Dim>
 class Sequence {
  public:

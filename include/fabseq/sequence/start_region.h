@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// Where a direct sequence starts, and how far all else is from there (docs/formulation.md 2.3).
 #pragma once
 
 #include "fabseq/part/part.h"
@@ -10,12 +8,12 @@
 
 namespace fabseq {
 
-/// The start region on this rank: its pseudo-time is 0, all else of the part is free.
+/// The start region of a direct sequence (docs/formulation.md 2.3) on this rank: its pseudo-time is 0, all
+/// else of the part is free.
 struct StartRegion {
   std::vector<char> elements;  ///< part field: 1 where t_e is 0 whatever the design
   std::vector<int> free;  ///< elements or nodes with a variable: offsets in the grid's owned ones, ascending
-  std::vector<double>
-      initial_time;  ///< of these: distance from the region inside the part over the largest one
+  std::vector<double> initial_time;  ///< of these: distance from the region in the part, over the largest
 };
 
 /// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a
@@ -25,8 +23,5 @@ struct StartRegion {
 /// all of it, or if not all of the part can be reached from it.
 template <int Dim>
 StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
-
-extern template StartRegion make_start_region<2>(const Part<2>&, const SequenceSettings&);
-extern template StartRegion make_start_region<3>(const Part<3>&, const SequenceSettings&);
 
 }  // namespace fabseq

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the process simulation asks of a solver: many elastic systems that differ only in the stiffness of
-/// their elements.
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/solve/solve_report.h"
 
 #include <cstddef>
@@ -14,7 +11,8 @@
 
 namespace fabseq {
 
-/// Solves blocks of layers. The systems of a block share elements, supports and element matrix.
+/// What the process simulation asks of a solver: the elastic systems of blocks of layers, which share
+/// elements, supports and element matrix.
 template <int Dim>
 class ElasticitySolver {
  public:

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// What the heat sequence asks of a solver: one conduction problem, many right-hand sides.
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/solve/solve_report.h"
 
 #include <span>
@@ -11,7 +9,8 @@
 
 namespace fabseq {
 
-/// Conduction with a reaction term on the elements of a domain (docs/formulation.md 2.1),
+/// What the heat sequence asks of a solver: conduction with a reaction term on the elements of a domain, for
+/// many right-hand sides (docs/formulation.md 2.1),
 ///
 ///     K = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///

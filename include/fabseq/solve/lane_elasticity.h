@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The elasticity solver that solves all layers of a block at once.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -35,7 +33,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
                                               std::span<LaneVector> displacements) override;
   /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
-  void start_cold() override;
+  /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
+  void start_cold() override { fallback_.reset(); }
   void give_back_memory() override;
   std::string description() const override;
 
@@ -65,8 +64,5 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   LaneArray load_, displacement_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
-
-extern template class LaneElasticity<2>;
-extern template class LaneElasticity<3>;
 
 }  // namespace fabseq

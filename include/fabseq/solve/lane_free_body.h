@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// An elastic body that nothing holds, by the lane engine.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -14,9 +12,10 @@
 
 namespace fabseq {
 
-/// Solves K u = f for loads that balance themselves, u without a mean rigid motion: lane conjugate gradients
-/// in the space without rigid motions. No level is held anywhere; the last one is a little stiffer on its
-/// diagonal, for its factorization. The operator is set up once. Collective on the grid's communicator.
+/// An elastic body that nothing holds: solves K u = f for loads that balance themselves, u without a mean
+/// rigid motion: lane conjugate gradients in the space without rigid motions. No level is held anywhere; the
+/// last one is a little stiffer on its diagonal, for its factorization. The operator is set up once.
+/// Collective on the grid's communicator.
 template <int Dim>
 class LaneFreeBody {
  public:
@@ -39,8 +38,5 @@ class LaneFreeBody {
   LaneCg<Problem, 1> solver_;
   std::optional<FreeMotions<Dim>> motions_;  ///< made once the operator is known
 };
-
-extern template class LaneFreeBody<2>;
-extern template class LaneFreeBody<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The heat solver that solves for several right-hand sides at once.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -62,8 +60,5 @@ class LaneHeat : public HeatSolver<Dim> {
   std::unique_ptr<ReferenceHeat<Dim>> fallback_;  ///< made at first use
   bool fallback_is_set_up_ = false;
 };
-
-extern template class LaneHeat<2>;
-extern template class LaneHeat<3>;
 
 }  // namespace fabseq

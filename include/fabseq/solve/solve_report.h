@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// How the solve of a system ended.
 #pragma once
 
-#include "fabseq/lanes/lane_outcome.h"
+#include "fabseq/base/error.h"
+#include "fabseq/lanes/lane_array.h"
 
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace fabseq {
@@ -18,9 +18,17 @@ struct SolveReport {
   int iterations = 0;
   double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
   bool converged = true;
-  std::string
-      reason;  ///< PETSc's word for how it ended, or the lane solver's; empty for a zero right-hand side
+  std::string reason;  ///< for how it ended, by PETSc or the lane solver; empty for a zero right-hand side
 };
+
+/// Throws NumericalError("WHAT did not converge: ...") if a solve did not.
+inline void require_convergence(const SolveReport& report, const std::string& what) {
+  if (report.converged) return;
+  std::ostringstream text;
+  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
+       << " (" << report.reason << ')';
+  throw NumericalError(text.str());
+}
 
 /// The report of a lane: what is no number has no residual, either.
 inline SolveReport report_of(const LaneOutcome& outcome) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/solve/reference/interpolation.h"
-
 #include "fabseq/base/mpi.h"
+#include "fabseq/solve/reference/preconditioner.h"
 
 #include <array>
 #include <memory>
-#include <span>
 #include <utility>
 
 namespace fabseq {
@@ -24,23 +22,6 @@ struct Level {
   std::vector<int> unknowns;      ///< owned offsets
   std::int64_t count = 0;
 };
-
-template <int Dim>
-DmHandle make_level_dm(const Grid<Dim>& grid, const Level<Dim>& level) {
-  DmHandle dm;
-  const auto& p = grid.processes();
-  const auto& r = level.node_ranges;
-  const auto none = DM_BOUNDARY_NONE;
-  if constexpr (Dim == 2)
-    check(DMDACreate2d(grid.comm(), none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
-                       level.elements[1] + 1, p[0], p[1], 1, 1, r[0].data(), r[1].data(), dm.receive()));
-  else
-    check(DMDACreate3d(grid.comm(), none, none, none, DMDA_STENCIL_BOX, level.elements[0] + 1,
-                       level.elements[1] + 1, level.elements[2] + 1, p[0], p[1], p[2], 1, 1, r[0].data(),
-                       r[1].data(), r[2].data(), dm.receive()));
-  check(DMSetUp(dm));
-  return dm;
-}
 
 /// Node counts of each process along each axis, from the boxes the ranks own.
 template <int Dim>
@@ -106,7 +87,7 @@ void for_each_parent(const Index<Dim>& fine, Function&& f) {
 template <int Dim>
 void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
   coarse.node_ranges = gather_ranges(grid, coarse.owned);
-  coarse.dm = make_level_dm(grid, coarse);
+  coarse.dm = make_node_dm<Dim>(grid.comm(), grid.processes(), coarse.node_ranges, 1);
   coarse.exchange = std::make_unique<NodeExchange<Dim>>(coarse.dm, 1);
   std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
   std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));
@@ -178,9 +159,7 @@ std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numberin
   return result;
 }
 
-template std::string coarsening_obstacle<2>(const Grid<2>&);
-template std::string coarsening_obstacle<3>(const Grid<3>&);
-template std::vector<MatHandle> make_interpolations<2>(const UnknownNumbering<2>&, std::int64_t);
-template std::vector<MatHandle> make_interpolations<3>(const UnknownNumbering<3>&, std::int64_t);
+FABSEQ_INSTANTIATE_FUNCTION(coarsening_obstacle);
+FABSEQ_INSTANTIATE_FUNCTION(make_interpolations);
 
 }  // namespace fabseq

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/solve/reference/preconditioner.h"
 
-#include "fabseq/solve/reference/interpolation.h"
-
 #include <array>
 #include <map>
-#include <string>
-#include <vector>
 
 namespace fabseq {
 
@@ -150,11 +146,7 @@ void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& 
     set_up_gamg(pc, matrix, numbering, safe);
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                               \
-  template ReferenceMethod usable_method<Dim>(ReferenceMethod, const UnknownNumbering<Dim>&); \
-  template void set_up_preconditioner<Dim>(KSP, Mat, const UnknownNumbering<Dim>&, ReferenceMethod, bool);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(usable_method);
+FABSEQ_INSTANTIATE_FUNCTION(set_up_preconditioner);
 
 }  // namespace fabseq

@@ -76,7 +76,6 @@ std::string ReferenceElasticity<Dim>::description() const {
          (keep_ ? ", systems kept" : "");
 }
 
-template class ReferenceElasticity<2>;
-template class ReferenceElasticity<3>;
+FABSEQ_INSTANTIATE_CLASS(ReferenceElasticity);
 
 }  // namespace fabseq

@@ -41,7 +41,6 @@ std::vector<SolveReport> ReferenceHeat<Dim>::solve(std::span<const LaneVector> l
   return reports;
 }
 
-template class ReferenceHeat<2>;
-template class ReferenceHeat<3>;
+FABSEQ_INSTANTIATE_CLASS(ReferenceHeat);
 
 }  // namespace fabseq

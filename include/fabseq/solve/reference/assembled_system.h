@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The reference solver: an assembled sparse matrix and stock PETSc, one system at a time.
 #pragma once
 
 #include "fabseq/base/petsc.h"
@@ -25,11 +23,12 @@ struct AssembledSolverSettings {
   std::string options_prefix;  ///< of PETSc options, such as "elasticity_": -elasticity_ksp_monitor
 };
 
-/// A symmetric positive definite system on the nodes of a model: conduction (one component) or elasticity
-/// (Dim components). Prescribed values are zero: a lifted solution is the caller's. Solved by conjugate
-/// gradients to a preconditioned residual, with algebraic multigrid (GAMG, rigid-body or constant near-null
-/// space), geometric multigrid with Galerkin coarse operators and Chebyshev/Jacobi smoothing (as in Aage et
-/// al. 2015), or a Cholesky factorization (MUMPS) as preconditioner.
+/// The reference solver, of stock PETSc: a symmetric positive definite system on the nodes of a model:
+/// conduction (one component) or elasticity (Dim components). Prescribed values are zero: a lifted solution
+/// is the caller's. Solved by conjugate gradients to a preconditioned residual, with algebraic multigrid
+/// (GAMG, rigid-body or constant near-null space), geometric multigrid with Galerkin coarse operators and
+/// Chebyshev/Jacobi smoothing (as in Aage et al. 2015), or a Cholesky factorization (MUMPS) as
+/// preconditioner.
 template <int Dim>
 class AssembledSystem {
  public:
@@ -52,7 +51,7 @@ class AssembledSystem {
   /// if it does not converge.
   SolveReport solve(std::span<const double> load, std::span<double> solution);
   /// The same for several right-hand sides, with a report each. A factorization takes them side by side
-  /// (block_solve.h; -ksp_monitor does not see those), an iterative method one after the other.
+  /// (-ksp_monitor does not see those), an iterative method one after the other.
   std::vector<SolveReport> solve(std::span<const std::vector<double>> loads,
                                  std::span<std::vector<double>> solutions);
 
@@ -79,8 +78,5 @@ class AssembledSystem {
   KspHandle solver_;
   VecHandle load_, solution_;
 };
-
-extern template class AssembledSystem<2>;
-extern template class AssembledSystem<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The preconditioners of the reference solver, made of stock PETSc: which one, and its set-up.
 #pragma once
 
 #include "fabseq/base/petsc.h"
@@ -8,8 +6,20 @@
 #include "fabseq/solve/solver_settings.h"
 
 #include <string>
+#include <vector>
 
 namespace fabseq {
+
+/// Interpolation matrices for PCMG, finest first: entry l maps unknowns of level l + 1 (twice as coarse) to
+/// those of level l. Coarsening goes on while every axis has an even element count, every process keeps a
+/// node along every axis, and more than `coarsest` unknown nodes remain. A coarse node is an unknown if it
+/// interpolates to an unknown of the finer level. Collective. Empty if the grid cannot be coarsened.
+template <int Dim>
+std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest);
+
+/// Why a grid cannot be coarsened even once, in words; empty if it can. Collective.
+template <int Dim>
+std::string coarsening_obstacle(const Grid<Dim>& grid);
 
 /// The method to use. `automatic` stands for a factorization for small systems, geometric multigrid where the
 /// grid can be coarsened far enough, else GAMG; `multigrid` becomes GAMG where the grid cannot be coarsened

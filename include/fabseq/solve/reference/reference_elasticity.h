@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The elasticity solver made of stock PETSc parts: oracle of the tests and baseline of the benchmarks.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -14,8 +12,8 @@
 
 namespace fabseq {
 
-/// One assembled system per layer, one layer at a time. Systems small enough are kept from the forward to the
-/// adjoint solve.
+/// Stock PETSc, as oracle of the tests and baseline of the benchmarks: one assembled system per layer, one
+/// layer at a time. Systems small enough are kept from the forward to the adjoint solve.
 template <int Dim>
 class ReferenceElasticity : public ElasticitySolver<Dim> {
  public:
@@ -42,14 +40,10 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   AssembledSolverSettings settings_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   int first_layer_ = 0, lanes_ = 0;
-  std::vector<double> coefficients_;  ///< [element][lane] of the current block
-  std::map<int, std::unique_ptr<AssembledSystem<Dim>>>
-      systems_;                     ///< by layer where kept, else the only one under -1
+  std::vector<double> coefficients_;                              ///< [element][lane] of the current block
+  std::map<int, std::unique_ptr<AssembledSystem<Dim>>> systems_;  ///< by layer if kept, else under -1
   std::map<int, bool> up_to_date_;  ///< whether a kept layer's system holds its stiffness
   bool keep_;
 };
-
-extern template class ReferenceElasticity<2>;
-extern template class ReferenceElasticity<3>;
 
 }  // namespace fabseq

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-/// \file
-/// The heat solver made of stock PETSc parts: oracle of the tests and baseline of the benchmarks.
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
@@ -12,8 +10,8 @@
 
 namespace fabseq {
 
-/// One assembled system; a factorization takes all right-hand sides side by side, an iterative method one
-/// after the other.
+/// Stock PETSc, as oracle of the tests and baseline of the benchmarks: one assembled system; a factorization
+/// takes all right-hand sides side by side, an iterative method one after the other.
 template <int Dim>
 class ReferenceHeat : public HeatSolver<Dim> {
  public:
@@ -33,8 +31,5 @@ class ReferenceHeat : public HeatSolver<Dim> {
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   std::unique_ptr<AssembledSystem<Dim>> system_;
 };
-
-extern template class ReferenceHeat<2>;
-extern template class ReferenceHeat<3>;
 
 }  // namespace fabseq

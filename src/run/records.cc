@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/records.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+Json response_table(const std::vector<NamedValue>& responses) {
+  Json table = Json::array();
+  for (const auto& [name, type, value] : responses)
+    table.push_back(Json::object({{"name", name}, {"type", type}, {"value", value}}));
+  return table;
+}
+
+Json layer_table(const std::vector<LayerNumbers>& layers) {
+  Json table = Json::array();
+  for (const LayerNumbers& layer : layers) {
+    Json entry =
+        Json::object({{"volume", layer.volume}, {"thickness", layer.thickness}, {"cv", layer.variation}});
+    if (layer.sub_part > 0) {
+      entry["subpart"] = layer.sub_part;
+      entry["slab"] = layer.slab;
+    }
+    table.push_back(entry);
+  }
+  return table;
+}
+
+/// Terms of an objective have one.
+std::vector<double> first_components(const std::vector<std::vector<double>>& values) {
+  std::vector<double> result;
+  for (const auto& value : values) result.push_back(value[0]);
+  return result;
+}
+
+bool has_functionals(const ProblemValues& values) {
+  return std::any_of(values.functionals.begin(), values.functionals.end(),
+                     [](const std::vector<double>& list) { return !list.empty(); });
+}
+
+Json optimizer_record(const MmaReport& mma) {
+  return Json::object({{"newton_steps", mma.newton_steps},
+                       {"residual", mma.kkt_residual},
+                       {"relaxation", mma.largest_violation}});
+}
+
+Json binary_record(const ProblemValues& values) {
+  return Json::object({{"objective", first_components(values.objective)},
+                       {"constraints", values.constraints},
+                       {"worst_constraint", values.worst_constraint}});
+}
+
+}  // namespace
+
+Json to_record(const DisplacementSize& size) {
+  return Json::object({{"max", size.largest}, {"rms", size.rms}});
+}
+
+void add_members(Json& record, const SequenceNumbers& numbers) {
+  record["responses"] = response_table(numbers.responses);
+  record["layers"] = layer_table(numbers.layers);
+  record["displacement"] = to_record(numbers.displacement_size);
+}
+
+Json to_record(const SequenceNumbers& numbers) {
+  Json record = Json::object();
+  add_members(record, numbers);
+  return record;
+}
+
+Json to_record(const SolverIterations& iterations) {
+  return Json::object(
+      {{"primal", iterations.primal}, {"adjoint", iterations.adjoint}, {"heat", iterations.heat}});
+}
+
+Json to_record(const HistoryLine& line) {
+  const ProblemValues& values = line.iterate.values;
+  Json record = Json::object({{"iteration", line.iterate.iteration},
+                              {"objective", first_components(values.objective)},
+                              {"objective_scaled", values.scaled},
+                              {"constraints", values.constraints},
+                              {"worst_constraint", values.worst_constraint},
+                              {"beta", line.iterate.beta},
+                              {"change", line.step.change},
+                              {"merit", values.merit},
+                              {"interior_minima", line.interior_minima},
+                              {"optimizer", optimizer_record(line.step.mma)},
+                              {"solver_iterations", to_record(line.solver_iterations)},
+                              {"seconds", seconds_record(line.seconds)},
+                              {"peak_memory_bytes", line.peak_memory_bytes}});
+  if (line.temperature_range) record["temperature_range"] = *line.temperature_range;
+  set_layer_variables(record, line.layer_variables, line.design);
+  if (has_functionals(values)) record["functionals"] = values.functionals;
+  if (line.iterate.binary) record["binary"] = binary_record(*line.iterate.binary);
+  return record;
+}
+
+Json to_record(const Summary& summary) {
+  Json record = Json::object({{"name", summary.name},
+                              {"status", summary.end.status},
+                              {"reason", summary.end.reason},
+                              {"iterations", summary.end.iterations},
+                              {"ranks", summary.ranks},
+                              {"layer_groups", summary.layer_groups},
+                              {"part_elements", summary.part_elements},
+                              {"seconds", seconds_record(summary.seconds)},
+                              {"peak_memory_bytes", summary.peak_memory_bytes}});
+  if (summary.coarse_iterations > 0) record["coarse_iterations"] = summary.coarse_iterations;
+  if (const auto& finish = summary.finish) {
+    record["best_iteration"] = finish->best.iteration();
+    record["feasible"] = finish->best.feasible();
+    record["beta"] = finish->best.beta();
+    record["worst_constraint"] = finish->best.worst_constraint();
+    record["optimized"] = to_record(finish->optimized);
+    record["binary"] = to_record(finish->binary);
+  }
+  if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
+  if (const auto& finish = summary.finish) {
+    record["interior_minima"] = finish->interior_minima;
+    set_layer_variables(record, finish->layer_variables, finish->best.design());
+  }
+  return record;
+}
+
+}  // namespace fabseq
