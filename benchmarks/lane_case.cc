@@ -19,17 +19,8 @@ constexpr double penalty = 3.0;
 
 }  // namespace
 
-DrawnPart graded_v_shape() {
-  DrawnPart part;
-  part.contains = [](const Point<3>& at, const Index<3>&) {
-    return (at[2] < 0.6 || at[0] > 1.2) && at[2] > at[0] - 1.0;
-  };
-  part.time = [](const Point<3>& at, const Index<3>&) { return 0.35 * at[2] + 0.15 * at[0]; };
-  return part;
-}
-
 DrawnPart drawn_v_shape(int elements, double sharpness) {
-  DrawnPart part = graded_v_shape();
+  DrawnPart part;
   part.elements = {elements, elements / 2, elements};
   part.sharpness = sharpness;
   return part;

@@ -5,8 +5,8 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/grid.h"
+#include "fabseq/lanes/lane_cg.h"
 #include "fabseq/lanes/lane_hierarchy.h"
-#include "fabseq/lanes/lane_operator.h"
 
 #include <array>
 #include <functional>
@@ -19,10 +19,14 @@ namespace benchmarks {
 struct DrawnPart {
   fabseq::Point<3> size{2.0, 1.0, 2.0};
   fabseq::Index<3> elements{80, 40, 80};
-  /// Whether an element, given by centre and index, is in the part.
-  std::function<bool(const fabseq::Point<3>&, const fabseq::Index<3>&)> contains;
-  /// Its pseudo-time.
-  std::function<double(const fabseq::Point<3>&, const fabseq::Index<3>&)> time;
+  /// Whether an element, given by centre and index, is in the part: the V-shape of configs/v_shape.json.
+  std::function<bool(const fabseq::Point<3>&, const fabseq::Index<3>&)> contains = [](const auto& at, auto&) {
+    return (at[2] < 0.6 || at[0] > 1.2) && at[2] > at[0] - 1.0;
+  };
+  /// Its pseudo-time: tilted planes.
+  std::function<double(const fabseq::Point<3>&, const fabseq::Index<3>&)> time = [](const auto& at, auto&) {
+    return 0.35 * at[2] + 0.15 * at[0];
+  };
   bool quiet_void = false;
   double poisson = 0.3;
   int layer_count = 25;
@@ -40,8 +44,6 @@ class LaneCase {
 
   fabseq::LaneHierarchy<3>& hierarchy() { return *hierarchy_; }
   const Problem& problem() const { return problem_; }
-  /// Layer of each lane, from 1.
-  const std::array<int, lanes>& layers() const { return layers_; }
   /// Stiffness factors, [element][lane].
   void fill(fabseq::LaneArray& coefficients) const;
   /// Forces of the inherent strain of each layer. Collective.
@@ -62,13 +64,23 @@ class LaneCase {
   DrawnPart part_;
   fabseq::Grid<3> grid_;
   Problem problem_;
-  std::array<int, lanes> layers_{};
+  std::array<int, lanes> layers_{};  ///< of each lane, from 1
   std::vector<Element> elements_;
   std::unique_ptr<fabseq::LaneHierarchy<3>> hierarchy_;
 };
 
-/// The V-shape of configs/v_shape.json built in tilted planes.
-DrawnPart graded_v_shape();
+/// A case with its solver, whose coefficients are filled in. Collective on `comm`.
+struct LaneSystem {
+  using Solver = fabseq::LaneCg<LaneCase::Problem, LaneCase::lanes>;
+
+  LaneSystem(MPI_Comm comm, const DrawnPart& part, const fabseq::LaneCycle& cycle = {})
+      : lane_case(comm, part), solver(lane_case.hierarchy(), lane_case.problem(), cycle) {
+    lane_case.fill(solver.matrix().coefficients());
+  }
+
+  LaneCase lane_case;
+  Solver solver;
+};
 
 /// Sharpness that an optimization of 25 layers begins and ends with.
 constexpr double first_sharpness = 100.0, last_sharpness = 337.5;

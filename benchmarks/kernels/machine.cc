@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "kernels/machine.h"
-
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lanes.h"
 
 #include <mpi.h>
 
-#include "kernels/groups.h"
 #include "kernels/measure.h"
 #include <algorithm>
 #include <array>

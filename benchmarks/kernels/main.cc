@@ -14,9 +14,8 @@
 
 #include <petscsys.h>
 
-#include "kernels/groups.h"
-#include <benchmark/benchmark.h>
-#include <cstdlib>
+#include "kernels/measure.h"
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -49,33 +48,19 @@ class SilentReporter : public benchmark::BenchmarkReporter {
   void ReportRuns(const std::vector<Run>&) override {}
 };
 
-/// Takes --elements=N out of the words.
-int take_elements(std::vector<std::string>& words) {
-  const std::string option = "--elements=";
-  int elements = 80;
-  for (auto word = words.begin(); word != words.end();) {
-    if (word->rfind(option, 0) != 0) {
-      ++word;
-      continue;
-    }
-    elements = std::atoi(word->c_str() + option.size());
-    if (elements < 2) throw fabseq::InputError("--elements: a number from 2 up is needed");
-    word = words.erase(word);
-  }
-  return elements;
-}
-
 void run_benchmarks(std::vector<std::string> words) {
   const bool first = fabseq::rank_of(PETSC_COMM_WORLD) == 0;
-  const int elements = take_elements(words);
   // What comes later on the command line holds.
   words.insert(words.begin() + 1, "--benchmark_repetitions=5");
   std::vector<char*> arguments;
   for (std::string& word : words)
     if (first || word.rfind("--benchmark_out=", 0) != 0) arguments.push_back(word.data());
   int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) throw fabseq::InputError("see --help");
+  benchmark::Initialize(&count, arguments.data());  // takes its own options out
+  int elements = 80;
+  for (int i = 1; i < count; ++i)
+    if (std::sscanf(arguments[i], "--elements=%d", &elements) != 1 || elements < 2)
+      throw fabseq::InputError(std::string(arguments[i]) + ": --elements=N from 2 up, or see --help");
   benchmark::AddCustomContext("cores at once", std::to_string(fabseq::size_of(PETSC_COMM_WORLD)));
   benchmark::AddCustomContext("lanes of a register", std::to_string(fabseq::native_lanes));
   benchmark::AddCustomContext("elements", std::to_string(elements) + " x " + std::to_string(elements / 2) +
@@ -86,10 +71,7 @@ void run_benchmarks(std::vector<std::string> words) {
   add_solve(elements);
   MedianReporter median;
   SilentReporter silent;
-  if (first)
-    benchmark::RunSpecifiedBenchmarks(&median);
-  else
-    benchmark::RunSpecifiedBenchmarks(&silent);
+  benchmark::RunSpecifiedBenchmarks(first ? static_cast<benchmark::BenchmarkReporter*>(&median) : &silent);
 }
 
 }  // namespace

@@ -3,10 +3,8 @@
 #include "fabseq/lanes/flush_to_zero.h"
 #include "fabseq/lanes/lane_multigrid_impl.h"
 
-#include "kernels/groups.h"
-#include "kernels/kernel_cost.h"
+#include "kernels/measure.h"
 #include "lane_case.h"
-#include <functional>
 
 namespace benchmarks {
 
@@ -29,6 +27,7 @@ struct Box {
         right(matrix.size()),
         solution(right.size()),
         extra(right.size()),
+        coarse(static_cast<std::size_t>(part.hierarchy().level(1).mesh.nodes()) * 3 * lanes, Real{1e-9}),
         cost(operator_cost<Problem, lanes, Real>(level.mesh)) {
     fabseq::LaneArray exact(matrix.coefficients().size());
     part.fill(exact);
@@ -43,16 +42,9 @@ struct Box {
   LaneCase part;
   fabseq::LaneLevel<3>& level;
   Operator matrix;
-  Vector right, solution, extra;
+  Vector right, solution, extra, coarse;
   Cost cost;  ///< of K x
 };
-
-/// The operator with further words and flops an unknown. K x itself reads x and writes a vector.
-Cost with(Cost cost, double words, double flops) {
-  cost.bytes += words * word * cost.unknowns;
-  cost.flops += flops * cost.unknowns;
-  return cost;
-}
 
 /// Inverse node blocks: six numbers for three unknowns, five flops an unknown.
 constexpr double block_words = 2.0;
@@ -64,65 +56,58 @@ constexpr double first_flops = block_flops_an_unknown + 1.0;
 constexpr double step_words = 1.0 + block_words;
 constexpr double step_flops = 3.0 + block_flops_an_unknown;
 
+/// What a kernel takes: words and flops an unknown, beside those of K x, which reads x and writes a vector.
+struct Work {
+  double words = 0.0, flops = 0.0;
+  double products = 1.0;      ///< how often K x is in it
+  double coarse_words = 0.0;  ///< an unknown of the next level
+};
+
+template <class Call>
+void add_on_box(const std::string& name, int calls, int elements, const Work& work, Call call) {
+  add(name, calls, [=](benchmark::State& state) {
+    Box box(elements);
+    Cost cost = box.cost;
+    const double moved =
+        work.words * cost.unknowns + work.coarse_words * static_cast<double>(box.coarse.size());
+    cost.bytes = work.products * cost.bytes + word * moved;
+    cost.flops = work.products * cost.flops + work.flops * cost.unknowns;
+    measure(state, cost, [&] { call(box); });
+  });
+}
+
 void add_smoothers(int elements) {
-  add("smoother/one_step", 12, [=](benchmark::State& state) {
-    Box box(elements);
-    measure(state, with(box.cost, step_words, step_flops),
-            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 1, false); });
-  });
+  const auto smooth = [](int degree, bool from_zero) {
+    return [=](Box& box) {
+      box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), degree, from_zero);
+    };
+  };
+  add_on_box("smoother/one_step", 12, elements, {step_words, step_flops}, smooth(1, false));
   // Before the coarse correction: the old step is x itself, which is there.
-  add("smoother/degree_2_from_zero", 12, [=](benchmark::State& state) {
-    Box box(elements);
-    measure(state, with(box.cost, first_words + step_words, first_flops + step_flops + 2.0),
-            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 2, true); });
-  });
+  add_on_box("smoother/degree_2_from_zero", 12, elements,
+             {first_words + step_words, first_flops + step_flops + 2.0}, smooth(2, true));
   // After it: two sweeps; the step is written by the first and read by the second.
-  add("smoother/degree_2", 8, [=](benchmark::State& state) {
-    Box box(elements);
-    Cost cost = with(box.cost, 2.0 * step_words + 2.0, 2.0 * step_flops + 2.0);
-    cost.bytes += box.cost.bytes;
-    cost.flops += box.cost.flops;
-    measure(state, cost,
-            [&] { box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), 2, false); });
-  });
+  add_on_box("smoother/degree_2", 8, elements, {2.0 * step_words + 2.0, 2.0 * step_flops + 2.0, 2.0},
+             smooth(2, false));
 }
 
 void add_residual(int elements) {
   // K x and x . K x; the product can be had in passing.
-  add("operator/single_precision", 12, [=](benchmark::State& state) {
-    Box box(elements);
-    measure(state, with(box.cost, 0.0, 2.0),
-            [&] { benchmark::DoNotOptimize(box.matrix.apply(box.solution.data(), box.extra.data())[0]); });
+  add_on_box("operator/single_precision", 12, elements, {0.0, 2.0}, [](Box& box) {
+    benchmark::DoNotOptimize(box.matrix.apply(box.solution.data(), box.extra.data())[0]);
   });
-  add("residual", 12, [=](benchmark::State& state) {
-    Box box(elements);
-    measure(state, with(box.cost, 1.0, 1.0),
-            [&] { box.matrix.residual_part(box.right.data(), box.solution.data(), box.extra.data()); });
+  add_on_box("residual", 12, elements, {1.0, 1.0}, [](Box& box) {
+    box.matrix.residual_part(box.right.data(), box.solution.data(), box.extra.data());
   });
 }
 
 /// Flops are few and not counted.
 void add_transfers(int elements) {
-  const auto sizes = [](const Box& box, const Vector& coarse, double fine_words, double coarse_words) {
-    const auto unknowns = static_cast<double>(box.solution.size());
-    return Cost{.unknowns = unknowns,
-                .bytes = word * (fine_words * unknowns + coarse_words * static_cast<double>(coarse.size()))};
-  };
-  const auto coarse_vector = [](Box& box) {
-    return Vector(static_cast<std::size_t>(box.part.hierarchy().level(1).mesh.nodes()) * 3 * lanes,
-                  Real{1e-9});
-  };
-  add("transfer/prolong", 20, [=](benchmark::State& state) {
-    Box box(elements);
-    const Vector coarse = coarse_vector(box);
-    measure(state, sizes(box, coarse, 2.0, 1.0),
-            [&] { box.level.transfer.prolong_add<3, lanes>(coarse.data(), box.solution.data()); });
+  add_on_box("transfer/prolong", 20, elements, {2.0, 0.0, 0.0, 1.0}, [](Box& box) {
+    box.level.transfer.prolong_add<3, lanes>(box.coarse.data(), box.solution.data());
   });
-  add("transfer/restrict", 20, [=](benchmark::State& state) {
-    Box box(elements);
-    Vector coarse = coarse_vector(box);
-    measure(state, sizes(box, coarse, 1.0, 2.0),
-            [&] { box.level.transfer.restrict_add<3, lanes>(box.right.data(), coarse.data()); });
+  add_on_box("transfer/restrict", 20, elements, {1.0, 0.0, 0.0, 2.0}, [](Box& box) {
+    box.level.transfer.restrict_add<3, lanes>(box.right.data(), box.coarse.data());
   });
 }
 

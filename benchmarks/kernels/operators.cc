@@ -3,9 +3,7 @@
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_sweep.h"
 
-#include "kernels/groups.h"
-#include "kernels/kernel_cost.h"
-#include "kernels/machine.h"
+#include "kernels/measure.h"
 #include <cmath>
 #include <string>
 #include <vector>
@@ -55,10 +53,11 @@ void sweep_box(benchmark::State& state, const Domain<Problem::dim>& domain, cons
   state.counters["percent_of_limit"] = 100.0 * cost.unknowns / seconds / limit;
 }
 
-template <class Problem, int Width>
-void add_sweep(const std::string& name, const Domain<Problem::dim>& domain, const Problem& problem) {
-  add("operator/" + name + "/lanes:" + std::to_string(Width), 160 / Width,
-      [=](benchmark::State& state) { sweep_box<Problem, Width>(state, domain, problem); });
+template <class Problem, int... Widths>
+void add_sweeps(const std::string& name, const Domain<Problem::dim>& domain, const Problem& problem) {
+  (add("operator/" + name + "/lanes:" + std::to_string(Widths), 160 / Widths,
+       [=](benchmark::State& state) { sweep_box<Problem, Widths>(state, domain, problem); }),
+   ...);
 }
 
 }  // namespace
@@ -66,15 +65,9 @@ void add_sweep(const std::string& name, const Domain<Problem::dim>& domain, cons
 void add_operators(int elements) {
   const Domain<3> solid{{2.0, 1.0, 2.0}, {elements, elements / 2, elements}};
   const Domain<2> sheet{{2.0, 1.0}, {10 * elements, 5 * elements}};
-  const fabseq::LaneElasticityProblem<3> elasticity_3d(1.0, 0.3);
-  const fabseq::LaneElasticityProblem<2> elasticity_2d(1.0, 0.3);
-  const fabseq::LaneHeatProblem<3> heat_3d(1.0, false);
-  add_sweep<fabseq::LaneElasticityProblem<3>, 8>("elasticity_3d", solid, elasticity_3d);
-  add_sweep<fabseq::LaneElasticityProblem<3>, 4>("elasticity_3d", solid, elasticity_3d);
-  add_sweep<fabseq::LaneElasticityProblem<3>, 2>("elasticity_3d", solid, elasticity_3d);
-  add_sweep<fabseq::LaneElasticityProblem<3>, 1>("elasticity_3d", solid, elasticity_3d);
-  add_sweep<fabseq::LaneElasticityProblem<2>, 8>("elasticity_2d", sheet, elasticity_2d);
-  add_sweep<fabseq::LaneHeatProblem<3>, 8>("heat_3d", solid, heat_3d);
+  add_sweeps<fabseq::LaneElasticityProblem<3>, 8, 4, 2, 1>("elasticity_3d", solid, {1.0, 0.3});
+  add_sweeps<fabseq::LaneElasticityProblem<2>, 8>("elasticity_2d", sheet, {1.0, 0.3});
+  add_sweeps<fabseq::LaneHeatProblem<3>, 8>("heat_3d", solid, {1.0, false});
 }
 
 }  // namespace benchmarks

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/lanes/lane_cg.h"
-
-#include "kernels/groups.h"
 #include "kernels/measure.h"
 #include "lane_case.h"
 #include <algorithm>
@@ -11,27 +8,20 @@ namespace benchmarks {
 namespace {
 
 using fabseq::LaneArray;
-using Solver = fabseq::LaneCg<LaneCase::Problem, LaneCase::lanes>;
 constexpr int lanes = LaneCase::lanes;
 
-struct System {
-  System(int elements, double sharpness)
-      : part(MPI_COMM_SELF, drawn_v_shape(elements, sharpness)),
-        solver(part.hierarchy(), part.problem(), {}) {
-    part.fill(solver.matrix().coefficients());
+struct System : LaneSystem {
+  System(int elements, double sharpness) : LaneSystem(MPI_COMM_SELF, drawn_v_shape(elements, sharpness)) {
     solver.set_up();
   }
   double unknowns() { return static_cast<double>(solver.matrix().size()); }
-
-  LaneCase part;
-  Solver solver;
 };
 
 /// dof/s: unknowns of the finest level by the time of the whole set-up or solve. Bytes and flops depend on
 /// the iterations of each lane and are not counted.
 void measure_solve(benchmark::State& state, int elements, double sharpness) {
   System system(elements, sharpness);
-  const LaneArray load = system.part.load();
+  const LaneArray load = system.lane_case.load();
   LaneArray right, solution;
   double iterations = 0.0;
   const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] {
@@ -54,10 +44,9 @@ void add_solve(int elements) {
     const double seconds = measure(state, {.unknowns = system.unknowns()}, [&] { system.solver.set_up(); });
     state.counters["seconds_a_lane"] = seconds / lanes;
   });
-  add("solve/v_shape/first_sharpness", 1,
-      [=](benchmark::State& state) { measure_solve(state, elements, first_sharpness); });
-  add("solve/v_shape/last_sharpness", 1,
-      [=](benchmark::State& state) { measure_solve(state, elements, last_sharpness); });
+  for (const auto& [name, sharpness] : {std::pair{"first", first_sharpness}, {"last", last_sharpness}})
+    add("solve/v_shape/" + std::string(name) + "_sharpness", 1,
+        [=, sharpness = sharpness](benchmark::State& state) { measure_solve(state, elements, sharpness); });
 }
 
 }  // namespace benchmarks
