@@ -50,8 +50,7 @@ class Scan:
         return evaluation["responses"][0]["value"], gradients["objective_0/angles"][number, 0], len(evaluation["layers"])
 
     def step(self, low, high, layers):
-        """Where between two angles the number of layers leaves `layers`, and the relative step of the
-        objective there."""
+        """The angle where the number of layers leaves `layers`, and the objective's relative step there."""
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self.at(middle)[2] == layers else (low, middle)

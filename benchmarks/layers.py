@@ -38,8 +38,7 @@ def measure_primal(options, layers, ranks, directory):
 
 
 def fitting_targets(options, directory):
-    """For a number of layers N, options of the program that keep N times the thickness target what it is in
-    the config."""
+    """Options that keep N times the thickness target what it is in the config, for any number of layers N."""
     count = program_run.problem_size(options, directory)["layer_count"]
     constraints = program_run.resolved_config(options, os.path.join(directory, "settings")).get("constraints", [])
     targets = {i: c["target"] * count for i, c in enumerate(constraints) if c["type"] == "layer_thickness"}

@@ -103,15 +103,13 @@ def time_iterations(options, ranks, directory, arguments):
 
 
 def resolved_config(options, directory):
-    """The config with the options of the program and all defaults in it, but for a single layer: one is
-    simulated for it."""
+    """The config with all defaults and the program's options in it. A single layer is simulated for it."""
     run(options, 1, directory, ["-task", "simulate", "-layers", 1])
     return read_json(directory, "config.json")
 
 
 def problem_size(options, directory, arguments=()):
-    """Elements of the part and of the box, unknowns of a layer and number of layers, as `-task check` prints
-    them."""
+    """Elements of part and box, unknowns of a layer, number of layers, as `-task check` prints them."""
     printed = run(options, 1, directory, ["-task", "check", *arguments])
     part, box = re.search(r"part: (\d+) elements of (\d+)", printed).groups()
     return {"part_elements": int(part), "elements": int(box),
@@ -164,8 +162,7 @@ def draw_phases(axes, abscissa, records):
 
 
 def by_turns(options, keys, measure):
-    """Samples of each key, measure(key) being a list of some, over the repetitions, which run by turns; and
-    the triad's GB/s before and after."""
+    """Samples of each key, lists made by measure(key) in turn, and the triad's GB/s before and after."""
     samples, before = {key: [] for key in keys}, triad_bandwidth()
     for _ in range(options.repetitions):
         for key in keys:

@@ -19,7 +19,6 @@ that fits the memory. --measured adds the figures of a CSV of strong_scaling.py.
 How box, layers and rows are dealt out is asked of the program (benchmarks/scaling/plan.cc, built with the
 tests and with FABSEQ_BENCHMARKS).
 """
-import argparse
 import csv
 import dataclasses
 import math
@@ -44,8 +43,7 @@ MOST_SPREAD = 4096  # domain ranks of a box whose elements are known
 
 @dataclasses.dataclass
 class Case:
-    """A part and what its solvers take (CG iterations per layer: those of the V-shape's optimization,
-    halfway)."""
+    """A part and what its solvers take: CG iterations per layer of the V-shape's optimization, halfway."""
     title: str
     part: dict  # as the plan is asked
     layers: int
@@ -86,15 +84,13 @@ def total(seconds, kinds=KINDS):
 
 
 def group_counts(layers):
-    """Numbers of groups worth a try: the batches of 8, 4, 2 and 1 layers dealt out evenly, and powers of
-    two."""
+    """Numbers of groups worth a try: batches of 8, 4, 2 and 1 layers dealt out evenly, and powers of two."""
     whole = {math.ceil(layers / (lanes * k)) for lanes in (8, 4, 2, 1) for k in (1, 2)} | {2**k for k in range(10)}
     return sorted(groups for groups in whole if groups <= layers)
 
 
 def predict(case, on, program):
-    """(cores, groups, ranks, seconds) of the fastest split on at most each number of cores, for both ways of
-    coarse levels."""
+    """(cores, groups, ranks, seconds) of the fastest split on so many cores, for both kinds of levels."""
     domain_ranks = [ranks for ranks in DOMAIN_RANKS if ranks <= (MOST_SPREAD if "config" in case.part else CORES[-1])]
     groups = group_counts(case.layers)
     case.prepare(program, groups, domain_ranks)
@@ -111,7 +107,7 @@ def predict(case, on, program):
 
 
 def print_parts(seconds):
-    print(f"{'':>12s}" + "".join(f"{kind:>13s}" for kind in KINDS) + f"{'seconds':>13s}")
+    print(f"{'':>12s}" + program_run.heads([*KINDS, "seconds"], 13))
     for name, phases in [*((phase, {phase: parts}) for phase, parts in seconds.items()), ("total", seconds)]:
         print(f"{name:>12s}" + "".join(f"{total(phases, [kind]):13.5f}" for kind in KINDS) + f"{total(phases):13.5f}")
 
@@ -128,22 +124,18 @@ def print_prediction(case, rows, staged):
 
 def read_measured(path):
     """Cores and seconds of the fastest split of each number of ranks."""
-    best = {}
     with open(path, encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            if row["phase"] == "total":
-                ranks = int(row["ranks"])
-                best[ranks] = min(best.get(ranks, math.inf), float(row["seconds"]))
-    return sorted(best.items())
+        totals = [(int(row["ranks"]), float(row["seconds"])) for row in csv.DictReader(file) if row["phase"] == "total"]
+    return sorted(dict(sorted(totals, reverse=True)).items())
 
 
 def plot(path, predictions, measured):
     with program_run.figure(path, "", 2, figsize=(12, 5)) as all_axes:
         for axes, (case, curves) in zip(all_axes, predictions):
-            for staged, rows in curves.items():
-                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], "o--" if staged else "o-", markersize=4,
-                            color="tab:gray" if staged else "tab:blue",
-                            label="model, coarse levels on ever fewer ranks (not built)" if staged else "model")
+            for rows, line, color, label in (
+                    (curves[False], "o-", "tab:blue", "model"),
+                    (curves[True], "o--", "tab:gray", "model, coarse levels on ever fewer ranks (not built)")):
+                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], line, color=color, label=label, ms=4)
             rows = curves[False]
             ideal = [total(rows[0][3]) * rows[0][0] / row[0] for row in rows]
             axes.loglog([row[0] for row in rows], ideal, ":", color="tab:blue", label="ideal")
@@ -164,7 +156,7 @@ def run_predict(options, on):
                         "seconds": total(seconds)} for cores, groups, ranks, seconds in rows]
         predictions.append((case, curves))
     if options.csv:
-        program_run.write_csv(options.csv, record)
+        program_run.write_rows(options.csv, record)
     if options.plot:
         plot(options.plot, predictions, read_measured(options.measured) if options.measured else [])
 
@@ -188,7 +180,7 @@ def run_check(options):
 
 
 def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = program_run.parser_of(__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     checks = commands.add_parser("check", help="counts of small runs beside the model's")
     program_run.add_program_option(checks)
@@ -204,8 +196,8 @@ def parse_arguments():
     parts.add_argument("--case", default="v_shape", choices=list(CASES))
     parts.add_argument("--splits", nargs="+", type=parse_split, default=[(1, 1)], metavar="GxD")
     for command in (checks, predicts, parts):
-        command.add_argument("--plan", metavar="PROGRAM", default=os.path.join(os.path.dirname(program_run.PROGRAM), "benchmarks", "scaling_plan"),
-                             help="default: build/release/benchmarks/scaling_plan")
+        command.add_argument("--plan", metavar="PROGRAM", help="default: build/release/benchmarks/scaling_plan",
+                             default=os.path.join(os.path.dirname(program_run.PROGRAM), "benchmarks", "scaling_plan"))
     for command in (predicts, parts):
         for field in dataclasses.fields(Machine):
             command.add_argument("--" + field.name.replace("_", "-"), type=field.type,
@@ -222,4 +214,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    program_run.run_script(main)

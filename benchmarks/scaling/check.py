@@ -4,7 +4,6 @@
 import csv
 import os
 import re
-import subprocess
 import tempfile
 from collections import Counter, defaultdict
 
@@ -13,7 +12,6 @@ from scaling.counts import Iteration, count_iteration
 from scaling.machine import PHASES
 from scaling.plan import Plan
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 FIGURES = ["messages", "message_bytes", "collectives", "collective_bytes"]
 # Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt:
 # what is set up at first use is sent only once.
@@ -35,15 +33,13 @@ CASES = {case["name"]: case for case in (BLOCK, V_SHAPE)}
 
 def build_library(directory):
     """The preloaded library; it needs MPI's compiler only."""
-    library = os.path.join(directory, "message_count.so")
-    subprocess.run(["mpicxx", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library,
-                   os.path.join(HERE, "message_count.cc"), "-ldl"], check=True)
+    library, source = os.path.join(directory, "message_count.so"), os.path.join(os.path.dirname(__file__), "message_count.cc")
+    program_run.run_command(["mpicxx", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library, source, "-ldl"])
     return library
 
 
 def read_counts(directory, iteration):
-    """By phase: messages and bytes of all ranks; collective calls and bytes of a rank, the mean. And those of
-    the whole run."""
+    """Messages of all ranks, collective calls of a mean rank, and bytes: by phase, and of the whole run."""
     by_phase, whole = defaultdict(Counter), Counter()
     files = [name for name in os.listdir(directory) if name.endswith(".csv")]
     for name in files:
@@ -143,17 +139,17 @@ def print_comparison(title, counted, model, log):
     cut step takes a sum more."""
     print(f"\n{title}: -log_view and the library differ by at most "
           + ", ".join(f"{100 * value:.2f} % ({key.replace('_', ' ')})" for key, value in log.items()))
-    print(f"{'phase':>10s}" + "".join(f"{figure.replace('_', ' '):>28s}" for figure in FIGURES))
+    print(f"{'phase':>10s}" + program_run.heads((figure.replace("_", " ") for figure in FIGURES), 28))
     print(f"{'':>10s}" + f"{'counted':>14s}{'model':>14s}" * len(FIGURES))
-    failed = max(log.values()) > 0.002
+    agree = max(log.values()) <= 0.002
     for phase in PHASES:
-        print(f"{phase:>10s}" + "".join(f"{counted[phase][figure]:14.1f}{model[phase][figure]:14.1f}" for figure in FIGURES))
+        here, there = counted[phase], model[phase]
+        print(f"{phase:>10s}" + "".join(f"{here[figure]:14.1f}{there[figure]:14.1f}" for figure in FIGURES))
         if phase == "optimizer":
-            failed = failed or counted[phase]["collectives"] < model[phase]["collectives"] - 1e-6
-            failed = failed or counted[phase]["collective_bytes"] > model[phase]["collective_bytes"] + 1e-6
+            agree &= here["collectives"] > there["collectives"] - 1e-6
+            agree &= here["collective_bytes"] < there["collective_bytes"] + 1e-6
             continue
         for figure in FIGURES:
-            tolerance = 1e-3 * model[phase][figure] if figure == "collective_bytes" else 1e-6
-            failed = failed or abs(counted[phase][figure] - model[phase][figure]) > tolerance
-    print("as the model says" if not failed else "NOT as the model says")
-    return failed
+            agree &= abs(here[figure] - there[figure]) <= (1e-3 * there[figure] if figure == "collective_bytes" else 1e-6)
+    print("as the model says" if agree else "NOT as the model says")
+    return not agree

@@ -19,8 +19,7 @@ def sweep(problem, level, width, real, vectors, extra_flops=0.0, extra_bytes=0.0
 
 
 def visit(problem, level, coarse, width):
-    """A cycle's work on a level: two smoothing steps before (the first from zero: no sweep) and two after,
-    residual, transfers."""
+    """A cycle's work on a level: two smoothing steps before and two after, residual, transfers."""
     values = values_of(problem, level, width)
     blocks = problem.scaling() / problem.components * SINGLE / (1 if problem.own_operators else width)  # bytes per value
     scaled = 2.0 * problem.components - 1.0  # flops of a block, per value
@@ -41,6 +40,5 @@ def coarse_step(problem, level, width, steps):
 
 
 def outer_step(problem, level, width):
-    """An iteration outside of the preconditioner: product, vector updates, inner products, and the inner
-    products of its end."""
+    """An iteration outside of the preconditioner: product, vector updates, inner products."""
     return sweep(problem, level, width, DOUBLE, 2, 2) + values_of(problem, level, width) * np.array([6 + 2 + 6, 20 + 20 + 52])

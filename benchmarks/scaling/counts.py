@@ -20,8 +20,7 @@ LARGEST_ISLAND_FIELD = 100_000_000
 
 @dataclass
 class Iteration:
-    """What the counts depend on beside the grid: lane iterations, in the order of the layers, and those of
-    the optimizer."""
+    """What the counts depend on beside the grid: iterations of the lanes, by layer, and of the optimizer."""
     primal: list
     adjoint: list
     heat: list                  # the forward solve, then a number for each row: the objective and every constrained component
@@ -79,14 +78,12 @@ class LaneSolver:
         self.tally.serial[self.phase, what] += units
 
     def work(self, amount, times, width):
-        """Arithmetic takes longer where registers are filled in part only; one heat system alone has its
-        elements side by side."""
+        """Arithmetic takes longer in registers filled in part. One heat system alone fills them."""
         alone = width == 1 and not self.problem.own_operators
         self.tally.work[self.phase] += times * amount * (1.0 if alone else 8 * self.relative_cost[width] / width, 1.0)
 
     def transfer_down(self, fine, of_nodes, of_elements, times=1):
-        """Bytes per node or element of the level below `fine`: summed with the neighbours', or over all ranks
-        where they hold it whole."""
+        """Bytes of the level below `fine`: summed with the neighbours', or over all ranks."""
         coarse = self.levels[fine + 1]
         if coarse.distributed:
             if of_nodes:

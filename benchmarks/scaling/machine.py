@@ -14,8 +14,7 @@ KINDS = ["compute", "serial", "messages", "collectives"]
 
 @dataclass(frozen=True)
 class Machine:
-    """Network: round figures of a cluster. Core: measured (docs/performance.md) where not stated
-    otherwise."""
+    """Network: round figures of a cluster. Core: measured (docs/performance.md) unless stated otherwise."""
     cores_per_node: int = 64
     latency: float = 1.5e-6          # of a message
     overhead: float = 0.4e-6         # a further message that one rank sends at the same time; assumed
@@ -85,8 +84,7 @@ class Clock:
         return self.part_elements / self.ranks * ELEMENT_SECONDS[phase]
 
     def optimizer(self, iteration):
-        """Passes over the gradients of this rank's variables, a symmetric product each, and the rows'
-        model."""
+        """Passes over the gradients of this rank's variables, a symmetric product each; the rows' model."""
         variables, rows = self.part_elements / self.cores, iteration.rows
         step = (variables * (rows + 1) * DOUBLE / self.bandwidth
                 + (variables * ((rows + 1)**2 + 4 * rows) + ROW_MODEL_STEPS * rows**3 / 3) / self.machine.flops)

@@ -4,24 +4,10 @@ of layers and rows to groups. It is the program's own code that answers (plan.cc
 
 import json
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from types import SimpleNamespace
 
 import program_run
-
-
-@dataclass
-class Level:
-    """Elements and nodes are those in the model; `own` means those of one rank, the one that has most."""
-    box: tuple
-    elements: float
-    nodes: float
-    distributed: bool
-    own_elements: float
-    own_nodes: float
-    halo_messages: int    # of all ranks in a sum over shared nodes
-    halo_nodes: float     # that these messages carry
-    own_neighbors: int
-    own_halo_nodes: float
 
 
 @dataclass
@@ -46,17 +32,12 @@ class Problem:
         return steps[min(level, len(steps)) - 1]
 
 
-@dataclass
 class System:
-    """A problem's levels, and what PETSc's grid exchanges (the whole box, void or not)."""
-    problem: Problem
-    levels: list
-    grid: list
-    ranks: int = field(init=False)
-    box: tuple = field(init=False)
+    """A problem's levels, as plan.cc has them. PETSc's process grid exchanges nodes of the whole box."""
 
-    def __post_init__(self):
-        self.ranks, self.box = math.prod(self.grid), self.levels[0].box
+    def __init__(self, problem, levels, grid):
+        self.problem, self.levels, self.grid = problem, levels, grid
+        self.ranks, self.box = math.prod(grid), levels[0].box
 
     def sides(self):
         """Sides of a rank in the middle, along each axis, that it shares."""
@@ -90,8 +71,7 @@ class System:
 
 
 class Plan:
-    """Answers for a part, {"config": file} or {"box": elements, "fill": share}. `deals`: pairs of lanes' work
-    and groups."""
+    """Answers for a part: a "config", or "box" and "fill". `deals`: pairs of lanes' work and groups."""
 
     def __init__(self, program, part, ranks, deals):
         question = {**part, "ranks": list(ranks), "deals": [{"work": work, "groups": groups} for work, groups in deals]}
@@ -108,7 +88,7 @@ class Plan:
         found = self.found[ranks]
         if found is None:
             return None
-        levels = {name: [Level(**level) for level in found[name]] for name in self.problems}
+        levels = {name: [SimpleNamespace(**level) for level in found[name]] for name in self.problems}
         if staged:
             levels = {name: self.spread(of_system, ranks) for name, of_system in levels.items()}
         return [System(self.problems[name], levels[name], found["grid"]) for name in ("elasticity", "heat")]
@@ -120,8 +100,9 @@ class Plan:
             share = min(ranks, level.elements / self.least_elements)
             if not level.distributed and share > 1:
                 edge = (level.elements / share)**(1.0 / 3.0)
-                level = replace(level, distributed=True, own_elements=level.elements / share, own_nodes=level.nodes / share,
-                                own_neighbors=26, own_halo_nodes=(edge + 3)**3 - (edge + 1)**3)
+                level = SimpleNamespace(**vars(level) | {
+                    "distributed": True, "own_elements": level.elements / share, "own_nodes": level.nodes / share,
+                    "own_neighbors": 26, "own_halo_nodes": (edge + 3)**3 - (edge + 1)**3})
             result.append(level)
         return result + levels[-1:] if result[-1].distributed else result
 

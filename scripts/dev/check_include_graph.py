@@ -51,8 +51,7 @@ def layering_offences(root, files):
 
 
 def circle(root, headers):
-    """A list of headers each of which includes the next and whose last is its first; None if there is
-    none."""
+    """Headers each of which includes the next, the last being the first again; None without a circle."""
     graph = {str(h.relative_to(root / "include")): [name for _, name in includes(h)] for h in sorted(headers)}
     try:
         graphlib.TopologicalSorter(graph).prepare()

@@ -51,8 +51,7 @@ def program_sources():
 
 
 def folders(sources):
-    """Groups of files in one folder with the same flags. Neighbours, which may be parts of one class, go into
-    different ones."""
+    """Groups of files in a folder with the same flags; neighbours, which may share names, lie in others."""
     def kind(name):
         return os.path.dirname(name), flags(sources[name])
     for _, names in itertools.groupby(sorted(sources, key=kind), kind):
@@ -63,8 +62,7 @@ def folders(sources):
 
 
 def flags(command):
-    """What a compiler is told besides the names of files; without g++'s precompiled header, which clang-tidy
-    cannot read."""
+    """The compiler's options but for file names and the precompiled header, which clang-tidy cannot read."""
     words = shlex.split(command)[1:]
     left_out = ("-c", "-o", "-include", "-Winvalid-pch")
     return [word for word in words if word not in left_out and not word.endswith((".cc", ".o", "cmake_pch.hxx"))]

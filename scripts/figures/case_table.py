@@ -75,10 +75,10 @@ def figures_of(case, directory, thickness, resliced):
 
 
 def published(case):
-    figures = case.get("published", {})
-    planar, best = figures.get("planar"), figures.get("optimized")
+    figures = case.get("published")
     if not figures:
         return "–"
+    planar, best = figures.get("planar"), figures.get("optimized")
     text = f"{number(planar)} → {number(best)}" + (f": {factor(planar / best)}" if planar and best else "")
     return text + (f"; cut again {number(figures['resliced'])}" if "resliced" in figures else "")
 
@@ -94,34 +94,28 @@ def optimized(directory, thickness, resliced):
     run = Run(directory, with_fields=False)
     summary = run.summary
     planar, smooth, binary = (distortion(summary[block]["responses"]) for block in ("baseline", "optimized", "binary"))
-    cells = {"planar": number(planar), "smooth": f"{number(smooth)}: {factor(planar / smooth)}",
-             "binary": f"{number(binary)}: {factor(planar / binary)}"}
+    cells = gains(planar, smooth, binary)
     for count, found in resliced.items():
-        values = {kind: distortion(found[kind]["responses"]) for kind in cells}
-        for kind, value in values.items():
-            gain = "" if kind == "planar" else f": {factor(values['planar'] / value)}"
-            cells[kind] += f"; in {count} layers {number(value)}{gain}"
-    ranks = run.config.get("run", {}).get("ranks")
+        values = (distortion(found[kind]["responses"]) for kind in cells)
+        cells = {kind: f"{cells[kind]}; in {count} layers {text}" for kind, text in gains(*values).items()}
+    worst = summary["worst_constraint"]
+    violation = "–" if worst is None else "satisfied" if worst <= 0 else f"{100 * worst:.2g} % beyond"
     layers = {"print angles": angles_text(summary["angles"])} if "angles" in summary else thicknesses(run, thickness, resliced)
-    return {**cells, "worst constraint": violation(run), **layers, "interior minima": str(summary["interior_minima"]),
-            "run": f"{iterations(summary)}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"}
+    ranks, before = run.config.get("run", {}).get("ranks"), summary.get("coarse_iterations", 0)
+    iterations = f"{summary['iterations']} iterations" + (f" after {before} at half the resolution" if before else "")
+    return {**cells, "worst constraint": violation, **layers, "interior minima": str(summary["interior_minima"]),
+            "run": f"{iterations}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"}
 
 
-def iterations(summary):
-    before = summary.get("coarse_iterations", 0)
-    return f"{summary['iterations']} iterations" + (f" after {before} at half the resolution" if before else "")
+def gains(planar, smooth, binary):
+    """Distortions, those of optimized layers with how many times less than with planar ones it is."""
+    return {"planar": number(planar), "smooth": f"{number(smooth)}: {factor(planar / smooth)}",
+            "binary": f"{number(binary)}: {factor(planar / binary)}"}
 
 
 def distortion(responses):
     """Sum of all distortion terms, as published for two faces or edges."""
     return sum(r["value"] for r in responses if r["type"] == "distortion")
-
-
-def violation(run):
-    worst = run.summary["worst_constraint"]
-    if worst is None:
-        return "–"
-    return "satisfied" if worst <= 0 else f"{100 * worst:.2g} % beyond"
 
 
 def angles_text(angles):

@@ -57,7 +57,7 @@ def read_points(path, dimension):
 
 
 def element_at(solid, position):
-    """Index, x first, of an element of the model that holds the position; a face belongs to both its sides."""
+    """Index, x first, of an element of the model that holds the position; a face belongs to both sides."""
     for shift in itertools.product((0.0, -ON_FACE, ON_FACE), repeat=len(position)):
         index = np.clip(np.floor(position + shift), 0, np.array(solid.shape[::-1]) - 1).astype(int)
         if np.all(np.abs(position - index - 0.5) <= 0.5 + ON_FACE) and solid[tuple(index[::-1])]:

@@ -13,6 +13,7 @@ which the runs differ; over their names, if it is not one key with numbers. KEY 
 are hollow where a constraint is violated.
 """
 
+import itertools
 import os
 import sys
 
@@ -38,12 +39,11 @@ class Result:
         self.config = read_json(directory, "config.json")
         try:
             self.run = Run(directory, with_fields=False)
-            self.summary = self.run.summary
         except RunError as reason:
             print(f"compare.py: warning: {reason}", file=sys.stderr)
             self.run = None
-            path = os.path.join(directory, "summary.json")
-            self.summary = read_json(directory, "summary.json") if os.path.exists(path) else {}
+        ended = os.path.exists(os.path.join(directory, "summary.json"))
+        self.summary = read_json(directory, "summary.json") if ended else {}
         self.settings = {key: value for key, value in flat(self.config) if key.split(".")[0] not in NOT_COMPARED}
 
     def evenness(self, block):
@@ -54,8 +54,7 @@ class Result:
 
 
 def flat(value, path=""):
-    """(path as of -set, value) of all numbers and words in a config. Entries of lists go by their type, if
-    only one has it."""
+    """(path as of -set, value) of a config's entries. Entries of lists go by their type if it is unique."""
     if isinstance(value, (dict, list)):
         for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
             yield from flat(entry, f"{path}.{key}" if path else str(key))
@@ -79,7 +78,7 @@ def row_of(result, keys):
     for key in ("status", "iterations", "best_iteration", "feasible", "worst_constraint", "beta"):
         row[key] = result.summary.get(key)
     for block in BLOCKS if result.run else ():
-        row |= block_columns(result, block)
+        row |= {f"{block}/{name}": value for name, value in block_columns(result, block).items()}
     row |= {"ranks": result.config.get("run", {}).get("ranks"), "seconds": result.summary.get("seconds", {}).get("total"),
             "peak_memory_bytes": result.summary.get("peak_memory_bytes")}
     return row
@@ -96,14 +95,7 @@ def block_columns(result, block):
         columns |= {"thickness_min": min(thickness), "thickness_mean": float(np.mean(thickness)), "thickness_max": max(thickness)}
     columns["cv"] = result.evenness(block)
     columns |= {f"displacement_{key}": content["displacement"][key] for key in ("max", "rms")}
-    return {f"{block}/{name}": value for name, value in columns.items()}
-
-
-def write_table(path, rows):
-    columns = list(dict.fromkeys(column for row in rows for column in row))
-    # Those of the run itself last, also where the first line has no results.
-    columns.sort(key=lambda column: column in ("ranks", "seconds", "peak_memory_bytes"))
-    write_rows(path, rows, columns)
+    return columns
 
 
 class Abscissa:
@@ -194,7 +186,10 @@ def main():
     keys = differing_keys(results)
     finished = [result for result in results if result.run]
     abscissa = Abscissa(finished, keys, arguments.against) if finished else None
-    write_table(arguments.table, [row_of(result, keys) for result in results])
+    rows = [row_of(result, keys) for result in results]
+    # Columns of the run itself last, also where the first line has no results.
+    columns = sorted(dict.fromkeys(itertools.chain(*rows)), key=lambda name: name in ("ranks", "seconds", "peak_memory_bytes"))
+    write_rows(arguments.table, rows, columns)
     print(arguments.table)
     if not finished:
         raise RunError("none of the runs is done: no picture")

@@ -52,8 +52,7 @@ def write_record(directory, *how):
 
 
 def measure(directory, target=None, points=1000, seed=1):
-    """What goes to geometric_thickness.json, for the result in an output directory. Raises RunError if there
-    is none."""
+    """The content of geometric_thickness.json, from an output directory. Raises RunError without a result."""
     config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
     layers = summary.get("optimized", summary).get("layers")
     if layers is None:
@@ -65,16 +64,11 @@ def measure(directory, target=None, points=1000, seed=1):
     for row, layer in zip(rows, layers):
         row["gradient"] = layer["thickness"]
     inner = [row for row in rows if row["mean"] is not None and row["place"] == "inner"]
-    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": over_layers(inner)}
-
-
-def over_layers(rows):
-    """Of the layers between the first and the last."""
-    if not rows:
-        return None
-    means, variances = (np.array([row[key] for row in rows]) for key in ("mean", "variance"))
-    return {"layers": len(rows), "mean": means.mean(), "least": means.min(), "largest": means.max(),
-            "variance": variances.mean(), "drawn_again": sum(row["drawn_again"] for row in rows)}
+    means = [row["mean"] for row in inner]
+    between = {"layers": len(inner), "mean": np.mean(means), "least": min(means), "largest": max(means),
+               "variance": np.mean([row["variance"] for row in inner]),
+               "drawn_again": sum(row["drawn_again"] for row in inner)} if inner else None
+    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": between}
 
 
 def measure_layers(time, time_points, farthest, points, seed):
@@ -89,15 +83,12 @@ def measure_layers(time, time_points, farthest, points, seed):
         if j == used:
             upper = min(upper, time.largest) - END * (upper - lower)
         place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
-        row = {"layer": j, "place": place, "mean": None, "variance": None,
-               "least": None, "largest": None, "points": 0, "drawn_again": 0}
+        distances, drawn_again = np.array([]), 0
         if place != "empty" and upper > lower:
-            surfaces = time.isosurface(lower), time.isosurface(upper)
-            distances, row["drawn_again"] = draw_distances(*surfaces, farthest, points, random)
-            if len(distances):
-                row |= {"mean": distances.mean(), "variance": distances.var(), "least": distances.min(),
-                        "largest": distances.max(), "points": len(distances)}
-        rows.append(row)
+            distances, drawn_again = draw_distances(time.isosurface(lower), time.isosurface(upper), farthest, points, random)
+        figures = {"mean": np.mean, "variance": np.var, "least": np.min, "largest": np.max}
+        figures = {key: figure(distances) if len(distances) else None for key, figure in figures.items()}
+        rows.append({"layer": j, "place": place, **figures, "points": len(distances), "drawn_again": drawn_again})
     return rows
 
 
@@ -118,7 +109,6 @@ class Surface:
     """Triangles or, in 2D, lines."""
 
     def __init__(self, contour):
-        self.contour = contour
         self.exists = contour.GetNumberOfCells() > 0
         if not self.exists:
             return
@@ -222,8 +212,7 @@ def times_of_nodes(time, built):
 
 
 def half_slopes(time, built, axis):
-    """Half of the difference to the next element along an axis: the mean over the neighbours that there are,
-    0 without any."""
+    """Half of the mean difference to the neighbours that there are along an axis; 0 without any."""
     time, built = np.moveaxis(time, axis, 0), np.moveaxis(built, axis, 0)
     steps, pairs = np.diff(time, axis=0), built[1:] & built[:-1]
     total, neighbours = np.zeros(time.shape), np.zeros(time.shape)

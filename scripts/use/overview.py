@@ -54,9 +54,8 @@ def draw(run, path):
     sheet = Sheet([1.30, 0.55, min(max(0.225 * WIDTH * pictures.aspect, 1.8), 5.5), 1.55, 2.9, 0.75])
     write_title(sheet, run)
     draw_pictures(sheet, run, pictures)
-    charts = [plot_distortion]
-    charts += [plot_violation] * any(line["worst_constraint"]
-                                     is not None for line in run.history if run.config.get("constraints"))
+    constrained = run.config.get("constraints") and any(line["worst_constraint"] is not None for line in run.history)
+    charts = [plot_distortion] + [plot_violation] * bool(constrained)
     charts += [plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     width = (0.93 - 0.075 * (len(charts) - 1)) / len(charts)
     for column, plot in enumerate(charts):
@@ -65,8 +64,7 @@ def draw(run, path):
 
 
 class Sheet:
-    """A figure of rows with heights in inches, top to bottom; across, everything is a fraction of the
-    width."""
+    """A figure of rows with heights in inches, top to bottom; lengths across are fractions of the width."""
 
     def __init__(self, rows):
         self.rows = rows
@@ -92,7 +90,6 @@ class Pictures:
     def __init__(self, run):
         fields, config = run.fields, run.config
         self.part = render_part.VoxelPart(fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
-        self.layers = [fields["planar/layer"], fields["layer"]]
         self.displacements = [render_part.node_vectors(self.part, fields[name])
                               for name in ("planar/displacement", "displacement")]
         shown = np.unique(self.part.faces)
@@ -103,18 +100,15 @@ class Pictures:
         self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
                                for u in self.displacements])
         self.measured = spread(self.part.nodes, run.measured_nodes(), MOST_DOTS)
-        self.images = crop_together(self.render())
-        self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
-
-    def render(self):
         images = [render_part.render(self.part, frame=self.frame,
                                      face_colours=render_part.layer_colours(self.part, layer, int(layer.max())))
-                  for layer in self.layers]
+                  for layer in (fields["planar/layer"], fields["layer"])]
         for displacement, length in zip(self.displacements, self.lengths):
             colours = render_part.scalar_colours(length, self.largest, render_part.DISPLACEMENT_COLOURS)
             images.append(render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True,
                                              offset=self.exaggeration * displacement, marked=self.measured))
-        return images
+        self.images = crop_together(images)
+        self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
 
 
 def plain_number(value):
@@ -137,10 +131,9 @@ def spread(points, chosen, most):
 
 def crop_together(images, margin=12):
     """The images without the white rim that all of them have."""
-    used = np.any([np.any(image < 250, axis=2) for image in images], axis=0)
-    rows, columns = np.nonzero(used.any(axis=1))[0], np.nonzero(used.any(axis=0))[0]
-    top, left = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
-    return [image[top:rows[-1] + margin, left:columns[-1] + margin] for image in images]
+    rows, columns = np.nonzero(np.any([np.any(image < 250, axis=2) for image in images], axis=0))
+    top, left = max(rows.min() - margin, 0), max(columns.min() - margin, 0)
+    return [image[top:rows.max() + margin, left:columns.max() + margin] for image in images]
 
 
 def write_title(sheet, run):
@@ -176,9 +169,9 @@ def number(value):
 
 def draw_pictures(sheet, run, pictures):
     lefts, width = (0.025, 0.260, 0.515, 0.750), 0.225
-    labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in (("planar", "baseline"), ("optimized", "optimized"))]
-    labels += [f"{kind}, displacement up to {number(length)}" for kind,
-               length in zip(("planar", "optimized"), pictures.largest_each)]
+    kinds = ("planar", "optimized")
+    labels = [f"{kind}, {len(run.layers(block))} layers" for kind, block in zip(kinds, ("baseline", "optimized"))]
+    labels += [f"{kind}, displacement up to {number(length)}" for kind, length in zip(kinds, pictures.largest_each)]
     for left, image, label, colour in zip(lefts, pictures.images, labels, (PLANAR, OPTIMIZED, PLANAR, OPTIMIZED)):
         axes = sheet.axes(left, 2, width)
         axes.imshow(image)
@@ -280,19 +273,6 @@ def heading(axes, title, note=""):
 def table(run):
     """The main figures of a run, planar beside optimized, as lines of text."""
     blocks = ("baseline", "optimized", "binary")
-    rows = [("", "planar", "optimized, smooth", "optimized, binary"),
-            ("distortion", *(f"{run.distortion(block):.3e}" for block in blocks)),
-            ("planar / this", *(factor(run.distortion("baseline") / run.distortion(block)) for block in blocks)),
-            ("largest displacement", *(f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks)),
-            thickness_row(run, blocks),
-            ("layers used", *(str(len(run.layers(block))) for block in blocks))]
-    lines = ["{:<22}{:>14}{:>20}{:>20}".format(*row) for row in rows]
-    seconds = run.summary["seconds"]["total"]
-    lines.append(f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds")
-    return "\n".join(lines)
-
-
-def thickness_row(run, blocks):
     constraint = run.thickness_constraint()
     unit = constraint["target"] if constraint else 1.0
 
@@ -300,7 +280,15 @@ def thickness_row(run, blocks):
         values = [layer["thickness"] / unit for layer in run.layers(block) if layer["thickness"] is not None]
         return f"{min(values):.2f} .. {max(values):.2f}" if values else "-"
 
-    return ("thickness / target" if constraint else "thickness", *(span(block) for block in blocks))
+    rows = {"": ("planar", "optimized, smooth", "optimized, binary"),
+            "distortion": (f"{run.distortion(block):.3e}" for block in blocks),
+            "planar / this": (factor(run.distortion("baseline") / run.distortion(block)) for block in blocks),
+            "largest displacement": (f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks),
+            "thickness" + " / target" * bool(constraint): map(span, blocks),
+            "layers used": (len(run.layers(block)) for block in blocks)}
+    lines = ["{:<22}{:>14}{:>20}{:>20}".format(name, *cells) for name, cells in rows.items()]
+    seconds = run.summary["seconds"]["total"]
+    return "\n".join([*lines, f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds"])
 
 
 if __name__ == "__main__":

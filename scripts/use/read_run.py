@@ -31,8 +31,7 @@ class Run:
         self.distortion_config = terms[self.distortion_term] if terms else {}
 
     def distortion(self, block):
-        """The first distortion term (the first objective, if there is none) of `optimized`, `binary` or
-        `baseline`."""
+        """The first distortion term, or else the first objective, of `optimized`, `binary` or `baseline`."""
         return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == f"objective_{self.distortion_term}")
 
     def distortion_history(self):
@@ -124,8 +123,7 @@ def nodes_of(built):
 
 
 def contains(shape, points, slack):
-    """Which of `points` (n, dimension) a shape of a config holds. Polygons are not needed and raise
-    NotImplementedError."""
+    """Which of `points` (n, dimension) a shape of a config holds. Raises NotImplementedError for polygons."""
     kind, value = next((k, v) for k, v in shape.items() if k != "samples")
     if kind in ("union", "intersection", "difference"):
         first, *others = [contains(child, points, slack) for child in value]

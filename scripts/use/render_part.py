@@ -73,8 +73,7 @@ def surface(present):
 
 
 def layer_colours(part, layer, count):
-    """One colour per face (m, 3) bytes: from first to last layer along the colour map, every other layer a
-    shade darker."""
+    """One colour per face (m, 3) bytes: along the colour map by layer, every other layer a shade darker."""
     index = np.asarray(layer).ravel()[part.face_element]
     colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
     colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
@@ -218,8 +217,7 @@ def add_dots(renderer, part, points):
 
 
 def aim_camera(renderer, part, frame, pixels):
-    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds the points `frame` and the
-    plate."""
+    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds `frame` and the plate."""
     margin = MARGIN * max(part.size)
     box = in_space(np.array(list(itertools.product(*((-margin, s + margin) for s in part.size)))))
     points = np.vstack([frame, box])

@@ -16,8 +16,7 @@ import sys
 
 
 def ensure_display():
-    """Where there is no display, starts this Python program again with one in memory; VTK would crash
-    without."""
+    """Starts this Python program again with a display in memory where there is none: VTK would crash."""
     if not os.environ.get("DISPLAY"):
         os.execv(sys.executable, [sys.executable, os.path.abspath(__file__), sys.executable, *sys.argv])
 
