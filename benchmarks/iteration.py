@@ -5,11 +5,10 @@
     benchmarks/iteration.py configs/voxel_part.json --ranks 2 --json voxel_part.json [-- OPTIONS OF THE
     PROGRAM]
 
-The tolerance of each reference method is the one that gives its displacement the same true error as the
-lanes' unless --reference-tolerance names one. Figures are medians over the repetitions, which run by turns,
-of medians over the iterations but the first (unless there is only one). A solve's seconds hold its share of
-set-up, assembly and loads. The last column is the faster reference method by the lanes. Memory bandwidth (a
-triad, one core) stands beside them, before and after: compare figures of one run only.
+Each reference method has the tolerance that gives its displacement the same true error as the lanes' unless
+--reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over
+the iterations but the first (unless there is only one). docs/performance.md explains them. Memory bandwidth
+(a triad, one core) stands beside them, before and after: compare figures of one run only.
 """
 import itertools
 import math

@@ -20,16 +20,12 @@ constexpr double penalty = 3.0;
 }  // namespace
 
 DrawnPart drawn_v_shape(int elements, double sharpness) {
-  DrawnPart part;
-  part.elements = {elements, elements / 2, elements};
-  part.sharpness = sharpness;
-  return part;
+  return {.elements = {elements, elements / 2, elements}, .sharpness = sharpness};
 }
 
 DrawnPart drawn_box(int elements) {
-  DrawnPart part = drawn_v_shape(elements, first_sharpness);
-  part.contains = [](const Point<3>&, const Index<3>&) { return true; };
-  return part;
+  return {.elements = {elements, elements / 2, elements},
+          .contains = [](const auto&, auto&) { return true; }};
 }
 
 LaneCase::LaneCase(MPI_Comm comm, const DrawnPart& part)

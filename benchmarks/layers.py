@@ -6,14 +6,12 @@
     benchmarks/layers.py benchmarks/v_shape.json --phases [--layers 5 10 25] [--ranks 2] [--csv FILE] [--plot
     FILE]
 
-Layers are solved in batches of eight lanes; what is left over, in narrower ones. Without --phases each run is
-a `-task simulate` from a cold start; measured is its phase `primal`: loads, set-up and solve of every layer.
+Without --phases each run is a `-task simulate` from a cold start; measured is its phase `primal`: loads,
+set-up and solve of every layer, in batches of eight lanes and what is left over in narrower ones.
 
-With --phases each run is an optimization of a few iterations: seconds of each phase of an iteration, over the
-number of layers, as in figure 37 of Di Girolamo 2024, which is printed as a picture only; beside it stand the
-figures of its table 4 (N = 25, 16 cores). What figure 37 is said to show: heat adjoint and elasticity per
-layer about constant, MMA per layer growing. Thickness constraints have as target the config's times its
-number of layers by N, so that the layers fit into the part.
+With --phases each run is an optimization of a few iterations, beside the figures of table 4 of Di Girolamo
+2024 (N = 25, 16 cores). Thickness constraints have as target the config's times its number of layers by N, so
+that the layers fit into the part.
 
 Medians over the repetitions, which run by turns, and over the iterations after the warm-up.
 """
@@ -31,9 +29,12 @@ PUBLISHED_LAYERS = 25
 PUBLISHED = {"heat": 0.078 + 2.482, "primal": 28.508, "adjoint": 63.006, "responses": 0.135, "optimizer": 37.117}
 
 
-def measure_primal(options, layers, ranks, directory):
-    arguments = ["-task", "simulate", "-layers", layers, *method_options(options.method, options.tolerance)]
-    program_run.run(options, ranks, directory, arguments)
+def measure(options, layers, ranks, targets, directory):
+    """Of each iteration after the warm-up; without targets, of a simulation."""
+    arguments = ["-layers", layers, *method_options(options.method, options.tolerance)]
+    if targets:
+        return program_run.time_iterations(options, ranks, directory, [*arguments, *targets(layers)])
+    program_run.run(options, ranks, directory, ["-task", "simulate", *arguments])
     return [{"primal": program_run.read_json(directory, "summary.json")["seconds"]["primal"]}]
 
 
@@ -44,11 +45,6 @@ def fitting_targets(options, directory):
     targets = {i: c["target"] * count for i, c in enumerate(constraints) if c["type"] == "layer_thickness"}
     return lambda layers: [word for i, height in targets.items()
                            for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
-
-
-def measure_phases(options, layers, ranks, targets, directory):
-    arguments = ["-layers", layers, *targets(layers), *method_options(options.method, options.tolerance)]
-    return program_run.time_iterations(options, ranks, directory, arguments)
 
 
 def print_primal(options, seconds):
@@ -109,7 +105,7 @@ def main():
         targets = fitting_targets(options, directory) if options.phases else None
         samples, triad = program_run.by_turns(
             options, [(layers, ranks) for layers in options.layers for ranks in options.ranks],
-            lambda run: measure_phases(options, *run, targets, output) if targets else measure_primal(options, *run, output))
+            lambda run: measure(options, *run, targets, output))
     seconds = {run: program_run.medians(of_run) for run, of_run in samples.items()}
     title = f"{options.title}, {options.method}, tolerance {options.tolerance:g}"
     print(f"{title}, {options.repetitions} repetitions, {program_run.machine_text(triad)}")

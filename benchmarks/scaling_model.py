@@ -171,14 +171,6 @@ def run_parts(options, on):
         print_parts(seconds) if seconds else print("does not fit")
 
 
-def run_check(options):
-    """1 if not all messages are as many and as large as the model says."""
-    with tempfile.TemporaryDirectory() as directory:
-        library = check.build_library(directory)
-        return int(any([check.compare(options, name, groups, ranks, library)
-                        for name in options.cases for groups, ranks in options.splits]))
-
-
 def parse_arguments():
     parser = program_run.parser_of(__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -207,8 +199,10 @@ def parse_arguments():
 
 def main():
     options = parse_arguments()
-    if options.command == "check":
-        sys.exit(run_check(options))
+    if options.command == "check":  # status 1 if not all messages are as many and as large as the model says
+        with tempfile.TemporaryDirectory() as directory:
+            library = check.build_library(directory)
+            sys.exit(any([check.compare(options, case, *split, library) for case in options.cases for split in options.splits]))
     on = Machine(**{field.name: getattr(options, field.name) for field in dataclasses.fields(Machine)})
     (run_predict if options.command == "predict" else run_parts)(options, on)
 

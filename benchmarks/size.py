@@ -5,12 +5,11 @@
     benchmarks/size.py benchmarks/v_shape.json --ranks 2 --memory 20 --csv size.csv --plot size.png [--
     OPTIONS]
 
-The config's box is refined in all directions alike, from 32,000 elements on, each time to twice as many;
-parts read from voxels cannot be. The next size is run if the peak memory of all ranks, grown in proportion to
-the elements from the last one, stays within --memory (GB); the last size is as large as that allows. Each run
-is an optimization of a few iterations; memory is its peak, of all ranks together, as the system reports it,
-set-up and planar baseline included; seconds are medians over the iterations after the warm-up, of all
-repetitions.
+The config's box is refined in all directions alike, each time to twice as many elements; parts read from
+voxels cannot be. The last size is as large as --memory (GB) allows if memory grows in proportion to the
+elements. Each run is an optimization of a few iterations; memory is the peak of all ranks together, as the
+system reports it, set-up and planar baseline included; seconds are medians over the iterations after the
+warm-up, of all repetitions.
 """
 import math
 import os

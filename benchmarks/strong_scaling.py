@@ -7,16 +7,8 @@
 
 A split GxD is G layer groups of D domain ranks each, on G D ranks. --ranks takes all splits of each number of
 ranks, with no more groups than layers. Figures are medians over the iterations after the warm-up, of all
-repetitions; these run by turns.
-
-Against the baseline, of P0 ranks and T0 seconds (the first split unless --baseline names one), with s = P /
-P0:
-    speed-up          S = T0 / T
-    efficiency        S / s
-    serial fraction   (1/S - 1/s) / (1 - 1/s), Karp and Flatt 1990: of the baseline's time; what grows with P
-                      is no serial part, but overhead or unequal load
-P0 and P are both in ranks: a baseline of 4 ranks has an efficiency of 1, and so would 16 ranks in a quarter
-of its time.
+repetitions; these run by turns. docs/performance.md defines speed-up, efficiency and serial fraction (Karp
+and Flatt 1990); P0 and P are both in ranks there, so that a baseline of 4 ranks has an efficiency of 1.
 """
 import math
 import os

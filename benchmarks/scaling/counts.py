@@ -208,7 +208,7 @@ def count_rest(tally, ranks, groups, rows, iteration):
 
 def count_iteration(plan, elastic, heat, groups, iteration):
     """Tallies of all groups."""
-    of_layers, of_rows = (plan.deal(work, groups) for work in iteration.deals())
+    of_layers, of_rows = (plan.deals[tuple(work), groups] for work in iteration.deals())
     tallies = []
     for group in range(groups):
         tally = Tally()

@@ -18,10 +18,11 @@
 #endif
 #include <mpi.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <dlfcn.h>
+#include <fstream>
 #include <map>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -34,8 +35,7 @@ using Counts = std::map<Key, long>;
 struct Counter {
   std::map<int, std::string> stage_names{{0, "main"}};
   std::vector<int> stages{0};
-  std::vector<Counts> finished;  ///< iterations
-  Counts current;
+  std::vector<Counts> iterations = {{}};
   std::map<MPI_Request, std::pair<int, long>> persistent;  ///< sends: ranks, bytes
 };
 
@@ -58,21 +58,15 @@ long bytes_of(long count, MPI_Datatype type) {
 
 void count(const char* kind, int ranks, long bytes) {
   Counter& all = counter();
-  ++all.current[{all.stage_names[all.stages.back()], kind, ranks, bytes}];
-}
-
-void count_message(int to, long items, MPI_Datatype type, MPI_Comm comm) {
-  if (to != MPI_PROC_NULL) count("message", size_of(comm), bytes_of(items, type));
+  ++all.iterations.back()[{all.stage_names[all.stages.back()], kind, ranks, bytes}];
 }
 
 void count_collective(const char* kind, long items, MPI_Datatype type, MPI_Comm comm) {
   count(kind, size_of(comm), bytes_of(items, type));
 }
 
-long total(const int* counts, MPI_Comm comm) {
-  long sum = 0;
-  for (int rank = 0; rank < size_of(comm); ++rank) sum += counts[rank];
-  return sum;
+void count_message(int to, long items, MPI_Datatype type, MPI_Comm comm) {
+  if (to != MPI_PROC_NULL) count_collective("message", items, type, comm);
 }
 
 void count_start(MPI_Request request) {
@@ -85,19 +79,17 @@ void write() {
   if (directory == nullptr) return;
   int rank = 0;
   PMPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  std::FILE* const file =
-      std::fopen((std::string(directory) + "/" + std::to_string(rank) + ".csv").c_str(), "w");
-  if (file == nullptr) return;
-  std::fputs("iteration,stage,kind,ranks,bytes,count\n", file);
-  std::vector<Counts> all = counter().finished;
-  all.push_back(counter().current);
-  for (std::size_t iteration = 0; iteration < all.size(); ++iteration)
-    for (const auto& [key, value] : all[iteration]) {
+  std::ofstream file(std::string(directory) + "/" + std::to_string(rank) + ".csv");
+  file << "iteration,stage,kind,ranks,bytes,count\n";
+  int iteration = 0;
+  for (const Counts& counts : counter().iterations) {
+    ++iteration;
+    for (const auto& [key, value] : counts) {
       const auto& [stage, kind, ranks, bytes] = key;
-      std::fprintf(file, "%zu,%s,%s,%d,%ld,%ld\n", iteration + 1, stage.c_str(), kind.c_str(), ranks, bytes,
-                   value);
+      file << iteration << ',' << stage << ',' << kind << ',' << ranks << ',' << bytes << ',' << value
+           << '\n';
     }
-  std::fclose(file);
+  }
 }
 
 /// PETSc's own function of this name.
@@ -121,10 +113,7 @@ int PetscLogStagePush(int stage) {
   static auto* const original = next<int(int)>("PetscLogStagePush");
   Counter& all = counter();
   all.stages.push_back(stage);
-  if (all.stage_names[stage] == "fabseq output") {
-    all.finished.push_back(all.current);
-    all.current.clear();
-  }
+  if (all.stage_names[stage] == "fabseq output") all.iterations.emplace_back();
   return original(stage);
 }
 
@@ -230,6 +219,6 @@ COUNTED(Alltoallv,
         (const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out,
          const int out_counts[], const int out_starts[], MPI_Datatype out_type, MPI_Comm comm),
         (in, counts, starts, type, out, out_counts, out_starts, out_type, comm),
-        count_collective("alltoall", total(counts, comm), type, comm))
+        count_collective("alltoall", std::accumulate(counts, counts + size_of(comm), 0L), type, comm))
 
 }  // extern "C"

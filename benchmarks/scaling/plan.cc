@@ -75,12 +75,11 @@ void deal_out(Level& level, const Decomposition& ranges) {
   std::vector<std::set<std::size_t>> neighbors(ranks);
   std::vector<double> sent(ranks, 0.0);
   for (const auto& of_node : holders)
-    for (const std::size_t rank : of_node)
-      for (const std::size_t other : of_node) {
-        if (other == rank) continue;
-        sent[rank] += 1.0;
-        neighbors[rank].insert(other);
-      }
+    for (const std::size_t rank : of_node) {
+      sent[rank] += static_cast<double>(of_node.size() - 1);
+      for (const std::size_t other : of_node)
+        if (other != rank) neighbors[rank].insert(other);
+    }
   for (std::size_t rank = 0; rank < ranks; ++rank) {
     const auto messages = static_cast<double>(neighbors[rank].size());
     level.halo_messages += messages;
@@ -178,13 +177,11 @@ class System {
   std::vector<Level> whole_;
 };
 
-template <class Problem>
-Json describe(const fabseq::LaneCycle& cycle) {
-  using benchmarks::element_flops;
-  const Json flops{{"1", element_flops<Problem, 1>()},
-                   {"2", element_flops<Problem, 2>()},
-                   {"4", element_flops<Problem, 4>()},
-                   {"8", element_flops<Problem, 8>()}};
+constexpr std::integer_sequence<int, 1, 2, 4, 8> widths;
+
+template <class Problem, int... Widths>
+Json describe(const fabseq::LaneCycle& cycle, std::integer_sequence<int, Widths...>) {
+  const Json flops{{std::to_string(Widths), benchmarks::element_flops<Problem, Widths>()}...};
   return {{"components", Problem::components},
           {"own_operators", Problem::own_operators},
           {"steps", cycle.steps},
@@ -248,8 +245,9 @@ int main(int, char** argv) {
     const Json question = Json::parse(std::cin);
     Json answer = question.contains("config") ? answer_for_config(question) : answer_for_share(question);
     answer["agglomeration_limit"] = std::int64_t{Hierarchy::agglomeration_limit};
-    answer["problems"] = {{"elasticity", describe<fabseq::LaneElasticityProblem<3>>({})},
-                          {"heat", describe<fabseq::LaneHeatProblem<3>>(fabseq::LaneHeat<3>::cycle())}};
+    answer["problems"] = {
+        {"elasticity", describe<fabseq::LaneElasticityProblem<3>>({}, widths)},
+        {"heat", describe<fabseq::LaneHeatProblem<3>>(fabseq::LaneHeat<3>::cycle(), widths)}};
     for (const int width : {1, 2, 4, 8})
       answer["relative_cost"][std::to_string(width)] =
           fabseq::block_work(std::vector<double>(width, 1.0), fabseq::BlockSolver::lanes);

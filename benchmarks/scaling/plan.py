@@ -105,7 +105,3 @@ class Plan:
                     "own_neighbors": 26, "own_halo_nodes": (edge + 3)**3 - (edge + 1)**3})
             result.append(level)
         return result + levels[-1:] if result[-1].distributed else result
-
-    def deal(self, work, groups):
-        """Blocks of each group: first lane, and how many."""
-        return self.deals[tuple(work), groups]

@@ -22,7 +22,6 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-BUILD = os.path.join(ROOT, "build", "release")
 GROUP = 12
 # Warnings in system headers are counted on stderr, to no one's use.
 CHATTER = re.compile(r"^\d+ warnings? (and \d+ errors? )?generated\.$|^Suppressed |^Use -header-filter|^Error while processing ")
@@ -45,20 +44,19 @@ def main():
 
 def program_sources():
     """Command of each source file of the program."""
-    with open(os.path.join(BUILD, "compile_commands.json"), encoding="utf-8") as file:
-        commands = {entry["file"]: entry["command"] for entry in json.load(file)}
-    return {name: command for name, command in commands.items() if name.startswith(os.path.join(ROOT, "src") + os.sep)}
+    with open(os.path.join(ROOT, "build", "release", "compile_commands.json"), encoding="utf-8") as file:
+        return {entry["file"]: entry["command"] for entry in json.load(file)
+                if entry["file"].startswith(os.path.join(ROOT, "src") + os.sep)}
 
 
 def folders(sources):
     """Groups of files in a folder with the same flags; neighbours, which may share names, lie in others."""
     def kind(name):
         return os.path.dirname(name), flags(sources[name])
-    for _, names in itertools.groupby(sorted(sources, key=kind), kind):
-        names = list(names)
+    for _, group in itertools.groupby(sorted(sources, key=kind), kind):
+        names = list(group)
         count = -(-len(names) // GROUP)
-        for first in range(count):
-            yield names[first::count]
+        yield from (names[first::count] for first in range(count))
 
 
 def flags(command):

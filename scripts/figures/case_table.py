@@ -100,7 +100,11 @@ def optimized(directory, thickness, resliced):
         cells = {kind: f"{cells[kind]}; in {count} layers {text}" for kind, text in gains(*values).items()}
     worst = summary["worst_constraint"]
     violation = "–" if worst is None else "satisfied" if worst <= 0 else f"{100 * worst:.2g} % beyond"
-    layers = {"print angles": angles_text(summary["angles"])} if "angles" in summary else thicknesses(run, thickness, resliced)
+    if "angles" in summary:  # of every sub-part, in degrees: elevation, and in 3D the azimuth
+        angles = ("/".join(f"{math.degrees(angle):.0f}°" for angle in of_part) for of_part in summary["angles"])
+        layers = {"print angles": ", ".join(angles)}
+    else:
+        layers = thicknesses(run, thickness, resliced)
     ranks, before = run.config.get("run", {}).get("ranks"), summary.get("coarse_iterations", 0)
     iterations = f"{summary['iterations']} iterations" + (f" after {before} at half the resolution" if before else "")
     return {**cells, "worst constraint": violation, **layers, "interior minima": str(summary["interior_minima"]),
@@ -116,11 +120,6 @@ def gains(planar, smooth, binary):
 def distortion(responses):
     """Sum of all distortion terms, as published for two faces or edges."""
     return sum(r["value"] for r in responses if r["type"] == "distortion")
-
-
-def angles_text(angles):
-    """Of every sub-part, in degrees: elevation, and in 3D the azimuth."""
-    return ", ".join("/".join(f"{math.degrees(angle):.0f}°" for angle in of_part) for of_part in angles)
 
 
 def thicknesses(run, geometric, resliced):

@@ -41,7 +41,9 @@ def main():
     arguments = parse(parser)
     cases = Cases(arguments.cases)
     if arguments.list:
-        print(cases.listing())
+        for name in cases.table:
+            case, width = cases[name], max(map(len, cases.table))
+            print(f"{name:<{width}}  {'2D' if cases.is_flat(name) else '3D'}  [{case['source']}] {case['what']}")
         return
     failed = [name for name in chosen(cases, arguments) if not reproduce(cases, name, arguments)]
     if failed:
@@ -79,11 +81,6 @@ class Cases:
         with open(self.config(name), encoding="utf-8") as file:
             size = file.read().split('"size"')[1].split("]")[0]
         return size.count(",") == 1
-
-    def listing(self):
-        width = max(map(len, self.table))
-        return "\n".join(f"{name:<{width}}  {'2D' if self.is_flat(name) else '3D'}  [{self[name]['source']}] {self[name]['what']}"
-                         for name in self.table)
 
 
 def chosen(cases, arguments):

@@ -36,14 +36,11 @@ def main():
     arguments = parser.parse_args()
     run = Run(arguments.directory)
     ensure_display()
-    data = compressed(side_by_side(overview.Pictures(run).images), arguments.width, arguments.bytes)
-    with open(arguments.picture, "wb") as file:
-        file.write(data)
-
-
-def side_by_side(images):
+    images = overview.Pictures(run).images
     gap = np.full((images[0].shape[0], GAP, 3), 255, np.uint8)
-    return np.hstack([piece for image in images for piece in (image, gap)][:-1])
+    side_by_side = np.hstack([piece for image in images for piece in (image, gap)][:-1])
+    with open(arguments.picture, "wb") as file:
+        file.write(compressed(side_by_side, arguments.width, arguments.bytes))
 
 
 def compressed(image, width, most_bytes):

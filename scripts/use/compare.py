@@ -104,7 +104,8 @@ class Abscissa:
     def __init__(self, results, keys, wanted):
         if wanted and wanted not in keys:
             raise RunError(f"the runs do not differ in {wanted}; they do in: {', '.join(keys) or 'nothing'}")
-        numeric = [key for key in ([wanted] if wanted else keys) if all(is_number(r.settings.get(key)) for r in results)]
+        candidates = [wanted] if wanted else keys
+        numeric = [key for key in candidates if all(type(r.settings.get(key)) in (int, float) for r in results)]
         self.key = numeric[0] if len(numeric) == 1 and (wanted or len(keys) == 1) else None
         self.results = sorted(results, key=lambda r: r.settings[self.key]) if self.key else list(results)
         self.values = [r.settings[self.key] for r in self.results] if self.key else list(range(len(results)))
@@ -118,10 +119,6 @@ class Abscissa:
         turn = not self.key and max(map(len, self.labels)) * len(self.labels) > 50
         axis.set_xticklabels(self.labels, rotation=30 if turn else 0, ha="right" if turn else "center")
         axis.set_xlabel(self.key or "")
-
-
-def is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def draw(abscissa):

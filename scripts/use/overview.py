@@ -195,8 +195,8 @@ def legend(sheet, left, colours, low, high):
 
 def plot_distortion(axes, run):
     planar = run.distortion("baseline")
-    iterations = iterations_of(run)
-    values = run.distortion_history() / planar
+    iterations = run.iterations
+    values = np.array([line["objective"][run.distortion_term] for line in run.history], dtype=float) / planar
     axes.axhline(1.0, color=PLANAR, linewidth=1.4)
     axes.semilogy(iterations, values, color=OPTIMIZED, linewidth=2)
     low, high = min(values.min(), 1.0) / 1.8, max(values.max(), 1.0) * 2.5
@@ -214,7 +214,7 @@ def plot_distortion(axes, run):
 
 
 def plot_violation(axes, run):
-    iterations = iterations_of(run)
+    iterations = run.iterations
     percent = 100 * np.array([np.nan if line["worst_constraint"] is None else line["worst_constraint"] for line in run.history])
     axes.plot(iterations, percent, color=OPTIMIZED, linewidth=2)
     axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
@@ -228,10 +228,6 @@ def plot_violation(axes, run):
     axes.text(0.99, 0.02, "satisfied", transform=axes.transAxes, ha="right", va="bottom", color=SOFT_INK)
     only_thickness = all(c["type"] == "layer_thickness" for c in run.config["constraints"])
     finish_over_iterations(axes, iterations, f"Worst violation of {'layer thickness' if only_thickness else 'a constraint'}")
-
-
-def iterations_of(run):
-    return np.array([line["iteration"] for line in run.history])
 
 
 def finish_over_iterations(axes, iterations, title, note=""):

@@ -64,7 +64,9 @@ def draw(runs, over_seconds):
                               mfc=colour if run.feasible else "white", zorder=5)
     tidy(axes.flat)
     for column in axes.T:
-        style_objective(column[0])
+        column[0].set_yscale("log")
+        column[0].set_ylabel("first objective term,\nrelative to planar")
+        column[0].axhline(1.0, color=SOFT_INK, lw=1.0, ls="--")
         style_violation(column[1], any(run.constrained for run in runs))
     axes[-1, 0].set_xlabel("iteration")
     axes[-1, 0].xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -74,15 +76,12 @@ def draw(runs, over_seconds):
         axes[1, 1].set_xlabel("seconds since the first iteration began")
         axes[0, 0].legend(frameon=False, fontsize=9, loc="upper right")
     else:
-        style_beta_and_change(*axes[2:, 0])
+        axes[2, 0].set_ylabel("sharpness β")
+        axes[2, 0].set_ylim(bottom=0.0)
+        axes[3, 0].set_ylabel("largest change\nof a variable")
+        axes[3, 0].set_yscale("log")
         axes[0, 0].legend(frameon=False, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     return figure
-
-
-def style_objective(axis):
-    axis.set_yscale("log")
-    axis.set_ylabel("first objective term,\nrelative to planar")
-    axis.axhline(1.0, color=SOFT_INK, lw=1.0, ls="--")
 
 
 def style_violation(axis, constrained):
@@ -94,13 +93,6 @@ def style_violation(axis, constrained):
     axis.axhline(0.0, color=SOFT_INK, lw=1.0, ls="--")
     if not constrained:
         axis.text(0.5, 0.5, "no constraints", transform=axis.transAxes, ha="center", color=SOFT_INK)
-
-
-def style_beta_and_change(beta, change):
-    beta.set_ylabel("sharpness β")
-    beta.set_ylim(bottom=0.0)
-    change.set_yscale("log")
-    change.set_ylabel("largest change\nof a variable")
 
 
 def main():

@@ -61,13 +61,6 @@ def draw(panels):
     return figure
 
 
-def widen(axis):
-    """A decade at least, so that a small factor looks small."""
-    low, high = axis.get_xlim()
-    stretch = max(1.0, 10.0 * low / high) ** 0.5
-    axis.set_xlim(low / stretch, high * stretch)
-
-
 def draw_panel(axis, panel, settings):
     for block, colour, mark, label in (("optimized", OPTIMIZED, "o", "smooth layers"), ("binary", INK, "D", "binary layers")):
         if "defaults" in panel.runs:
@@ -79,7 +72,9 @@ def draw_panel(axis, panel, settings):
             axis.plot(panel.gain(setting, block), row, mark, ms=6, mec=colour, mfc=colour if feasible else "white", label=label)
             label = None
     axis.set_xscale("log")
-    widen(axis)
+    low, high = axis.get_xlim()
+    stretch = max(1.0, 10.0 * low / high) ** 0.5  # a decade at least, so that a small factor looks small
+    axis.set_xlim(low / stretch, high * stretch)
     axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.xaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_minor_locator(NullLocator())

@@ -24,6 +24,7 @@ class Run:
         if "optimized" not in self.summary:
             raise RunError(f"{directory}: holds no finished optimization (status: {self.summary.get('status', 'none')})")
         self.history = read_history(directory)
+        self.iterations = np.array([line["iteration"] for line in self.history])
         self.fields = read_fields(os.path.join(directory, "result.h5")) if with_fields else {}
         self.name = self.config.get("name", "part")
         terms = self.config.get("objective", [])
@@ -33,9 +34,6 @@ class Run:
     def distortion(self, block):
         """The first distortion term, or else the first objective, of `optimized`, `binary` or `baseline`."""
         return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == f"objective_{self.distortion_term}")
-
-    def distortion_history(self):
-        return np.array([line["objective"][self.distortion_term] for line in self.history], dtype=float)
 
     def measure(self):
         """What the distortion is, in words."""

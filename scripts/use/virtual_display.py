@@ -42,26 +42,19 @@ def start_server():
     Not one of the first ten: hwloc, and with it every mpirun and every rank that starts, looks for graphics
     cards there, and dies with a server that ends just then."""
     for number in random.sample(range(100, 1000), 20):
-        server, complaint = try_server(number)
-        if not complaint:
-            return server, number
-    sys.exit(f"{named(sys.argv)}: Xvfb does not start: {complaint}")
-
-
-def try_server(number):
-    """Xvfb as that display, and what it complains about, as of a number that is taken."""
-    reading, writing = os.pipe()
-    command = ["Xvfb", f":{number}", "-displayfd", str(writing), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", "-noreset"]
-    try:
-        server = subprocess.Popen(command, pass_fds=[writing], stdin=subprocess.DEVNULL,
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    except OSError:
-        sys.exit(f"{named(sys.argv)}: needs a display, or Xvfb, which scripts/setup.sh installs")
-    os.close(writing)
-    with os.fdopen(reading) as answer:
-        if answer.readline().strip():
-            return server, ""
-    return server, server.communicate()[1].decode(errors="replace").strip() or "no reason given"
+        reading, writing = os.pipe()
+        try:
+            server = subprocess.Popen(["Xvfb", f":{number}", "-displayfd", str(writing), "-screen", "0", "1280x1024x24",
+                                       "-nolisten", "tcp", "-noreset"], pass_fds=[writing], stdin=subprocess.DEVNULL,
+                                      stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        except OSError:
+            sys.exit(f"{named(sys.argv)}: needs a display, or Xvfb, which scripts/setup.sh installs")
+        os.close(writing)
+        with os.fdopen(reading) as answer:
+            if answer.readline().strip():
+                return server, number
+        complaint = server.communicate()[1].decode(errors="replace").strip()  # as of a number that is taken
+    sys.exit(f"{named(sys.argv)}: Xvfb does not start: {complaint or 'no reason given'}")
 
 
 def named(arguments):
