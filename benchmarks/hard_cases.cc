@@ -204,9 +204,7 @@ void print_history(const HardCase& hard, const Settings& settings) {
   LaneArray rest = load, exact, solution, image(load.size());
   const auto outcomes = solver.solve(rest, exact, LaneCase::lanes, tight);
   const auto hardest =
-      std::max_element(outcomes.begin(), outcomes.end(),
-                       [](const auto& a, const auto& b) { return a.iterations < b.iterations; }) -
-      outcomes.begin();
+      std::ranges::max_element(outcomes, {}, &fabseq::LaneOutcome::iterations) - outcomes.begin();
   for (int iteration = 1; iteration <= settings.history; ++iteration) {
     rest = load;
     const auto now = solver.solve(rest, solution, LaneCase::lanes, {1e-14, iteration, 1e9});
@@ -230,12 +228,9 @@ void run(const HardCase& hard, const Settings& settings) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   rest = load;
   solver.solve(rest, exact, LaneCase::lanes, tight);
+  const bool converged = std::ranges::all_of(outcomes, &fabseq::LaneOutcome::converged);
   std::vector<int> iterations;
-  bool converged = true;
-  for (const auto& outcome : outcomes) {
-    iterations.push_back(outcome.iterations);
-    converged = converged && outcome.converged;
-  }
+  for (const auto& outcome : outcomes) iterations.push_back(outcome.iterations);
   std::sort(iterations.begin(), iterations.end());
   const auto error = relative_differences(solver, solution, exact);
   const double filled = lane_case.filled();

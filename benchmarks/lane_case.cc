@@ -12,12 +12,7 @@ using fabseq::Index;
 using fabseq::LaneArray;
 using fabseq::Point;
 
-namespace {
-
-constexpr double min_stiffness = 1e-9;
-constexpr double penalty = 3.0;
-
-}  // namespace
+constexpr double min_stiffness = 1e-9, penalty = 3.0;
 
 DrawnPart drawn_v_shape(int elements, double sharpness) {
   return {.elements = {elements, elements / 2, elements}, .sharpness = sharpness};
@@ -89,9 +84,8 @@ LaneArray LaneCase::load() {
 }
 
 double LaneCase::filled() const {
-  const auto in_part = std::count_if(elements_.begin(), elements_.end(),
-                                     [](const Element& element) { return element.in_part; });
-  return static_cast<double>(fabseq::sum(grid_.comm(), static_cast<std::int64_t>(in_part))) /
+  const std::int64_t in_part = std::ranges::count(elements_, true, &Element::in_part);
+  return static_cast<double>(fabseq::sum(grid_.comm(), in_part)) /
          static_cast<double>(grid_.all_elements().count());
 }
 
