@@ -43,34 +43,26 @@ MOST_SPREAD = 4096  # domain ranks of a box whose elements are known
 
 @dataclasses.dataclass
 class Case:
-    """A part and what its solvers take: CG iterations per layer of the V-shape's optimization, halfway."""
+    """A part that time is predicted for."""
     title: str
     part: dict  # as the plan is asked
     layers: int
     first_cores: int
-    primal: int = 12
-    adjoint: int = 8
-    heat: int = 10
-    newton_steps: int = 10
 
     def prepare(self, program, groups, ranks):
-        """Asks for the plan on these numbers of groups and of domain ranks."""
-        self.iteration = Iteration([self.primal] * self.layers, [self.adjoint] * self.layers, [self.heat] * (self.layers + 2),
-                                   self.newton_steps, 2 * self.layers, part_elements=0)
-        deals = [(work, count) for work in self.iteration.deals() for count in groups]
-        self.plan = Plan(program, self.part, ranks, deals)
-        self.iteration.part_elements = self.plan.part_elements
+        """Asks for the plan on these numbers, for an iteration halfway in the V-shape's optimization."""
+        iteration = Iteration([12] * self.layers, [8] * self.layers, [10] * (self.layers + 2), newton_steps=10,
+                              rows=2 * self.layers)
+        self.plan = Plan(program, self.part, ranks, groups, iteration)
 
     def time_split(self, on, groups, systems):
         """Seconds by phase and part; None if the box cannot be dealt out so, or does not fit."""
         if systems is None:
             return None
-        elastic, heat = systems
-        nodes = math.ceil(groups * elastic.ranks / on.cores_per_node)
-        if memory_bytes(elastic, groups, self.layers, self.plan.part_elements) > nodes * on.memory:
+        nodes = math.ceil(groups * systems[0].ranks / on.cores_per_node)
+        if memory_bytes(systems[0], groups, self.layers, self.plan.part_elements) > nodes * on.memory:
             return None
-        clock = Clock(on, elastic, heat, groups, self.plan.part_elements)
-        return clock.seconds(count_iteration(self.plan, elastic, heat, groups, self.iteration), self.iteration)
+        return Clock(on, self.plan, *systems, groups).seconds(count_iteration(self.plan, *systems, groups))
 
 
 CASES = {"v_shape": Case("V-shape, 80 x 40 x 80, N = 25",

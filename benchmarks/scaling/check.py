@@ -94,12 +94,11 @@ def model_of(plan_program, config, lines, groups, ranks):
     """The model's counts of the last iteration of a history."""
     before, last = (line["solver_iterations"] for line in lines[-2:])
     iteration = Iteration(last["primal"], last["adjoint"], last["heat"], lines[-1]["optimizer"]["newton_steps"],
-                          rows=2 * len(last["primal"]), part_elements=0,
+                          rows=2 * len(last["primal"]),
                           expected_work=[1 + a + b for a, b in zip(before["primal"], before["adjoint"])])
-    plan = Plan(plan_program, {"config": config}, [ranks], [(work, groups) for work in iteration.deals()])
-    iteration.part_elements = plan.part_elements
+    plan = Plan(plan_program, {"config": config}, [ranks], [groups], iteration)
     systems = plan.systems(ranks)
-    return model_counts(count_iteration(plan, *systems, groups, iteration), *systems)
+    return model_counts(count_iteration(plan, *systems, groups), *systems)
 
 
 def compare(options, name, groups, ranks, library):

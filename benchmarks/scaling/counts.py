@@ -26,7 +26,6 @@ class Iteration:
     heat: list                  # the forward solve, then a number for each row: the objective and every constrained component
     newton_steps: int
     rows: int                   # of the optimizer's subproblem, at most
-    part_elements: float
     expected_work: list = None  # of the layers, that they were dealt out by
 
     def deals(self):
@@ -53,10 +52,10 @@ def width_of(lanes):
 
 
 class LaneSolver:
-    """A system in a phase, and what its solves take. `relative_cost`: of narrow blocks."""
+    """A system in a phase, and what its solves take."""
 
-    def __init__(self, tally, phase, system, relative_cost):
-        self.tally, self.phase, self.system, self.relative_cost = tally, phase, system, relative_cost
+    def __init__(self, plan, tally, phase, system):
+        self.plan, self.tally, self.phase, self.system = plan, tally, phase, system
         self.problem, self.levels, self.parallel = system.problem, system.levels, system.ranks > 1
 
     def collective(self, kind, comm, size, times=1):
@@ -80,7 +79,7 @@ class LaneSolver:
     def work(self, amount, times, width):
         """Arithmetic takes longer in registers filled in part. One heat system alone fills them."""
         alone = width == 1 and not self.problem.own_operators
-        self.tally.work[self.phase] += times * amount * (1.0 if alone else 8 * self.relative_cost[width] / width, 1.0)
+        self.tally.work[self.phase] += times * amount * (1.0 if alone else 8 * self.plan.relative_cost[width] / width, 1.0)
 
     def transfer_down(self, fine, of_nodes, of_elements, times=1):
         """Bytes of the level below `fine`: summed with the neighbours', or over all ranks."""
@@ -148,22 +147,22 @@ class LaneSolver:
                     width //= 2
 
 
-def count_heat(solver, group, groups, iteration, rows):
-    share = iteration.part_elements / solver.system.ranks
+def count_heat(solver, group, groups, rows):
+    share, iterations = solver.plan.part_elements / solver.system.ranks, solver.plan.iteration.heat
     if groups > 1:
         solver.collective("allreduce", "across", 8, 2)               # verdicts of forward and adjoint
         solver.collective("allgather", "across", 4)                  # the design: counts, values
         solver.collective("allgather", "across", round(share / groups) * DOUBLE)
         solver.collective("bcast", "across", round(solver.system.own_box_nodes()) * DOUBLE)
         solver.collective("bcast", "across", 4)
-        solver.collective("allreduce", "across", 4 * len(iteration.heat[1:]))
+        solver.collective("allreduce", "across", 4 * len(iterations[1:]))
         solver.collective("alltoall", "across", round(len(rows) * share) * DOUBLE)
     solver.exchange(1, 3)                                            # load: fixed nodes, sum; T
     solver.reduce(4)                                                 # numbers?
     solver.reduce(DOUBLE, 2)                                         # range of T
-    own = [iteration.heat[1 + row] for row in rows]
+    own = [iterations[1 + row] for row in rows]
     adjoints = [own[first:first + 8] for first in range(0, len(own), 8)]
-    blocks = [iteration.heat[:1]] * (group == 0) + adjoints
+    blocks = [iterations[:1]] * (group == 0) + adjoints
     for width in {width_of(len(lanes)) for lanes in blocks}:
         solver.set_up(width)
     for lanes in adjoints:
@@ -186,7 +185,8 @@ def count_elastic(solver, blocks, iterations, groups):
         solver.serial("layer elements", lanes)
 
 
-def count_rest(tally, ranks, groups, rows, iteration):
+def count_rest(plan, tally, ranks, groups, rows):
+    iteration = plan.iteration
     layers, m = len(iteration.primal), iteration.rows
     tally.serial["layers", "layer densities"] += layers
     if ranks > 1:  # values: distortion, uniformity, thickness; derivatives of this group's rows
@@ -197,7 +197,7 @@ def count_rest(tally, ranks, groups, rows, iteration):
         tally.collective("responses", "bcast", "across", 8, 2)
         tally.collective("responses", "bcast", "across", 8 * layers)
         tally.collective("responses", "allreduce", "across", 8)
-        tally.collective("layers", "reduce", "across", round(iteration.part_elements / ranks) * DOUBLE)
+        tally.collective("layers", "reduce", "across", round(plan.part_elements / ranks) * DOUBLE)
     if ranks > 1 or groups > 1:
         for kind, size, count in (("allreduce", 4, 1), ("allreduce", 8, 2),
                                   ("bcast", m * DOUBLE, 1), ("allreduce", m * DOUBLE, 1),
@@ -206,16 +206,16 @@ def count_rest(tally, ranks, groups, rows, iteration):
             tally.collective("optimizer", kind, "world", size, count)
 
 
-def count_iteration(plan, elastic, heat, groups, iteration):
+def count_iteration(plan, elastic, heat, groups):
     """Tallies of all groups."""
-    of_layers, of_rows = (plan.deals[tuple(work), groups] for work in iteration.deals())
+    of_layers, of_rows = (plan.deals[tuple(work), groups] for work in plan.iteration.deals())
     tallies = []
     for group in range(groups):
         tally = Tally()
         rows = [row for first, lanes in of_rows[group] for row in range(first, first + lanes)]
-        count_heat(LaneSolver(tally, "heat", heat, plan.relative_cost), group, groups, iteration, rows)
-        for phase, iterations in (("primal", iteration.primal), ("adjoint", iteration.adjoint)):
-            count_elastic(LaneSolver(tally, phase, elastic, plan.relative_cost), of_layers[group], iterations, groups)
-        count_rest(tally, elastic.ranks, groups, rows, iteration)
+        count_heat(LaneSolver(plan, tally, "heat", heat), group, groups, rows)
+        for phase, iterations in (("primal", plan.iteration.primal), ("adjoint", plan.iteration.adjoint)):
+            count_elastic(LaneSolver(plan, tally, phase, elastic), of_layers[group], iterations, groups)
+        count_rest(plan, tally, elastic.ranks, groups, rows)
         tallies.append(tally)
     return tallies

@@ -46,8 +46,9 @@ OFF_NODE = 0.25
 class Clock:
     """Times of one split."""
 
-    def __init__(self, machine, elastic, heat, groups, part_elements):
-        self.machine, self.elastic, self.heat, self.groups, self.part_elements = machine, elastic, heat, groups, part_elements
+    def __init__(self, machine, plan, elastic, heat, groups):
+        self.machine, self.elastic, self.heat, self.groups = machine, elastic, heat, groups
+        self.iteration, self.part_elements = plan.iteration, plan.part_elements
         self.ranks, self.cores = elastic.ranks, elastic.ranks * groups
         # Vectors, coefficients and scaling of a solve with 8 lanes: double, single, coarse levels.
         level = elastic.levels[0]
@@ -83,14 +84,14 @@ class Clock:
             return self.part_elements * ISLAND_SECONDS
         return self.part_elements / self.ranks * ELEMENT_SECONDS[phase]
 
-    def optimizer(self, iteration):
+    def optimizer(self):
         """Passes over the gradients of this rank's variables, a symmetric product each; the rows' model."""
-        variables, rows = self.part_elements / self.cores, iteration.rows
+        variables, rows = self.part_elements / self.cores, self.iteration.rows
         step = (variables * (rows + 1) * DOUBLE / self.bandwidth
                 + (variables * ((rows + 1)**2 + 4 * rows) + ROW_MODEL_STEPS * rows**3 / 3) / self.machine.flops)
-        return (iteration.newton_steps + 2) * step
+        return (self.iteration.newton_steps + 2) * step
 
-    def parts(self, tally, phase, iteration):
+    def parts(self, tally, phase):
         """Seconds of computing on all ranks (memory and arithmetic at the same time: the slower of the two),
         computing on one or the same on all, messages, and collectives."""
         system = self.heat if phase == "heat" else self.elastic
@@ -102,15 +103,15 @@ class Clock:
             return self.message(system.levels[level].own_neighbors, system.levels[level].own_halo_nodes * size)
 
         compute = max(tally.work[phase] / np.array([self.machine.flops, self.bandwidth]))
-        return {"compute": compute + (self.optimizer(iteration) if phase == "optimizer" else 0.0),
+        return {"compute": compute + (self.optimizer() if phase == "optimizer" else 0.0),
                 "serial": total(tally.serial, lambda what: self.serial(system, phase, what)),
                 "messages": total(tally.halos, halo) + total(tally.exchanges, lambda size: self.message(
                     system.own_neighbors(), system.own_exchange_nodes() * size)),
                 "collectives": total(tally.collectives, self.collective)}
 
-    def seconds(self, tallies, iteration):
+    def seconds(self, tallies):
         """By phase: that of the slowest group, and its parts."""
-        return {phase: max((self.parts(tally, phase, iteration) for tally in tallies), key=lambda parts: sum(parts.values()))
+        return {phase: max((self.parts(tally, phase) for tally in tallies), key=lambda parts: sum(parts.values()))
                 for phase in PHASES}
 
 

@@ -71,16 +71,18 @@ class System:
 
 
 class Plan:
-    """Answers for a part: a "config", or "box" and "fill". `deals`: pairs of lanes' work and groups."""
+    """Answers for a part: a "config", or "box" and "fill". `iteration`: what is dealt out to groups."""
 
-    def __init__(self, program, part, ranks, deals):
-        question = {**part, "ranks": list(ranks), "deals": [{"work": work, "groups": groups} for work, groups in deals]}
+    def __init__(self, program, part, ranks, groups, iteration):
+        self.iteration = iteration
+        deals = [(work, count) for work in iteration.deals() for count in groups]
+        question = {**part, "ranks": ranks, "deals": [{"work": work, "groups": count} for work, count in deals]}
         answer = json.loads(program_run.run_command([program], input=json.dumps(question)).stdout)
         self.part_elements, self.least_elements = answer["part_elements"], answer["agglomeration_limit"]
         self.relative_cost = {int(width): cost for width, cost in answer["relative_cost"].items()}
         self.problems = {name: Problem(**problem) for name, problem in answer["problems"].items()}
         self.found = dict(zip(ranks, answer["systems"]))
-        self.deals = {(tuple(work), groups): blocks for (work, groups), blocks in zip(deals, answer["deals"])}
+        self.deals = {(tuple(work), count): blocks for (work, count), blocks in zip(deals, answer["deals"])}
 
     def systems(self, ranks, staged=False):
         """Of elasticity and heat; None if the box cannot be dealt out to so many ranks. `staged`: coarse

@@ -27,29 +27,23 @@ PHASES = {"heat": "#c2452d", "layers": "#d59f3b", "primal": "#1f6f8b", "adjoint"
           "optimizer": "#8a5a44", "output": "#6b727b"}
 
 
-class Measurement:
-    """Ranks, number of iterations that were measured, and their median seconds by phase, "total" included."""
-
-    def __init__(self, directory, warm_up):
-        config = read_json(directory, "config.json")
-        self.ranks = config["run"]["ranks"]
-        self.problem = {key: value for key, value in config.items() if key not in ("name", "run", "output")}
-        lines = read_history(directory)[warm_up:]
-        if not lines:
-            raise RunError(f"{directory}: no iteration after the first {warm_up}")
-        self.iterations = len(lines)
-        self.seconds = {key: statistics.median(line["seconds"][key] for line in lines) for key in lines[0]["seconds"]}
+def measure(directory, warm_up):
+    """What must be the same to be compared; ranks, number of iterations, their median seconds by phase."""
+    config, lines = read_json(directory, "config.json"), read_history(directory)[warm_up:]
+    if not lines:
+        raise RunError(f"{directory}: no iteration after the first {warm_up}")
+    problem = {key: value for key, value in config.items() if key not in ("name", "run", "output")}
+    seconds = {key: statistics.median(line["seconds"][key] for line in lines) for key in ["total", *PHASES]}
+    return problem, {"ranks": config["run"]["ranks"], "iterations": len(lines), "seconds": seconds.pop("total"), **seconds}
 
 
-def row_of(measurement, baseline):
-    q = measurement.ranks / baseline.ranks
-    ratio = measurement.seconds["total"] / baseline.seconds["total"]
-    row = {"ranks": measurement.ranks, "baseline_ranks": baseline.ranks, "iterations": measurement.iterations,
-           "seconds": measurement.seconds["total"], "speed_up": 1 / ratio, "efficiency": 1 / (ratio * q),
+def compared(run, baseline):
+    q, ratio = run["ranks"] / baseline["ranks"], run["seconds"] / baseline["seconds"]
+    row = {"ranks": run["ranks"], "baseline_ranks": baseline["ranks"], "iterations": run["iterations"],
+           "seconds": run["seconds"], "speed_up": 1 / ratio, "efficiency": 1 / (ratio * q),
            "karp_flatt": (ratio - 1 / q) / (1 - 1 / q) if q > 1 else None}
     for phase in PHASES:
-        seconds = measurement.seconds[phase]
-        row |= {phase: seconds, f"{phase}_speed_up": baseline.seconds[phase] / seconds if seconds > 0 else None}
+        row |= {phase: run[phase], f"{phase}_speed_up": baseline[phase] / run[phase] if run[phase] > 0 else None}
     return row
 
 
@@ -85,12 +79,13 @@ def main():
     parser.add_argument("--picture", default="scaling.png", help="picture to write (default: %(default)s)")
     parser.add_argument("--warm_up", type=int, default=2, metavar="N", help="iterations left out (default: %(default)s)")
     arguments = parser.parse_args()
-    measurements = sorted((Measurement(d, arguments.warm_up) for d in arguments.directories), key=lambda m: m.ranks)
-    if any(m.problem != measurements[0].problem for m in measurements):
+    runs = [measure(directory, arguments.warm_up) for directory in arguments.directories]
+    if any(problem != runs[0][0] for problem, _ in runs):
         raise RunError("the runs have different configs; scripts/use/compare.py says in what")
-    if len({m.ranks for m in measurements}) < len(measurements):
+    runs = sorted((run for _, run in runs), key=lambda run: run["ranks"])
+    if len({run["ranks"] for run in runs}) < len(runs):
         raise RunError("two runs have the same number of ranks")
-    rows = [row_of(m, measurements[0]) for m in measurements]
+    rows = [compared(run, runs[0]) for run in runs]
     write_rows(arguments.table, rows)
     print(f"{'ranks':>6s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>12s}{'Karp-Flatt':>12s}")
     for row in rows:
