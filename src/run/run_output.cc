@@ -4,75 +4,21 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/files/field_dump.h"
-#include "fabseq/files/hdf5_writer.h"
 #include "fabseq/run/records.h"
+#include "fabseq/run/result.h"
 #include "fabseq/sequence/given_sequence.h"
 
 #include <cstdio>
 #include <utility>
-#include <vector>
 
 namespace fabseq {
 
 namespace {
 
-/// fields/NAME: density, design, and what the pipeline's last run led to; `displacement` may be empty.
-template <int Dim>
-void dump(const Model<Dim>& model, const OutputDirectory& directory, const std::string& name,
-          const Pipeline<Dim>& pipeline, std::span<const double> share,
-          const std::vector<double>& displacement) {
-  const std::vector<double> design = model.design_field(share);
-  std::vector<double> time, layer;
-  FieldSet<Dim> fields{&model.grid, {}};
-  fields.add_elements("density", model.part.density());
-  const PseudoTime<Dim>* last = pipeline.last_time();
-  if (last != nullptr) {
-    time = model.part.expand(last->time);
-    layer = model.part.expand(pipeline.last_layer_index());
-    fields.add_elements("time", time);
-    fields.add_elements("layer", layer);
-  }
-  fields.add(model.design_support.on_nodes(), "design", design);
-  if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
-  if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);
-  directory.make_folder("fields");
-  write_field_dump(model.world(), fields, directory.file("fields/" + name));
-}
-
 std::string name_of(int iteration) {
   char name[32];
   std::snprintf(name, sizeof name, "iteration_%04d", iteration);
   return name;
-}
-
-/// Fields of the best design, beside those of the planar baseline: result.h5 and result.xdmf.
-template <int Dim>
-void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,
-                  const SequenceReport<Dim>& baseline, const BestIterate& best) {
-  const std::vector<double> design = setup.design_field(best.design().field);
-  const std::vector<double> substrate = setup.substrate_field();
-  FieldSet<Dim> fields{&setup.grid, {}};
-  fields.add_elements("density", setup.part.density());
-  if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
-  fields.add(setup.design_support.on_nodes(), "design", design);
-  reports.optimized.add_fields(fields, "");
-  fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
-  baseline.add_fields(fields, "planar/");
-  Hdf5Writer file(setup.world(), directory.file("result.h5"));
-  file.template write_fields<Dim>(fields);
-  write_layer_variables(file, setup.layers->variables(), "", best.design());
-  file.write_attribute("name", setup.config.name);
-  file.write_attribute("iteration", best.iteration());
-  file.write_attribute("beta", best.beta());
-  file.write_attribute("layers", static_cast<int>(reports.optimized.layers.size()));
-  const std::pair<const char*, const SequenceNumbers*> sequences[] = {
-      {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline}};
-  for (const auto& [prefix, numbers] : sequences)
-    for (const NamedValue& response : numbers->responses)
-      file.write_attribute(prefix + response.name, response.value);
-  file.close();
-  directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 }
 
 }  // namespace
@@ -109,8 +55,8 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
-      dump(setup_, directory_, name_of(iterate.iteration), pipeline, design.field,
-           state.process.displacement);
+      write_iteration_fields(setup_, directory_, name_of(iterate.iteration), pipeline, design.field,
+                             state.process.displacement);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
@@ -176,8 +122,8 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   try {
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
-    dump(setup_, directory_, name_of(checkpoints_.iteration() + 1) + "_failed", pipeline,
-         checkpoints_.design(), {});
+    write_iteration_fields(setup_, directory_, name_of(checkpoints_.iteration() + 1) + "_failed", pipeline,
+                           checkpoints_.design(), {});
   } catch (const OutputError& second) {
     warn(second.what());
   }

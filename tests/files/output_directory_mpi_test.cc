@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/verdict.h"
-#include "fabseq/files/output_directory.h"
+#include "fabseq/files/history.h"
 #include "fabseq/run/terminal.h"
 
 #include "support/io_support.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Schedules of sharpness and move limit (formulation 3.1, 9).
-#include "fabseq/optimize/run_state.h"
+#include "fabseq/optimize/continuation.h"
 
 #include <gtest/gtest.h>
 

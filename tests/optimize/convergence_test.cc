@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// When a run is done (formulation 9).
-#include "fabseq/optimize/run_state.h"
+#include "fabseq/optimize/convergence.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Smoothing of direct designs (formulation 2.3).
 #include "fabseq/base/mpi.h"
-#include "fabseq/sequence/direct_sequence.h"
+#include "fabseq/sequence/repeated_averaging.h"
 #include "fabseq/sequence/start_region.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Data of the lane solver: memory, vectors, when a solve stops and how it ended.
+/// Memory of the lane solver.
 #pragma once
 
 #include <array>
@@ -59,53 +59,5 @@ void select_lanes(const Array& from, int from_width, std::span<const int> lanes,
     for (int lane = 0; lane < to_width; ++lane)
       to[i * to_width + lane] = from[i * from_width + selected(lanes, lane)];
 }
-
-/// Values of `lanes` systems on the owned nodes, [node][component][lane]: what a kernel needs of all systems
-/// lies together.
-struct LaneVector {
-  int nodes = 0;
-  int components = 0;
-  int lanes = 0;
-  std::vector<double> values;
-
-  LaneVector() = default;
-  /// Zeros.
-  LaneVector(int node_count, int component_count, int lane_count)
-      : nodes(node_count),
-        components(component_count),
-        lanes(lane_count),
-        values(static_cast<std::size_t>(node_count) * component_count * lane_count, 0.0) {}
-
-  /// `unknown` = node * components + component.
-  double& operator()(std::size_t unknown, int lane) { return values[unknown * lanes + lane]; }
-  double operator()(std::size_t unknown, int lane) const { return values[unknown * lanes + lane]; }
-  std::size_t unknowns() const { return static_cast<std::size_t>(nodes) * components; }
-
-  std::vector<double> lane(int index) const {
-    std::vector<double> result(unknowns());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = (*this)(i, index);
-    return result;
-  }
-  void set_lane(int index, const std::vector<double>& source) {
-    for (std::size_t i = 0; i < source.size(); ++i) (*this)(i, index) = source[i];
-  }
-};
-
-/// A lane's solve stops at a preconditioned residual of `tolerance`, and not before the error, as the
-/// spectrum lets it be estimated, is within `error_factor` times as much.
-struct LaneStop {
-  double tolerance = 1e-6;
-  int max_iterations = 200;
-  double error_factor = 2.0;
-};
-
-/// How a lane's solve ended.
-struct LaneOutcome {
-  int iterations = 0;
-  /// |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
-  double residual = 0.0;
-  bool converged = false;
-  bool finite = true;  ///< false: something was not a number
-};
 
 }  // namespace fabseq

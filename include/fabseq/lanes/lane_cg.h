@@ -5,6 +5,7 @@
 #include "fabseq/lanes/island_modes.h"
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/lanes/lane_outcome.h"
 #include "fabseq/lanes/spectrum_estimate.h"
 
 #include <memory>

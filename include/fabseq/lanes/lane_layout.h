@@ -4,6 +4,7 @@
 #include "fabseq/grid/grid.h"
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_hierarchy.h"
+#include "fabseq/lanes/lane_vector.h"
 
 #include <vector>
 

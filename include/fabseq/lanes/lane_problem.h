@@ -6,7 +6,6 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/lanes/element_kernels.h"
-#include "fabseq/lanes/lane_array.h"
 
 #include <array>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/parity.h"
-#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
-#include "fabseq/files/output_directory.h"
+#include "fabseq/files/history.h"
 #include "fabseq/optimize/run_state.h"
 #include "fabseq/run/restart.h"
 #include "fabseq/run/run_clock.h"

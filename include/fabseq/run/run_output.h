@@ -4,26 +4,18 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/files/output_directory.h"
+#include "fabseq/files/history.h"
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/run/checkpoints.h"
 #include "fabseq/run/restart.h"
-#include "fabseq/run/sequence_report.h"
+#include "fabseq/run/result.h"
 #include "fabseq/run/setup.h"
 #include "fabseq/run/terminal.h"
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
 namespace fabseq {
-
-/// The best design's sequence, with the layers it was optimized with and with binary ones.
-template <int Dim>
-struct FinalReports {
-  SequenceReport<Dim> optimized, binary;
-  std::int64_t interior_minima = 0;
-};
 
 /// Hands each event of a run to history, checkpoints, result and terminal (docs/reference.md, Output). All
 /// calls are collective; OutputError on all ranks if something cannot be written.

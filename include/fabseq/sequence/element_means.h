@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
 

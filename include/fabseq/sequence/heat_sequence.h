@@ -3,7 +3,7 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/unknown_numbering.h"
-#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/averaging_filter.h"
 #include "fabseq/sequence/sequence.h"

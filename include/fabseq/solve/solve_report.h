@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/base/error.h"
-#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_outcome.h"
 
 #include <limits>
 #include <sstream>

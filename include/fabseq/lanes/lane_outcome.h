@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace fabseq {
+
+/// A lane's solve stops at a preconditioned residual of `tolerance`, and not before the error, as the
+/// spectrum lets it be estimated, is within `error_factor` times as much.
+struct LaneStop {
+  double tolerance = 1e-6;
+  int max_iterations = 200;
+  double error_factor = 2.0;
+};
+
+/// How a lane's solve ended.
+struct LaneOutcome {
+  int iterations = 0;
+  /// |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
+  double residual = 0.0;
+  bool converged = false;
+  bool finite = true;  ///< false: something was not a number
+};
+
+}  // namespace fabseq

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/files/output_directory.h"
+#include "fabseq/optimize/best_iterate.h"
+#include "fabseq/optimize/pipeline.h"
+#include "fabseq/run/sequence_report.h"
+#include "fabseq/run/setup.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// The best design's sequence, with the layers it was optimized with and with binary ones.
+template <int Dim>
+struct FinalReports {
+  SequenceReport<Dim> optimized, binary;
+  std::int64_t interior_minima = 0;
+};
+
+/// Fields of the best design, beside those of the planar baseline: result.h5 and result.xdmf.
+/// Collective; throws OutputError on all ranks.
+template <int Dim>
+void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,
+                  const SequenceReport<Dim>& baseline, const BestIterate& best);
+
+/// fields/NAME: density, design, and what the pipeline's last run led to; `displacement` may be empty.
+/// Collective; throws OutputError on all ranks.
+template <int Dim>
+void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
+                            const std::string& name, const Pipeline<Dim>& pipeline,
+                            std::span<const double> share, const std::vector<double>& displacement);
+
+}  // namespace fabseq

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/fem/element_matrices.h"
+#include "fabseq/part/part.h"
+#include "fabseq/sequence/design_support.h"
+
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Smoothing of a direct design inside the part (docs/formulation.md 2.3): replaces values of elements
+/// (nodes) by means over the nodes (elements) around them, which are means over theirs, again and again.
+/// Follows the part: nothing passes through the void. Places without a variable, the start region's, stay 0.
+/// As many passes as come nearest to the spread of AveragingFilter's hat of that radius; radius 0: the
+/// identity.
+template <int Dim>
+class RepeatedAveraging {
+ public:
+  /// `radius` in length units. Part and support must outlive the filter. Collective.
+  RepeatedAveraging(const Part<Dim>& part, const DesignSupport<Dim>& support, double radius);
+
+  bool is_identity() const { return passes_ == 0; }
+  int passes() const { return passes_; }
+  /// Filtered variables. Collective.
+  std::vector<double> apply(std::span<const double> design) const;
+  /// Transpose of apply(). Collective.
+  std::vector<double> apply_transpose(std::span<const double> design) const;
+
+ private:
+  /// A node's or element's share of the means around it: M or M', docs/formulation.md 2.3.
+  std::vector<double> to_elements(std::span<const double> of_nodes) const;
+  std::vector<double> to_nodes(std::span<const double> of_elements) const;
+  void divide_by_weight(std::vector<double>& of_nodes) const;
+
+  const Part<Dim>& part_;
+  const DesignSupport<Dim>& support_;
+  ElementMatrices<Dim> element_;
+  int passes_;
+  std::vector<double> weight_;  ///< of the owned nodes: their share of the elements around them
+};
+
+}  // namespace fabseq

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/result.h"
+
+#include "fabseq/files/field_dump.h"
+#include "fabseq/files/hdf5_writer.h"
+#include "fabseq/run/records.h"
+#include "fabseq/sequence/given_sequence.h"
+
+#include <utility>
+
+namespace fabseq {
+
+template <int Dim>
+void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,
+                  const SequenceReport<Dim>& baseline, const BestIterate& best) {
+  const std::vector<double> design = setup.design_field(best.design().field);
+  const std::vector<double> substrate = setup.substrate_field();
+  FieldSet<Dim> fields{&setup.grid, {}};
+  fields.add_elements("density", setup.part.density());
+  if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
+  fields.add(setup.design_support.on_nodes(), "design", design);
+  reports.optimized.add_fields(fields, "");
+  fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
+  baseline.add_fields(fields, "planar/");
+  Hdf5Writer file(setup.world(), directory.file("result.h5"));
+  file.template write_fields<Dim>(fields);
+  write_layer_variables(file, setup.layers->variables(), "", best.design());
+  file.write_attribute("name", setup.config.name);
+  file.write_attribute("iteration", best.iteration());
+  file.write_attribute("beta", best.beta());
+  file.write_attribute("layers", static_cast<int>(reports.optimized.layers.size()));
+  const std::pair<const char*, const SequenceNumbers*> sequences[] = {
+      {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline}};
+  for (const auto& [prefix, numbers] : sequences)
+    for (const NamedValue& response : numbers->responses)
+      file.write_attribute(prefix + response.name, response.value);
+  file.close();
+  directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
+}
+
+template <int Dim>
+void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
+                            const std::string& name, const Pipeline<Dim>& pipeline,
+                            std::span<const double> share, const std::vector<double>& displacement) {
+  const std::vector<double> design = model.design_field(share);
+  std::vector<double> time, layer;
+  FieldSet<Dim> fields{&model.grid, {}};
+  fields.add_elements("density", model.part.density());
+  const PseudoTime<Dim>* last = pipeline.last_time();
+  if (last != nullptr) {
+    time = model.part.expand(last->time);
+    layer = model.part.expand(pipeline.last_layer_index());
+    fields.add_elements("time", time);
+    fields.add_elements("layer", layer);
+  }
+  fields.add(model.design_support.on_nodes(), "design", design);
+  if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
+  if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);
+  directory.make_folder("fields");
+  write_field_dump(model.world(), fields, directory.file("fields/" + name));
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(write_result);
+FABSEQ_INSTANTIATE_FUNCTION(write_iteration_fields);
+
+}  // namespace fabseq
