@@ -7,6 +7,7 @@
 #include "fabseq/grid/grid.h"
 #include "fabseq/lanes/lane_cg.h"
 #include "fabseq/lanes/lane_hierarchy.h"
+#include "fabseq/lanes/lane_array.h"
 
 #include <array>
 #include <functional>

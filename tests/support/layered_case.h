@@ -5,6 +5,7 @@
 #pragma once
 
 #include "fabseq/config/config.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/solve/lane_elasticity.h"
 

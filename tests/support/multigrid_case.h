@@ -3,6 +3,7 @@
 /// Lane multigrids on masked grids.
 #pragma once
 
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_multigrid.h"
 #include "fabseq/lanes/lane_multigrid_impl.h"
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/responses/layer_statistics.h"
 
 #include "support/pipeline_case.h"

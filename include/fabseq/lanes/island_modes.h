@@ -5,6 +5,7 @@
 #include "fabseq/grid/rigid_fit.h"
 #include "fabseq/lanes/band_cholesky.h"
 #include "fabseq/lanes/island_map.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_operator.h"
 
 #include <cmath>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/lanes/band_cholesky.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_operator.h"
 #include "fabseq/lanes/solver_cycle.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_hierarchy.h"
 #include "fabseq/lanes/lane_problem.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/parallel/layer_groups.h"

@@ -2,8 +2,11 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_cg.h"
 #include "fabseq/lanes/lane_layout.h"
+#include "fabseq/lanes/lane_outcome.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/solve/heat_solver.h"
 #include "fabseq/solve/reference/reference_heat.h"
 

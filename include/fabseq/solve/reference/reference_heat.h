@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
+#include "fabseq/lanes/lane_vector.h"
 #include "fabseq/solve/heat_solver.h"
 #include "fabseq/solve/reference/assembled_system.h"
 
