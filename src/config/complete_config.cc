@@ -173,12 +173,15 @@ class Completion {
       for (const ConfigKey* key : keys_of(extra, "")) keys.push_back(key);
     }
     const auto is_source = [](const ConfigKey* key) {
-      return key->type == KeyType::section || key->type == KeyType::shapes;
+      return key->type == KeyType::section || key->type == KeyType::shapes || key->name == "all";
     };
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(sources), is_source);
     if (!value.is_object()) refuse(pointer, shown(value), "an object with one of " + name_list(sources));
     refuse_strangers(value, pointer, "shape", "", keys);
-    const auto is_given = [&](const ConfigKey* key) { return find_member(value, key->name) != nullptr; };
+    const auto is_given = [&](const ConfigKey* key) {
+      const Json* member = find_member(value, key->name);
+      return member != nullptr && *member != false;
+    };
     std::copy_if(sources.begin(), sources.end(), std::back_inserter(given), is_given);
     if (given.size() != 1) {
       refuse(pointer, given.empty() ? "no shape" : name_list(given), "exactly one of " + name_list(sources));

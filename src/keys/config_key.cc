@@ -69,7 +69,7 @@ std::string plain_values(const ConfigKey& key, int dimension) {
     case KeyType::angle_bounds:
       return "a list of two ascending numbers, or a list of such lists";
     case KeyType::word_list:
-      return "a list with none or one of " + join(split(key.words, ' '), ", ");
+      return "a list of some of " + join(split(key.words, ' '), ", ");
     case KeyType::shapes:
       return "a list of one or more shapes";
     case KeyType::sections:

@@ -3,6 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/element_halo.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,14 +13,38 @@ namespace fabseq {
 
 namespace {
 
+/// Whether each owned node has an element of neither part nor substrate at it, or is at the edge of the box.
+template <int Dim>
+std::vector<char> surface_nodes(const Part<Dim>& part) {
+  const Grid<Dim>& grid = part.grid();
+  Index<Dim> width;
+  width.fill(1);
+  const ElementHalo<Dim> halo(grid, width);
+  std::vector<double> solid(part.density().size());
+  for (std::size_t e = 0; e < solid.size(); ++e)
+    solid[e] = part.density()[e] > 0.0 || part.substrate().elements()[e] != 0 ? 1.0 : 0.0;
+  solid = halo.gather(solid);
+  std::vector<char> result(static_cast<std::size_t>(grid.owned_nodes().count()), 0);
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    for (int number = 0; number < 1 << Dim; ++number) {
+      const Index<Dim> element = stepped<Dim>(node, number, -1);
+      if (!halo.box().contains(element) || solid[halo.box().offset(element)] == 0.0) result[offset] = 1;
+    }
+  });
+  return result;
+}
+
 template <int Dim>
 std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description) {
   const Grid<Dim>& grid = part.grid();
   const double tolerance = std::max(description.within, shape_tolerance * grid.smallest_spacing());
+  const std::vector<char> surface = description.surface ? surface_nodes<Dim>(part) : std::vector<char>{};
   std::vector<int> owned;
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    const bool there = part.touched_nodes()[offset] != 0 || part.substrate().nodes()[offset] != 0;
-    if (there && description.shape.contains(grid.node_position(node), tolerance))
+    if (!surface.empty() && surface[offset] == 0) return;
+    const bool of_part = part.touched_nodes()[offset] != 0;
+    const bool there = of_part || part.substrate().nodes()[offset] != 0;
+    if (description.all ? of_part : there && description.shape.contains(grid.node_position(node), tolerance))
       owned.push_back(static_cast<int>(offset));
   });
   return owned;

@@ -51,7 +51,14 @@ Section<NodeSetDescription> node_set_keys() {
           "Only so many nodes (at least 2), equally spaced along the longest edge of the set's bounding box; "
           "0: all",
           {.range = "[0, inf)"})
-      .then([](Its& set, const Json& value, const KeyPlace& place) { set.shape = make_shape(value, place); });
+      .key("surface", &Its::surface,
+           "Only nodes on the surface: those with fewer elements of part and substrate around them than an "
+           "inner "
+           "node has; samples are taken of these")
+      .key("all", &Its::all, "In place of a shape: every node of the part")
+      .then([](Its& set, const Json& value, const KeyPlace& place) {
+        if (!set.all) set.shape = make_shape(value, place);
+      });
 }
 
 BuildPlate make_plate(const std::string& face) { return {face[0] - 'x', face[1] == '+'}; }

@@ -65,7 +65,11 @@ Section<ProcessSettings> process_keys() {
            "Stiffness of what is not built yet, relative to the material's", {.range = "(0, 1)"})
       .key("void", &Its::void_model,
            "Elements outside the part are left out (absent) or carry the least stiffness (quiet)",
-           {.words = "absent quiet", .option = "-void"});
+           {.words = "absent quiet", .option = "-void"})
+      .key("deposition", &Its::deposition,
+           "Where a layer goes: with the deformed part, so that a place counts all motion before it is built "
+           "(follow), or to nominal positions, so that it counts motion from then on (nominal)",
+           {.words = "follow nominal", .option = "-deposition"});
 }
 
 }  // namespace fabseq

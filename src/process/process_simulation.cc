@@ -27,15 +27,22 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
     vector = LaneVector(nodes, components, lanes);
 }
 
-/// Load of the adjoint systems of a block: minus dJ/du and minus the block's dJ/d(du_j).
-void set_adjoint_load(const ProcessAdjoint& functional, std::size_t block, LaneVector& load) {
+/// Load of the adjoint systems of a block: minus dJ/du and minus the block's dJ/d(counted du_j), weighted by
+/// what counts of du_j.
+void set_adjoint_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
+                      LaneVector& load) {
   for (std::size_t i = 0; i < load.unknowns(); ++i) {
     const double common = functional.displacement.empty() ? 0.0 : -functional.displacement[i];
     std::fill_n(&load.values[i * load.lanes], load.lanes, common);
   }
-  if (functional.increments.empty()) return;
-  const std::vector<double>& own = functional.increments[block].values;
-  for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
+  if (!functional.increments.empty()) {
+    const std::vector<double>& own = functional.increments[block].values;
+    for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
+  }
+  if (result.weights.empty()) return;
+  const LaneVector& weights = result.weights[block];
+  for (std::size_t i = 0; i < load.unknowns(); ++i)
+    for (int lane = 0; lane < load.lanes; ++lane) load(i, lane) *= weights(i / load.components, lane);
 }
 
 }  // namespace
@@ -52,6 +59,8 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       supports_(model),
       solver_(std::move(solver)) {
   result_.all_layers = groups.world();
+  if (model.settings.deposition == DepositionModel::nominal)
+    deposition_ = std::make_unique<const Deposition<Dim>>(model);
 }
 
 template <int Dim>
@@ -82,6 +91,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   result_.displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
   result_.iterations.assign(densities.count(), 0);
   result_.increments.resize(result_.blocks.size());
+  result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
   groups_.run([&] {
     LaneVector load;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
@@ -140,18 +150,21 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
     require_convergence(reports[0][lane], block.first + lane, "forward");
     result_.iterations[block.first + lane] = reports[0][lane].iterations;
   }
+  if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
   for (std::size_t i = 0; i < increment.unknowns(); ++i)
-    for (int lane = 0; lane < block.lanes; ++lane) result_.displacement[i] += increment(i, lane);
+    for (int lane = 0; lane < block.lanes; ++lane)
+      result_.displacement[i] += result_.counted(number, i, lane);
 }
 
 template <int Dim>
-std::vector<double> ProcessSimulation<Dim>::increment(int layer) const {
+std::vector<double> ProcessSimulation<Dim>::increment(int layer, bool counted) const {
   for (int group = 0; group < groups_.count(); ++group)
     for (std::size_t number = 0; number < deal_.blocks[group].size(); ++number) {
       const int lane = layer - deal_.blocks[group][number].first;
       if (lane < 0 || lane >= deal_.blocks[group][number].lanes) continue;
       std::vector<double> result(result_.displacement.size());
-      if (group == groups_.index()) result = result_.increments[number].lane(lane);
+      for (std::size_t i = 0; group == groups_.index() && i < result.size(); ++i)
+        result[i] = counted ? result_.counted(number, i, lane) : result_.increments[number](i, lane);
       groups_.broadcast(group, result);
       return result;
     }
@@ -211,7 +224,7 @@ void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities,
     const std::vector<double>& motion = functionals.motions[i];
     resize(loads[i], increments.nodes, Dim, block.lanes);
     resize(adjoints[i], increments.nodes, Dim, block.lanes);
-    set_adjoint_load(functionals.from[i], number, loads[i]);
+    set_adjoint_load(functionals.from[i], result_, number, loads[i]);
     if (!motion.empty()) supports_.subtract_motion(densities, block.first, motion, loads[i]);
   }
   const auto reports = solver_->solve(loads, adjoints);
@@ -226,8 +239,25 @@ void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities,
     StrainField not_asked_for;
     elements_.add_derivatives(densities, block.first, increments, adjoints[i], *to.densities,
                               to.strains != nullptr ? *to.strains : not_asked_for);
+    if (deposition_) add_deposition_derivatives(densities, number, functionals.from[i], *to.densities);
     if (to.after_block) to.after_block();
   }
+}
+
+/// Through the weights: dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
+template <int Dim>
+void ProcessSimulation<Dim>::add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
+                                                        const ProcessAdjoint& functional,
+                                                        DensityDerivatives& derivatives) const {
+  const LaneVector& increments = result_.increments[number];
+  LaneVector d_weights(increments.nodes, 1, increments.lanes);
+  for (std::size_t i = 0; i < increments.unknowns(); ++i)
+    for (int lane = 0; lane < increments.lanes; ++lane) {
+      const double common = functional.displacement.empty() ? 0.0 : functional.displacement[i];
+      const double own = functional.increments.empty() ? 0.0 : functional.increments[number](i, lane);
+      d_weights(i / Dim, lane) += (common + own) * increments(i, lane);
+    }
+  deposition_->add_derivatives(densities, result_.blocks[number].first, d_weights, derivatives);
 }
 
 FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);

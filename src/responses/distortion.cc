@@ -6,6 +6,7 @@
 #include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/responses/set_displacement.h"
+#include "fabseq/responses/shape_deviation.h"
 
 #include <algorithm>
 #include <numeric>
@@ -14,7 +15,8 @@ namespace fabseq {
 
 namespace {
 
-enum class Measure { displacement, flatness, layerwise };
+enum class Measure { displacement, flatness, layerwise, shape };
+constexpr const char* measure_names = "displacement flatness layerwise shape";
 
 struct DistortionSettings {
   Measure measure = Measure::displacement;
@@ -22,13 +24,18 @@ struct DistortionSettings {
   int axis = -1;      ///< of flatness
   bool mean = false;
   bool after_release = false;
-  std::optional<bool> least_squares;  ///< none: where it pays
+  std::vector<std::string> fit = {"translation", "rotation"};  ///< of shape
+  std::optional<bool> least_squares;                           ///< none: where it pays
 
   bool measures_release() const { return after_release; }
   void check(const TermPlace& place) const;
+  bool fits(const char* motion) const { return std::find(fit.begin(), fit.end(), motion) != fit.end(); }
 
  private:
   void check_node_set(const TermPlace& place) const;
+  std::string with_measure() const {
+    return " with measure " + split(measure_names, ' ')[static_cast<std::size_t>(measure)];
+  }
 };
 
 /// The functionals of a measure on a node set, if the optimizer is to have them: "auto" leaves terms with the
@@ -142,8 +149,13 @@ class Layerwise : public Response<Dim> {
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double square = 0.0;
-    for (const LaneVector& batch : state.process.increments)
-      for (const double u : batch.values) square += u * u;
+    const auto& increments = state.process.increments;
+    for (std::size_t batch = 0; batch < increments.size(); ++batch)
+      for (std::size_t i = 0; i < increments[batch].unknowns(); ++i)
+        for (int lane = 0; lane < increments[batch].lanes; ++lane) {
+          const double u = state.process.counted(batch, i, lane);
+          square += u * u;
+        }
     return {sum(state.process.all_layers, square)};
   }
 
@@ -154,8 +166,9 @@ class Layerwise : public Response<Dim> {
       const LaneVector& increments = state.process.increments[batch];
       if (derivative.size() <= batch)
         derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
-      for (std::size_t i = 0; i < increments.values.size(); ++i)
-        derivative[batch].values[i] += 2.0 * weight * increments.values[i];
+      for (std::size_t i = 0; i < increments.unknowns(); ++i)
+        for (int lane = 0; lane < increments.lanes; ++lane)
+          derivative[batch](i, lane) += 2.0 * weight * state.process.counted(batch, i, lane);
     }
   }
 };
@@ -167,6 +180,8 @@ struct Distortion {
     if (settings.measure == Measure::layerwise) return std::make_unique<Layerwise<Dim>>();
     const SetDisplacement<Dim> set(context.part, context.node_sets.at(settings.nodes),
                                    settings.after_release);
+    if (settings.measure == Measure::shape)
+      return make_shape_deviation(set, {settings.fits("rotation"), settings.fits("scale")});
     if (settings.measure == Measure::flatness) return std::make_unique<Flatness<Dim>>(set, settings);
     return std::make_unique<Displacement<Dim>>(set, settings);
   }
@@ -194,31 +209,39 @@ void DistortionSettings::check(const TermPlace& place) const {
   if (measure != Measure::flatness && axis >= 0)
     refuse(at("axis"), shown(std::string(1, static_cast<char>('x' + axis))), "only with measure flatness");
   if (mean && measure != Measure::displacement)
-    refuse(at("mean"), std::string("true with measure ") + (layerwise ? "layerwise" : "flatness"),
-           "true only with measure displacement");
-  const std::string on_sets = "true only with measures displacement and flatness";
-  if (layerwise && after_release) refuse(at("after_release"), "true with measure layerwise", on_sets);
-  if (layerwise && least_squares.value_or(false))
-    refuse(at("least_squares"), "true with measure layerwise", on_sets + "; \"auto\" or false");
+    refuse(at("mean"), "true" + with_measure(), "true only with measure displacement");
+  if (layerwise && after_release)
+    refuse(at("after_release"), "true" + with_measure(),
+           "true only with measures displacement, flatness and shape");
+  if ((layerwise || measure == Measure::shape) && least_squares.value_or(false))
+    refuse(at("least_squares"), "true" + with_measure(),
+           "true only with measures displacement and flatness; \"auto\" or false");
+  if (!fits("translation"))
+    refuse(at("fit"), shown(fit), "a list with \"translation\", and with \"rotation\" and \"scale\" or not");
 }
 
 Section<DistortionSettings> distortion_keys() {
   using Its = DistortionSettings;
   return Section<Its>("objective")
       .key("measure", &Its::measure,
-           "Squared displacement over a node set, its flatness along an axis, or the squared displacement of "
+           "Squared displacement over a node set, its flatness along an axis, the squared displacement of "
            "every "
-           "layer over all nodes",
-           {.words = "displacement flatness layerwise"})
-      .key("nodes", &Its::nodes, "Node set of displacement (required) and flatness (required)")
+           "layer over all nodes, or the mean squared deviation of a node set's shape from a best fit",
+           {.words = measure_names})
+      .key("nodes", &Its::nodes, "Node set of displacement, flatness and shape (required)")
       .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
+      .key("fit", "What the best fit of shape may move: translation, always, rotation and scale",
+           {.type = KeyType::word_list,
+            .default_value = to_text(Its{}.fit),
+            .words = "translation rotation scale"},
+           [](Its& settings, const Json& value, const KeyPlace&) { value.get_to(settings.fit); })
       .key("mean", &Its::mean, "Divide displacement by the number of nodes")
       .key("after_release", &Its::after_release,
-           "Measure displacement or flatness after the release from plate or clamps")
+           "Measure displacement, flatness or shape after the release from plate or clamps")
       .key("least_squares", &Its::least_squares,
            "Hand displacement or flatness to the optimizer as a sum of squares, an elastic adjoint each; "
-           "auto: with "
-           "scaling current, while these hold most of it",
+           "auto: "
+           "with scaling current, while these hold most of it",
            {.words = "auto"});
 }
 

@@ -26,7 +26,7 @@ template <int Dim>
 std::vector<double> increment_norms(const ProcessSimulation<Dim>& process, int layers, MPI_Comm comm) {
   std::vector<double> norms(layers, 0.0);
   for (int j = 0; j < layers; ++j)
-    for (const double u : process.increment(j)) norms[j] += u * u;
+    for (const double u : process.increment(j, true)) norms[j] += u * u;
   sum_in_place(comm, norms);
   for (double& norm : norms) norm = std::sqrt(norm);
   return norms;
@@ -38,7 +38,7 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
                   int layers) {
   std::vector<double> displacement(static_cast<std::size_t>(setup.grid.owned_nodes().count()) * Dim, 0.0);
   for (int j = 0; j < layers; ++j) {
-    const std::vector<double> increment = process.increment(j);
+    const std::vector<double> increment = process.increment(j, true);
     for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += increment[i];
     file.template write_stage<Dim>(setup.grid, {"stages/displacement", true, Dim, displacement, true}, j,
                                    layers);

@@ -7,6 +7,7 @@
 #include "support/refusal.h"
 #include "support/shapes.h"
 #include "support/whole_field.h"
+#include <algorithm>
 
 namespace fabseq {
 namespace {
@@ -76,6 +77,34 @@ TEST_F(NodeSetTest, FollowsTheIndexRuleForAnyCount) {
   }
   EXPECT_EQ(numbers_of<3>(grid_, make_node_set<3>(part_, "edge", {edge, 1})),
             (std::vector<std::int64_t>{number(0, 3, 3)}));
+}
+
+/// A block of 7 x 3 x 3 elements: its surface, and all of it, however far the shape reaches.
+TEST_F(NodeSetTest, SurfacesHaveNoInnerNodes) {
+  NodeSetDescription skin{box({0, 0, 0}, {9, 9, 9})};
+  skin.surface = true;
+  EXPECT_EQ(make_node_set<3>(part_, "skin", skin).count, 8 * 4 * 4 - 6 * 2 * 2);
+  NodeSetDescription all;
+  all.all = true;
+  EXPECT_EQ(make_node_set<3>(part_, "all", all).count, 8 * 4 * 4);
+  all.surface = true;
+  const NodeSet both = make_node_set<3>(part_, "both", all);
+  EXPECT_EQ(numbers_of<3>(grid_, both), numbers_of<3>(grid_, make_node_set<3>(part_, "skin", skin)));
+  all.samples = 3;
+  EXPECT_EQ(numbers_of<3>(grid_, make_node_set<3>(part_, "samples", all)).front(), number(0, 0, 0));
+}
+
+/// Where a substrate carries the part, the nodes between them are inner ones.
+TEST_F(NodeSetTest, SubstratesCloseSurfaces) {
+  PartDescription description{box({0, 0, 0.5}, {1.4, 0.9, 1.5}), false};
+  description.substrate = box({0, 0, 0}, {1.4, 0.9, 0.5});
+  const Part<3> part(grid_, description, {2, false});
+  NodeSetDescription skin;
+  skin.all = skin.surface = true;
+  const std::vector<std::int64_t> numbers = numbers_of<3>(grid_, make_node_set<3>(part, "skin", skin));
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), number(3, 2, 1)), 0);
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), number(3, 2, 3)), 1);
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), number(3, 0, 1)), 1);
 }
 
 TEST_F(NodeSetTest, RefusesEmptySetsAndTooManySamples) {

@@ -152,7 +152,7 @@ TYPED_TEST(ProcessSimulationTest, IsLinearInTheStrain) {
 }
 
 /// Three functionals: of the summed displacement, of the increments, of both.
-///   J = (common) 1/2 sum_i d_i u_i^2 + (layerwise) sum_j (j + 1) |du_j|^2
+///   J = (common) 1/2 sum_i d_i u_i^2 + (layerwise) sum_j (j + 1) |what counts of du_j|^2
 template <int Dim>
 struct Functionals {
   explicit Functionals(const Grid<Dim>& grid)
@@ -162,12 +162,10 @@ struct Functionals {
     double common = 0.0, layerwise = 0.0;
     for (std::size_t i = 0; i < weights.size(); ++i)
       common += 0.5 * weights[i] * result.displacement[i] * result.displacement[i];
-    int first = 0;
-    for (const LaneVector& batch : result.increments) {
-      for (int lane = 0; lane < batch.lanes; ++lane)
-        for (const double u : batch.lane(lane)) layerwise += (first + lane + 1) * u * u;
-      first += batch.lanes;
-    }
+    for (std::size_t block = 0; block < result.blocks.size(); ++block)
+      for (int lane = 0; lane < result.blocks[block].lanes; ++lane)
+        for (std::size_t i = 0; i < weights.size(); ++i)
+          layerwise += (result.blocks[block].first + lane + 1) * std::pow(result.counted(block, i, lane), 2);
     common = sum(PETSC_COMM_WORLD, common);
     layerwise = sum(PETSC_COMM_WORLD, layerwise);
     return {common, layerwise, common + layerwise};
@@ -177,10 +175,11 @@ struct Functionals {
     for (std::size_t i = 0; i < weights.size(); ++i)
       rows[0].displacement.push_back(weights[i] * result.displacement[i]);
     rows[1].increments = result.increments;
-    int layer = 0;
-    for (LaneVector& batch : rows[1].increments)
-      for (int lane = 0; lane < batch.lanes; ++lane, ++layer)
-        for (std::size_t i = 0; i < batch.unknowns(); ++i) batch(i, lane) *= 2.0 * (layer + 1);
+    for (std::size_t block = 0; block < result.blocks.size(); ++block)
+      for (int lane = 0; lane < result.blocks[block].lanes; ++lane)
+        for (std::size_t i = 0; i < weights.size(); ++i)
+          rows[1].increments[block](i, lane) =
+              2.0 * (result.blocks[block].first + lane + 1) * result.counted(block, i, lane);
     rows[2] = {rows[0].displacement, rows[1].increments, {}};
     return rows;
   }
@@ -224,6 +223,15 @@ TYPED_TEST(ProcessSimulationTest, AdjointAgreesWithDifferences) {
   expect_exact_adjoint(settings, 9);  // more than are solved side by side
   settings.process.void_model = VoidModel::quiet;
   expect_exact_adjoint(settings, 2);
+}
+
+TYPED_TEST(ProcessSimulationTest, AdjointOfNominalDepositionAgreesWithDifferences) {
+  auto cases = test::void_models<TypeParam::value>();
+  for (const auto& settings : test::clamped_cases<TypeParam::value>()) cases.push_back(settings);
+  for (auto& settings : cases) {
+    settings.process.deposition = DepositionModel::nominal;
+    expect_exact_adjoint(settings, 3);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,15 @@
 
 namespace fabseq {
 
+/// The corner of an element (step 1), or the element at a node (step -1), of that number, 0 to 2^Dim - 1: bit
+/// a stands for a step along axis a.
+template <int Dim>
+Index<Dim> stepped(const Index<Dim>& from, int number, int step) {
+  Index<Dim> result = from;
+  for (int axis = 0; axis < Dim; ++axis) result[axis] += step * (number >> axis & 1);
+  return result;
+}
+
 /// Gathers an element field on this rank's elements and all elements up to `width` away along each axis
 /// (within the grid), also across several ranks. Set-up and calls are collective.
 template <int Dim>

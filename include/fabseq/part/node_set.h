@@ -14,7 +14,9 @@ namespace fabseq {
 struct NodeSetDescription {
   Shape shape;
   int samples = 0;  ///< 0: all; else k nodes equally spaced along the longest edge of the set's bounding box
-  double within = 0.0;  ///< nodes up to so far outside the shape count, too; length unit
+  double within = 0.0;   ///< nodes up to so far outside the shape count, too; length unit
+  bool all = false;      ///< every node of a part element, in place of those in a shape
+  bool surface = false;  ///< only nodes with fewer than 2^Dim elements of part and substrate around them
 };
 
 /// A named set of nodes on which distortion is measured, distributed like the grid's nodes.

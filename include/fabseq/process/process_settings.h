@@ -28,12 +28,16 @@ struct MaterialSettings {
 
 enum class VoidModel { absent, quiet };
 
+/// Where new material goes: with what stands already, or where the drawing says (docs/formulation.md 4.6).
+enum class DepositionModel { follow, nominal };
+
 /// The material model, docs/formulation.md 4.1.
 struct ProcessSettings {
   double stiffness_penalty = 3.0;
   double strain_penalty = 3.0;
   double min_stiffness = 1e-9;
   VoidModel void_model = VoidModel::absent;
+  DepositionModel deposition = DepositionModel::follow;
 };
 
 /// Sections "material" and "process".

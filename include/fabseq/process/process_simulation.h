@@ -5,6 +5,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/deposition.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/layer_elements.h"
 #include "fabseq/process/release.h"
@@ -25,15 +26,23 @@ struct ProcessResult {
   MPI_Comm all_layers = MPI_COMM_NULL;  ///< the ranks that together have the increments of all layers
   std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
   std::vector<LaneVector> increments;   ///< their increments, block by block: [node][component][lane]
+  std::vector<LaneVector> weights;      ///< share of each that counts (Deposition), [node][lane]; empty: all
   std::vector<double> displacement;     ///< u, all layers' sum, [owned node][component], length unit
   std::vector<double> release;          ///< v, what the release adds to u; empty if that is not asked for
   std::vector<int> iterations;          ///< of each layer's solve, all layers
+
+  /// What counts of the increment of an unknown (node * components + component) in a layer of a block.
+  double counted(std::size_t block, std::size_t unknown, int lane) const {
+    const LaneVector& increment = increments[block];
+    if (weights.empty()) return increment(unknown, lane);
+    return weights[block](unknown / increment.components, lane) * increment(unknown, lane);
+  }
 };
 
 /// The derivative of a functional by the displacements: what an adjoint solve starts from.
 struct ProcessAdjoint {
   std::vector<double> displacement;    ///< dJ/du, [owned node][component]; empty: zero
-  std::vector<LaneVector> increments;  ///< dJ/d(increment of a layer) on top, like ProcessResult; empty: zero
+  std::vector<LaneVector> increments;  ///< dJ/d(counted increment) on top, like ProcessResult; empty: zero
   std::vector<double> release;         ///< dJ/dv, [owned node][component]; empty: zero
 };
 
@@ -49,7 +58,8 @@ struct ProcessDerivatives {
 ///
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
-/// Adjoint: K_j lambda_j = -dJ/du - dJ/d(du_j), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
+/// Under nominal deposition (4.6), u is the sum of w_j du_j. Adjoint: K_j lambda_j = -w_j (dJ/du + dJ/d(w_j
+/// du_j)), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
 /// drho^(q-1) lambda^T f_0. For what is measured after the release (Release), lambda_j on the supports is not
 /// 0 but the release's adjoint w.
 ///
@@ -89,8 +99,9 @@ class ProcessSimulation {
   void start_cold();
   /// Iterations of the adjoint solves of the last pull_back(), the largest of its functionals for each layer.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
-  /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it.
-  std::vector<double> increment(int layer) const;
+  /// Increment of any layer on the owned nodes, [node][component]; sent by the group that has it. `counted`:
+  /// what the displacement has of it.
+  std::vector<double> increment(int layer, bool counted = false) const;
   const LayerGroups& groups() const { return groups_; }
   /// Iterations per layer that the next simulation is dealt out by: the last one's, forward and adjoint.
   /// Equal work where there are none, or not for as many layers.
@@ -116,6 +127,8 @@ class ProcessSimulation {
                        std::vector<LaneVector>& loads, std::vector<LaneVector>& adjoints);
   void pull_back_together(const LayerDensities& densities, std::size_t number, const Functionals& functionals,
                           std::span<LaneVector> loads, std::span<LaneVector> adjoints);
+  void add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
+                                  const ProcessAdjoint& functional, DensityDerivatives& derivatives) const;
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 
@@ -125,6 +138,7 @@ class ProcessSimulation {
   int lanes_;
   LayerElements<Dim> elements_;
   SupportForces<Dim> supports_;
+  std::unique_ptr<const Deposition<Dim>> deposition_;  ///< nullptr: all of the increments counts
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
   std::unique_ptr<Release<Dim>> release_;  ///< if asked for
   LayerDeal deal_;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/grid/element_halo.h"
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/layers/layers.h"
+#include "fabseq/process/elastic_model.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// How much of its increment a place keeps in each layer where material goes to nominal positions
+/// (docs/formulation.md 4.6): a place moves with the part from the layer on that builds it,
+///
+///     w_j,n = 1 - prod_{e at n} (1 - rho_j,e / rho_e)
+///
+/// over the elements of part and substrate at node n; the substrate stands, and where there are none, w is 0.
+/// Calls are collective on the grid's communicator. Source: fabseq's own.
+template <int Dim>
+class Deposition {
+ public:
+  /// The model must outlive the object. Collective.
+  explicit Deposition(const ElasticModel<Dim>& model);
+
+  /// w of the layers first ... first + lanes - 1 on the owned nodes, one component.
+  LaneVector weights(const LayerDensities& densities, int first, int lanes) const;
+  /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights().
+  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& d_weights,
+                       DensityDerivatives& derivatives) const;
+
+ private:
+  /// 1 - rho_j,e / rho_e on the halo's box; 1 in the void, 0 in the substrate.
+  std::vector<double> missing(const std::vector<double>& stage) const;
+  /// Product of `missing` over the elements at a node but for the `excluded` one.
+  double product(const std::vector<double>& missing, const Index<Dim>& node,
+                 const Index<Dim>* excluded = nullptr) const;
+
+  const ElasticModel<Dim>& model_;
+  ElementHalo<Dim> halo_;
+};
+
+}  // namespace fabseq
