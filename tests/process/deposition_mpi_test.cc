@@ -64,7 +64,9 @@ TYPED_TEST(DepositionTest, BinaryLayersCountFromTheFirstThatTouches) {
   for (std::size_t node = 0; node < weights.unknowns(); ++node)
     for (int j = 0; j < 4; ++j) {
       EXPECT_TRUE(weights(node, j) == 0.0 || weights(node, j) == 1.0);
-      if (j > 0) EXPECT_GE(weights(node, j), weights(node, j - 1));
+      if (j > 0) {
+        EXPECT_GE(weights(node, j), weights(node, j - 1));
+      }
     }
 }
 

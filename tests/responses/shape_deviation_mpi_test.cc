@@ -58,7 +58,9 @@ TYPED_TEST(ShapeDeviationTest, WhatTheFitMovesLeavesNothing) {
     const auto motion =
         this->displacement_of(grid, [&](int a, const auto& x) { return 0.1 * rigid_motion<Dim>(k, a, x); });
     EXPECT_LT(this->value(pipeline, state, motion, rigid), 1e-28);
-    if (k >= Dim) EXPECT_GT(this->value(pipeline, state, motion, translation), 1e-4);
+    if (k >= Dim) {
+      EXPECT_GT(this->value(pipeline, state, motion, translation), 1e-4);
+    }
   }
   const auto growth = this->displacement_of(grid, [](int a, const auto& x) { return 0.01 * x[a]; });
   EXPECT_LT(this->value(pipeline, state, growth, scaled), 1e-28);
