@@ -188,8 +188,7 @@ TEST(ConfigErrorsTest, Shapes) {
             "difference, voxels");
   EXPECT_EQ(solid_error("node_sets.top.sphere", R"({"center": [0, 0, 0], "radius": 1})"),
             "/node_sets/top: found box, sphere; allowed: exactly one of box, half_space, cylinder, sphere, "
-            "polygon, union, "
-            "intersection, difference");
+            "polygon, union, intersection, difference, all");
   EXPECT_EQ(solid_error("part.box.min.1", "1.5"),
             "/part/box/max/1: found 1; allowed: a number >= 1.5 (that entry of min)");
   EXPECT_EQ(solid_error("part", R"({"union": [{"sphere": {"center": [0, 0, 0], "radius": 0}}]})"),

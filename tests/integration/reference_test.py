@@ -118,6 +118,9 @@ class ReferenceTest(FabseqTest):
     def test_table_2d(self):
         self.check_evaluation("table_2d")
 
+    def test_nominal_arm_2d(self):
+        self.check_evaluation("nominal_arm_2d")
+
     def test_hook_nodes_2d(self):
         self.check_evaluation("hook_nodes_2d")
 
