@@ -9,8 +9,8 @@
 
 namespace fabseq {
 
-/// Names and values of element and node fields, for any writer. Values are not copied: what was added must
-/// outlive the set.
+/// Names and values of element and node fields on a grid, for any writer. The set owns neither: grid and
+/// values must outlive it.
 template <int Dim>
 struct FieldSet {
   struct Field {

@@ -25,7 +25,7 @@ struct NodeSet {
   std::int64_t count = 0;  ///< number of nodes, summed over all ranks
 };
 
-/// Collects the nodes of a set. Nodes up to 1e-6 of the smallest spacing, plus `within`, outside the shape
+/// Collects the nodes of a set. Nodes at most max(`within`, 1e-6 of the smallest spacing) outside the shape
 /// count. With k samples of n nodes, the nodes are ordered along the longest edge of the set's bounding box,
 /// ties by lexicographic node number, and those with index floor(i (n-1)/(k-1) + 1/2) are chosen. Collective
 /// on the grid's communicator. Throws InputError naming /node_sets/NAME for a set without nodes or with fewer
