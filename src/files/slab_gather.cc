@@ -44,7 +44,7 @@ int SlabGather<Dim>::values_in_slab(const IndexBox<Dim>& box, int slab) const {
 
 template <int Dim>
 std::span<const double> SlabGather<Dim>::gather(int slab) {
-  // The slowest axis varies last in memory, so a rank's share of a slab is contiguous.
+  // The slowest axis is the outermost one in memory, so a rank's share of a slab is contiguous.
   const int mine = values_in_slab(owned_, slab);
   const std::int64_t first = static_cast<std::int64_t>(slab - owned_.start[Dim - 1]) * mine;
   const double* piece = mine > 0 ? values_.data() + first : nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Constraint: every stage adds the same volume (docs/formulation.md 7).
+/// Constraint: the volume of every stage keeps pace with its time point (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/response_type.h"
 
@@ -47,7 +47,7 @@ class DepositionSpeed : public Response<Dim> {
   }
 
  private:
-  /// Of an element in the whole part.
+  /// Volume of an element relative to that of the part.
   double volume_fraction() const { return context_.part.grid().element_volume() / context_.part.volume(); }
 
   ResponseContext<Dim> context_;
