@@ -22,7 +22,7 @@ struct DistortionSettings {
   int axis = -1;      ///< for `flatness`; -1: not given
   bool mean = false;
   bool after_release = false;
-  std::optional<bool> least_squares;  ///< none: with scaling `current`
+  std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
   bool measures_release() const { return after_release; }
   void check(const TermPlace& place) const;

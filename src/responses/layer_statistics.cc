@@ -82,7 +82,7 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
                                  const LayerDensities& layers) {
   const MPI_Comm comm = context.part.grid().comm();
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
-  // Layers of multi-planar parts have no time points: they do not follow the pseudo-time.
+  // Multi-planar layers have no time points, because they do not follow the pseudo-time.
   const bool defined =
       !layers.time_points.empty() && sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
   const int count = layers.count();

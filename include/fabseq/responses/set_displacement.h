@@ -24,6 +24,7 @@ class SetDisplacement {
   Point<Dim> position(int node) const {
     return part_.grid().node_position(part_.grid().owned_nodes().index(node));
   }
+  /// Displacement component of an owned node, length unit.
   double at(const PipelineState<Dim>& state, int node, int axis) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
