@@ -26,9 +26,8 @@ void for_each_face_neighbor(const IndexBox<Dim>& box, const Index<Dim>& element,
 /// Face-connected components of this rank's elements alone, numbered in the order of their lowest elements.
 template <int Dim>
 struct LocalComponents {
-  std::vector<int> of_element;  ///< component of each owned element, -1 outside the part
-  std::vector<std::int64_t>
-      first;  ///< lexicographic number, in the whole grid, of each component's lowest element
+  std::vector<int> of_element;      ///< component of each owned element, -1 outside the part
+  std::vector<std::int64_t> first;  ///< number, in the whole grid, of each component's lowest element
 };
 
 template <int Dim>

@@ -13,8 +13,8 @@ namespace fabseq {
 /// `samples` of them.
 struct NodeSetDescription {
   Shape shape;
-  int samples =
-      0;  ///< 0: all nodes; k > 0: k nodes equally spaced along the longest edge of the set's bounding box
+  /// Number of nodes, equally spaced along the longest edge of the set's bounding box. 0: all nodes.
+  int samples = 0;
   double within = 0.0;  ///< nodes at most this far outside the shape count, too; length unit
 };
 

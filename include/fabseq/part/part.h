@@ -23,8 +23,8 @@ namespace fabseq {
 struct VoxelFile {
   std::string file;  ///< absolute path
   std::string dataset = "density";
-  std::optional<double>
-      threshold;  ///< density >= threshold counts as 1, any other as 0; none: taken as it is
+  /// Densities >= threshold count as 1, all others as 0. None: densities are taken as they are.
+  std::optional<double> threshold;
 };
 
 /// The part as the config describes it.
@@ -32,10 +32,10 @@ struct PartDescription {
   std::variant<Shape, VoxelFile> source;
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing the part
   bool announce = true;         ///< warn of dropped pieces
-  int sampling =
-      1;  ///< density of an element: mean over this number of equally spaced points along each axis
-  std::optional<Shape> substrate =
-      std::nullopt;  ///< stands from the start; where both overlap, elements are no part elements
+  /// Density of an element: mean over this number of equally spaced points along each axis.
+  int sampling = 1;
+  /// What stands from the start. Elements in both shapes belong to the substrate, not to the part.
+  std::optional<Shape> substrate = std::nullopt;
   std::optional<Shape> clamps = std::nullopt;  ///< nodes in it are held instead of the plate's
 };
 

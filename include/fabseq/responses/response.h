@@ -22,10 +22,9 @@ template <int Dim>
 struct ResponseContext {
   const Part<Dim>& part;
   const std::map<std::string, NodeSet>& node_sets;
-  double characteristic_length;  ///< l_c of docs/formulation.md 6
-  std::span<const char> start =
-      {};             ///< part field: 1 in the start region of a direct sequence; empty if there is none
-  int sub_parts = 0;  ///< number of sub-parts of multi-planar layers, 0 for other layers
+  double characteristic_length;      ///< l_c of docs/formulation.md 6
+  std::span<const char> start = {};  ///< part field: 1 in a direct sequence's start region; or empty
+  int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
 };
 
 /// The results of the pipeline's stages for one design, which the pipeline owns.
