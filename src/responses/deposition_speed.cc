@@ -11,7 +11,8 @@ struct DepositionSpeedSettings {
   double slack = 1e-3;
 };
 
-/// Components V_j / V* - T_j for j = 1 ... N - 1, each between -slack and 0.
+/// One component per stage j = 1 ... N - 1: V_j / V* - T_j, between -slack and 0. V_j is the volume of the
+/// stage.
 template <int Dim>
 class DepositionSpeed : public Response<Dim> {
  public:

@@ -42,8 +42,8 @@ class LayerThickness : public Response<Dim> {
     return result;
   }
 
-  /// Without fading, d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / W with W = 1 . w, so that dm/dw_e = (M_e
-  /// - m) / W and dm/dM_e = w_e / W.
+  /// With W = 1 . w, the mean is m_j = (M . w) / W, so that dm/dw_e = (M_e - m) / W and dm/dM_e = w_e / W.
+  /// Without fading, d_j = (T_j - T_{j-1}) / m_j.
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);

@@ -38,6 +38,7 @@ class Communicator {
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
 
+/// Sum, maximum or minimum of `value` over the ranks.
 double sum(MPI_Comm comm, double value);
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
 double max(MPI_Comm comm, double value);

@@ -8,6 +8,7 @@
 
 namespace fabseq {
 
+/// Phases of a run, in the order of phase_names.
 enum class Phase { heat, layers, primal, adjoint, responses, optimizer, output };
 constexpr int phase_count = 7;
 constexpr std::array<std::string_view, phase_count> phase_names = {

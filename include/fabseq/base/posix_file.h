@@ -22,8 +22,11 @@ class PosixFile {
   ~PosixFile();
 
   operator int() const { return descriptor_; }  ///< for system calls
+  /// Writes all of `bytes` at the current position.
   void write(std::string_view bytes) const;
+  /// Writes `count` bytes at `offset` of the file.
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
+  /// Makes the file `bytes` bytes long.
   void resize(std::int64_t bytes) const;
   /// Reads up to `count` bytes from `offset` on and returns how many there were.
   std::size_t read_at(std::int64_t offset, void* bytes, std::size_t count) const;
@@ -71,6 +74,7 @@ class MemoryFile {
 
   /// Path under which this process can open it.
   std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  /// Size in bytes, -1 on failure.
   std::int64_t size() const;
   /// Reads or writes all of `bytes`. Returns false if not all could be read or written.
   bool read_at(std::int64_t offset, std::span<char> bytes) const;

@@ -12,12 +12,14 @@
 
 namespace fabseq {
 
+/// What a run does (docs/reference.md, -task).
 enum class Task { optimize, simulate, evaluate, check_gradients, check };
 
+/// What a run writes on its way, and how often.
 struct OutputSettings {
-  int every = 15;
-  int checkpoint_every = 10;
-  bool stages = false;
+  int every = 15;             ///< iterations between two dumps of the fields; 0: none
+  int checkpoint_every = 10;  ///< iterations between two checkpoints; 0: none
+  bool stages = false;        ///< whether to write the displacement after every layer
 };
 
 /// A validated config.

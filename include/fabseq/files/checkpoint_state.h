@@ -16,15 +16,19 @@ namespace fabseq {
 /// same names: the checkpoint then comes from another version. Nothing here is collective.
 class CheckpointState {
  public:
-  /// Sets a boolean, integer, finite number or string, which is the same on all ranks.
+  /// Sets a boolean, integer, finite number or string, which is the same on all ranks. Throws
+  /// std::invalid_argument for a number that is not finite.
   void set_scalar(const std::string& name, Json value);
-  /// Sets a list of finite numbers, which is the same on all ranks.
+  /// Sets a list of finite numbers, which is the same on all ranks. Throws std::invalid_argument if one is
+  /// not finite.
   void set_array(const std::string& name, std::vector<double> values);
   /// Sets a vector with one entry per design variable of this rank. If the checkpoint is read on another
   /// number of ranks or layer groups, the vector comes back distributed as theirs.
   void set_field(const std::string& name, std::vector<double> values) { fields_[name] = std::move(values); }
 
   bool has_array(const std::string& name) const { return arrays_.contains(name); }
+  /// The scalar, array or field of that name. References are valid until it is set again. Throws InputError
+  /// if it is missing or of another type.
   int integer(const std::string& name) const;
   double number(const std::string& name) const;
   const std::string& text(const std::string& name) const;

@@ -24,6 +24,8 @@ struct FieldSet {
   const Grid<Dim>* grid = nullptr;
   std::vector<Field> fields;
 
+  /// Adds a field on the nodes or elements, in double precision, with `components` values per node or
+  /// element.
   void add(bool on_nodes, const std::string& name, std::span<const double> values, int components = 1) {
     fields.push_back({name, on_nodes, components, values, false});
   }

@@ -27,6 +27,7 @@ class SlabGather;
 /// copies. All datasets but stages have an attribute `checksum` of their bytes (fabseq/files/seal.h).
 class Hdf5Writer {
  public:
+  /// Creates the file that close() will call `path`.
   Hdf5Writer(MPI_Comm comm, const std::string& path);
   ~Hdf5Writer();
   Hdf5Writer(Hdf5Writer&&) = delete;

@@ -29,6 +29,7 @@ class OutputDirectory {
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }
+  /// Path of a file in the directory.
   std::string file(const std::string& name) const { return path_ + "/" + name; }
   /// Makes a folder in the directory if it is not there yet. Throws OutputError on all ranks if that fails,
   /// for example because the directory itself has vanished. Collective.

@@ -14,9 +14,9 @@ class Section;
 
 /// Extent and grid of the box (see Domain). Vectors have one entry per axis, 2 or 3.
 struct DomainSettings {
-  std::vector<double> size;
-  std::vector<int> elements;
-  double thickness = 1.0;
+  std::vector<double> size;   ///< edge lengths, length unit
+  std::vector<int> elements;  ///< number of elements along each axis
+  double thickness = 1.0;     ///< 2D only, length unit
 
   int dimension() const { return static_cast<int>(elements.size()); }
   template <int Dim>

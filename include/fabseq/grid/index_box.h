@@ -22,6 +22,7 @@
 
 namespace fabseq {
 
+/// Coordinates of a point or components of a vector, [axis].
 template <int Dim>
 using Point = std::array<double, Dim>;
 

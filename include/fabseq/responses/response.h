@@ -49,10 +49,10 @@ struct PipelineAdjoint {
 /// One inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
 /// `scale`.
 struct ConstraintRow {
-  int component = 0;
-  double sign = 1.0;
-  double bound = 0.0;
-  double scale = 1.0;
+  int component = 0;   ///< of the response
+  double sign = 1.0;   ///< 1: upper bound, -1: lower bound
+  double bound = 0.0;  ///< in the unit of the component
+  double scale = 1.0;  ///< in the unit of the component, > 0
 
   /// Not positive if the inequality holds for a component with this value.
   double violation(double value) const { return sign * (value - bound) / scale; }

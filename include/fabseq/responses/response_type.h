@@ -16,7 +16,9 @@
 
 namespace fabseq {
 
+/// The two lists of terms in a config.
 enum class TermList { objective, constraints };
+/// Kinds of layers that a response may need.
 enum class LayerKind { any, curved, multi_planar };
 
 /// What the keys of a term are checked against.

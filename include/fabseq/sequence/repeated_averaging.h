@@ -29,9 +29,11 @@ class RepeatedAveraging {
   std::vector<double> apply_transpose(std::span<const double> design) const;
 
  private:
-  /// A node's or element's share of the means around it: M or M', docs/formulation.md 2.3.
+  /// Applies M, the means over the nodes of each part element (docs/formulation.md 2.3). Collective.
   std::vector<double> to_elements(std::span<const double> of_nodes) const;
+  /// Applies the transpose of M. Collective.
   std::vector<double> to_nodes(std::span<const double> of_elements) const;
+  /// Applies the inverse of D = diag(M^T 1), in place.
   void divide_by_weight(std::vector<double>& of_nodes) const;
 
   const Part<Dim>& part_;

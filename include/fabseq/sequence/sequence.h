@@ -60,6 +60,7 @@ class Sequence {
   virtual bool has_design() const { return false; }
   /// Number of design variables on this rank: those of its DesignSupport, or 0 without a design.
   virtual std::size_t variables() const { return 0; }
+  /// Bounds and scale of the variables; the same on all ranks.
   virtual DesignSpace space() const { return {}; }
   /// The design to start from, one entry per variable of this rank.
   virtual std::vector<double> initial_design() const { return {}; }
