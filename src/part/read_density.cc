@@ -77,8 +77,7 @@ Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& do
     hsize_t& extent = shape[Dim - 1 - axis];
     extent = static_cast<hsize_t>(domain.elements[axis]);
     if (dataset.shape().size() != Dim) continue;
-    const hsize_t missing =
-        extent - dataset.shape()[Dim - 1 - axis];  // wraps around to a huge number if the file has more
+    const hsize_t missing = extent - dataset.shape()[Dim - 1 - axis];  // huge if the file has more
     if (missing < static_cast<hsize_t>(sampling)) extent -= missing;
     found[axis] = static_cast<int>(extent);
   }

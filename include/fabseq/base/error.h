@@ -13,7 +13,7 @@ namespace fabseq {
 enum class ExitStatus { done = 0, bad_input = 2, numerical_failure = 3, stopped = 4, output_failure = 5 };
 
 /// Base of all errors of fabseq. An error is thrown on every rank of the world with the same text. A failure
-/// of a single rank goes through run_on_all() or its like first (verdict.h).
+/// of a single rank goes through one of the calls of verdict.h first.
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}

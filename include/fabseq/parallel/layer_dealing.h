@@ -29,9 +29,9 @@ struct LayerDeal {
 };
 
 /// Deals layers out to `groups` layer groups. `work` holds the expected iterations of each layer. Blocks have
-/// `widest` layers (a power of two, at most 8), the last one the rest. The block with most work is dealt out
-/// first, each to the group with least work so far. As long as it pays, blocks are halved: where there are
-/// fewer blocks than groups, or where they do not add up to equal sums. A single group gets whole blocks. The
+/// `widest` layers (a power of two, at most 8), the last one the rest. Blocks are dealt out in the order of
+/// falling work, each to the group with least work so far. They are halved while that pays: when there are
+/// fewer blocks than groups, or when their sums per group are uneven. A single group gets whole blocks. The
 /// result depends on the arguments only, so all ranks get the same one. Not collective.
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver);
 

@@ -15,7 +15,7 @@ namespace fabseq {
 /// Statistics of every layer, one entry per layer; the same on all ranks.
 struct LayerStatistics {
   std::vector<double> weight;     ///< W_j: sum over the elements of drho_e + floor
-  std::vector<double> volume;     ///< volume without the floor, length unit to the power 3
+  std::vector<double> volume;     ///< volume without the floor, length^3
   std::vector<double> mean;       ///< m_j: weighted mean of M_e, 1/length
   std::vector<double> deviation;  ///< D_j: sum of (drho_e + floor) (M_e - m_j)^2
   std::vector<double> thickness;  ///< d_j = (T_j - T_{j-1}) / m_j, length unit

@@ -59,7 +59,7 @@ class ResponseType : public ResponseTraits {
   virtual std::unique_ptr<Response<3>> make(const Term& term, const ResponseContext<3>& context) const = 0;
 };
 
-/// All types of a list, sorted by name. The registry owns them; they live as long as the program.
+/// All types of a list, sorted by name. They live as long as the program.
 std::vector<const ResponseType*> response_types(TermList list);
 /// The type of a list with that name; nullptr if there is none.
 const ResponseType* find_response_type(TermList list, const std::string& name);

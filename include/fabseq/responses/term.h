@@ -14,9 +14,9 @@ class ResponseType;
 /// The iteration by whose value an objective term is scaled: the first, or the current one.
 enum class TermScaling { first, current };
 
-/// A term of the objective or a constraint. Copies share the type.
+/// The settings of a term.
 struct Term {
-  const ResponseType* type = nullptr;  ///< owned by the registry; never null in a config that was read
+  const ResponseType* type = nullptr;  ///< in the registry, not owned; never null in a config that was read
   // Of objective terms; constraints have the defaults.
   double weight = 1.0;       ///< factor of the scaled term
   double normalize = 100.0;  ///< value that the term is scaled to

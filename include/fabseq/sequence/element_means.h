@@ -11,8 +11,8 @@
 
 namespace fabseq {
 
-/// Mean of the nodal values of each part element (a part field), and their gradient at its centre, [part
-/// element][axis], per length unit.
+/// Mean of the nodal values of each part element (a part field), and the gradient of these values at its
+/// centre, [part element][axis].
 struct ElementMeans {
   std::vector<double> mean, gradient;
 };

@@ -32,7 +32,7 @@ struct SequenceSettings {
   std::optional<double> initial;  ///< heat: uniform diffusivity; none: from the distance to the plate
   double drain = 1.0;             ///< heat: alpha times the square of the characteristic length
   std::optional<double> characteristic_length;  ///< length unit; none: the part's longest edge
-  /// heat: bounds of the diffusivity in the part, and the diffusivity outside.
+  /// For heat: bounds of the diffusivity in the part, and the diffusivity outside.
   double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
   double filter_radius = 0.0;                          ///< heat, direct: length unit; 0: no filter
   DesignLocation location = DesignLocation::elements;  ///< direct: where the pseudo-time lives
