@@ -5,9 +5,9 @@
 
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/grid.h"
+#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_cg.h"
 #include "fabseq/lanes/lane_hierarchy.h"
-#include "fabseq/lanes/lane_array.h"
 
 #include <array>
 #include <functional>

@@ -40,7 +40,7 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-/// Opens a file for this rank alone; returns what is wrong with it, "" if nothing.
+/// Opens a file on this rank alone. Returns what is wrong with it, "" if nothing.
 std::string open_alone(const std::string& file_name, const std::string& file_key, Hdf5File& file) {
   errno = 0;
   if (!std::ifstream(file_name, std::ios::binary))
@@ -51,7 +51,7 @@ std::string open_alone(const std::string& file_name, const std::string& file_key
   return file ? "" : file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";
 }
 
-/// What is wrong with file or dataset, by a look at it from this rank alone; "" if nothing.
+/// What is wrong with the file or the dataset as this rank alone sees them; "" if nothing.
 std::string find_fault(const std::string& file_name, const std::string& dataset_name,
                        const std::string& file_key, const std::string& dataset_key) {
   Hdf5File file;
@@ -90,7 +90,7 @@ void silence_hdf5() { (void)H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 std::string hdf5_error() {
   std::string text;
-  // Upward: the innermost call, which knows what went wrong, comes first.
+  // Upward: the innermost call comes first, and it knows what went wrong.
   const auto take_first = [](unsigned position, const H5E_error2_t* entry, void* data) -> herr_t {
     if (position == 0 && entry->desc != nullptr) *static_cast<std::string*>(data) = entry->desc;
     return 0;

@@ -12,8 +12,8 @@ namespace fabseq {
 
 namespace {
 
-/// Deeper documents are refused: nothing fabseq reads needs it, and it bounds every recursion over a
-/// document.
+/// Deeper documents are refused. Nothing that fabseq reads needs them, and the limit bounds every recursion
+/// over a document.
 constexpr std::size_t max_depth = 64;
 
 std::string place_in_text(const std::string& text, std::size_t position) {
@@ -33,7 +33,7 @@ std::string bare_message(const std::string& message) {
   return message.substr(colon == std::string::npos ? start : colon + 2);
 }
 
-/// Builds a value from the parser's events, so that double keys and bottomless nesting are seen.
+/// Builds a value from the parser's events, which show duplicate keys and the depth of nesting.
 class Builder : public nlohmann::json_sax<Json> {
  public:
   Builder(const std::string& text, const std::string& place) : text_(text), place_(place) {}

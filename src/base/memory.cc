@@ -34,7 +34,7 @@ std::int64_t installed_memory_bytes(MPI_Comm comm) {
 }
 
 std::int64_t available_memory_bytes(MPI_Comm comm) {
-  // Linux's own estimate, which counts what caches would give back.
+  // Linux's own estimate also counts what caches would give back.
   std::int64_t kilobytes =
       static_cast<std::int64_t>(sysconf(_SC_AVPHYS_PAGES)) * sysconf(_SC_PAGESIZE) / 1024;
   std::ifstream file("/proc/meminfo");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
 
-#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+#include "fabseq/base/petsc.h"  // so that -log_view counts the messages sent here
 
 #include <numeric>
 

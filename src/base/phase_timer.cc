@@ -16,8 +16,8 @@ PhaseTimer::PhaseTimer() {
     check(PetscLogStageGetId(name.c_str(), &stages_[phase]));
     if (stages_[phase] < 0) check(PetscLogStageRegister(name.c_str(), &stages_[phase]));
   }
-  // All events now: PETSc matches those of different ranks by number, and layer groups would come to them in
-  // orders of their own.
+  // All events are registered now: PETSc matches the events of different ranks by number, and each layer
+  // group would otherwise register them in an order of its own.
   for (const char* name : {"fabseq heat lanes", "fabseq lane set-up", "fabseq loads", "fabseq lane solve",
                            "fabseq derivatives", "fabseq set-up", "fabseq solve", "fabseq block solve"})
     (void)LogEvent(name);

@@ -89,7 +89,7 @@ void PosixFile::reserve(std::int64_t bytes) const {
 }
 
 void PosixFile::sync() const {
-  // EINVAL: something that cannot be synced, such as a directory of some network file systems.
+  // EINVAL means something that cannot be synced, such as a directory of some network file systems.
   if (::fsync(descriptor_) != 0 && errno != EINVAL) fail("write", path_, errno);
   (void)::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
 }

@@ -26,7 +26,7 @@ PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, Pets
   return code;
 }
 
-/// PETSc options nobody asked for are most likely misspelt.
+/// PETSc options that were never read are most likely misspelt.
 void warn_about_unread_options() {
   PetscInt count = 0;
   char** names = nullptr;
@@ -55,17 +55,17 @@ int guarded(const std::function<void()>& program) {
   }
 }
 
-/// Prefers ROMIO among Open MPI's two ways to write files together: its ranks agree on whether a file is
-/// open. With the other, a rank that cannot open it leaves the others waiting. Without effect where there is
-/// only one way, or another MPI.
+/// Prefers ROMIO among Open MPI's two ways of parallel file access. Its ranks agree on whether a file is
+/// open; with the other, a rank that cannot open the file leaves the others waiting. The call has no effect
+/// where there is only one way, or with another MPI.
 void prefer_romio() {
   for (const char* parameter : {"OMPI_MCA_io_romio321_priority", "OMPI_MCA_io_romio341_priority"})
-    (void)::setenv(parameter, "60", 0);  // against 30; what the user has set stays
+    (void)::setenv(parameter, "60", 0);  // the other one has 30; what the user has set stays
 }
 
-/// By itself the C library moves the size from which on it takes blocks from the system and gives them back:
-/// up to 32 MB, as they are freed. Fields of that size then stay in pieces of the heap, 0.4 GB of 3 within
-/// ten iterations.
+/// Fixes the size from which on the C library takes blocks from the system and gives them back. By default
+/// this threshold grows up to 32 MB as blocks are freed. Fields of that size then stay in pieces of the heap:
+/// 0.4 GB of 3 GB within ten iterations.
 void give_memory_back() {
 #ifdef __GLIBC__
   (void)::mallopt(M_MMAP_THRESHOLD, 1 << 20);
@@ -74,8 +74,8 @@ void give_memory_back() {
 
 constexpr int moment = 100;  // milliseconds
 
-/// Another way to the same pipe or terminal, on which writes do not wait. The descriptor itself is shared
-/// with whoever else writes there and stays as it is. -1 where there is none, or nothing to wait for.
+/// A second descriptor of the same pipe or terminal, on which writes do not wait. The original is shared with
+/// other writers and keeps its mode. The descriptor is -1 if there is none, or if writes never have to wait.
 class WithoutWaiting {
  public:
   explicit WithoutWaiting(int descriptor) {
@@ -95,7 +95,7 @@ class WithoutWaiting {
   int descriptor_ = -1;
 };
 
-/// Whether there may be room now; false if it is not worth waiting any more.
+/// Whether there may be room now; false if waiting any longer is not worth it.
 bool wait_for_room(int descriptor) {
   const bool stops = stop_requested();
   pollfd waiting{descriptor, POLLOUT, 0};
@@ -107,7 +107,7 @@ bool wait_for_room(int descriptor) {
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
   std::vector<std::string> copies = petsc_arguments;
-  // Signals are fabseq's (stop.h), and a closed pipe, as of `| head`, shall not end in a trace.
+  // fabseq handles signals itself (stop.h), and a closed pipe, as of `| head`, must not end in a trace.
   copies.emplace_back("-no_signal_handler");
   std::vector<char*> pointers;
   pointers.reserve(copies.size() + 1);

@@ -31,7 +31,8 @@ struct NamedSignal {
 constexpr std::array<NamedSignal, 4> stop_signals = {
     {{SIGUSR1, "USR1"}, {SIGUSR2, "USR2"}, {SIGTERM, "TERM"}, {SIGINT, "INT"}}};
 
-// Reasons as numbers, so that ranks can agree on one: a signal's own number is larger than these.
+// Reasons are numbers, so that ranks can agree on one. The number of a signal is positive and hence larger
+// than these.
 constexpr int no_reason = 0, file_reason = -2, time_reason = -1;
 
 const Clock::time_point process_start = Clock::now();
@@ -41,14 +42,14 @@ constexpr long nanoseconds = 1000000000L;
 volatile std::sig_atomic_t caught_signal = 0;
 volatile std::sig_atomic_t caught_seconds = 0, caught_nanoseconds = 0;
 
-/// A file that may ask; without a name on ranks that leave that to another.
+/// A file that may ask for the stop. `path` is empty on ranks that leave looking to another rank.
 struct WatchedFile {
   std::string path;
-  int iterations = 0;  ///< that its run has done
+  int iterations = 0;  ///< done by the run that the file belongs to
   bool asked = false;
 };
 
-/// What the process is to look for beside signals.
+/// What the process looks for beside signals.
 struct Watch {
   std::optional<double> max_wall_time;
   std::vector<WatchedFile> files;  ///< the innermost last
@@ -76,7 +77,7 @@ extern "C" void on_stop_signal(int signal) {
   errno = error;
 }
 
-/// A file that cannot be read, other than one that is not there, is taken for a request as well.
+/// A file that is there but cannot be read counts as a request, too.
 bool file_asks(const WatchedFile& seen) {
   if (seen.path.empty() || ::access(seen.path.c_str(), F_OK) != 0) return false;
   std::string word;
@@ -130,7 +131,7 @@ StopRequests::StopRequests(std::optional<double> max_wall_time) {
   watch().max_wall_time = max_wall_time;
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
-  action.sa_flags = SA_RESTART;  // writes go on
+  action.sa_flags = SA_RESTART;  // interrupted writes go on
   for (const NamedSignal& signal : stop_signals) (void)sigaction(signal.number, &action, nullptr);
 }
 
@@ -171,7 +172,7 @@ void stop_if_requested(MPI_Comm comm) {
 }
 
 void throw_stopped(MPI_Comm comm) {
-  // Signals are positive and come first, then the file, then the time; 0 has not been asked.
+  // Signals are positive and take precedence, then the file, then the time. A rank that was not asked has 0.
   const auto own = static_cast<std::int64_t>(own_reason());
   const std::int64_t largest = max(comm, own);
   throw Stopped(reason_text(static_cast<int>(largest > 0 ? largest : min(comm, own))));

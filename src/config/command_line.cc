@@ -25,16 +25,17 @@ constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
                                {"check_gradients", Task::check_gradients},
                                {"check", Task::check}};
 
-/// "-name" but not a negative number or a lone '-', the way PETSc tells options from values.
+/// Whether a word is an option ("-name"), not a negative number or a lone '-'; PETSc tells options from
+/// values in the same way.
 bool is_option(std::string_view word) {
   return word.size() > 1 && word[0] == '-' &&
          (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
 }
 
-/// The prefixes of the solvers' options: of stages.cc, without the '_' at the end.
+/// Prefixes of the solvers' PETSc options, as stages.cc sets them, without the '_' at the end.
 constexpr std::string_view solver_prefixes = "elasticity heat release";
 
-/// First words of PETSc's options: what its classes, and its sub-solvers, put before their own.
+/// First words of PETSc's options: the prefixes of its classes and of its sub-solvers.
 constexpr std::string_view petsc_words =
     "ao blas check_pointer_intensity checkstack citations cuda da debugger default_device_type device "
     "display "
@@ -43,8 +44,8 @@ constexpr std::string_view petsc_words =
     "redundant saws sf skip_petscrc snes splitreduction_async start_in_debugger stop_for_debugger sub tao ts "
     "use_gpu_aware_mpi vec vecscatter viewer x_virtual";
 
-/// Whether PETSc or a solver of ours may know an option: PETSc keeps no list of its options, so this goes by
-/// their first words.
+/// Whether PETSc or one of our solvers may know an option. PETSc keeps no list of its options, so this goes
+/// by their first words.
 bool begins_like_petscs(const std::string& option) {
   const auto known = [&](std::string_view words) {
     return std::ranges::any_of(split(words, ' '), [&](const std::string& word) {
@@ -54,7 +55,8 @@ bool begins_like_petscs(const std::string& option) {
   return known(solver_prefixes) || known(petsc_words);
 }
 
-/// "-elastcity_ksp_view" as "-elasticity_ksp_view", "-heat_ksp_view", ...
+/// The option with each of the solvers' prefixes in place of its first word: for "-elastcity_ksp_view" these
+/// are "-elasticity_ksp_view", "-heat_ksp_view", ...
 std::vector<std::string> with_solver_prefixes(const std::string& word) {
   const std::size_t rest = word.find('_');
   if (rest == std::string::npos) return {};
@@ -73,7 +75,7 @@ Task parse_task(const std::string& name) {
   refuse("-task", shown(name), join(names, ", "));
 }
 
-/// JSON text of what PETSc takes for a boolean, empty for other words.
+/// JSON text of a word that PETSc takes for a boolean; empty for other words.
 std::string boolean_value(std::string_view word) {
   if (word == "true" || word == "yes" || word == "on" || word == "1") return "true";
   if (word == "false" || word == "no" || word == "off" || word == "0") return "false";
@@ -110,13 +112,13 @@ class Parser {
  private:
   bool next_is_value() const { return position_ + 1 < words_.size() && !is_option(words_[position_ + 1]); }
 
-  /// The word after an own option.
+  /// Takes the word after one of fabseq's own options as its value.
   const std::string& value(const std::string& option) {
     if (!next_is_value()) throw InputError(option + ": missing value; allowed: " + option + " VALUE");
     return words_[++position_];
   }
 
-  /// What `word`, an option of fabseq's own, does.
+  /// An option of fabseq's own, and the function that takes it and its value.
   struct OwnOption {
     std::string_view name;
     void (*take)(Parser& parser, const std::string& word);
@@ -190,7 +192,7 @@ class Parser {
     result_.overrides.emplace_back(dotted_path(key), given.empty() ? "true" : given);
   }
 
-  /// PETSc takes an option and at most one value, and would skip further words without a sound.
+  /// Leaves an option to PETSc, which takes at most one value for it and would silently skip further words.
   void pass_on(const std::string& word) {
     if (!is_option(word)) {
       throw InputError(shown(word) + ": belongs to no option; allowed: options, each with at most one value");
@@ -200,7 +202,7 @@ class Parser {
     if (next_is_value()) result_.petsc_arguments.push_back(words_[++position_]);
   }
 
-  /// An option that nobody will read is better found out now than after hours of computing.
+  /// Refuses an option that nothing will read: better now than after hours of computing.
   static void refuse_misspelt(const std::string& word) {
     std::vector<std::string> known = flat_options();
     for (const OwnOption& option : own_options()) known.emplace_back(option.name);

@@ -30,12 +30,12 @@ std::string name_list(const Keys& keys) { return join(names(keys), ", "); }
   throw InputError(message + " allowed here: " + name_list(keys));
 }
 
-/// Fills in one document against the table.
+/// Checks one document against the declared keys and fills in defaults.
 class Completion {
  public:
   Completion(int dimension, std::string directory) : context_{dimension, std::move(directory)} {}
 
-  /// The object `value` with the keys of a section, complete.
+  /// The object `value`, completed with the keys of a section.
   Json section(const Json& value, const std::string& pointer, const std::string& path) const {
     if (!value.is_object()) refuse(pointer, shown(value), "an object");
     const std::string variant = variant_of(value, pointer, path);
@@ -55,7 +55,7 @@ class Completion {
         ->keys;
   }
 
-  /// Keys of a section that exist in this dimension.
+  /// Keys of a section that exist in this dimension and for this type of the object.
   Keys keys_of(std::string_view path, std::string_view variant) const {
     Keys result;
     for (const ConfigKey& key : declared(path)) {
@@ -65,7 +65,7 @@ class Completion {
     return result;
   }
 
-  /// The object's "type", if there are keys that depend on it.
+  /// The "type" of the object; empty if the section has no such key.
   std::string variant_of(const Json& value, const std::string& pointer, const std::string& path) const {
     const std::vector<ConfigKey>& keys = declared(path);
     const auto type =
@@ -76,7 +76,8 @@ class Completion {
     return holder.at("type").get<std::string>();
   }
 
-  /// Refuses members that are none of `keys`, those of the section `path` in this dimension and maybe others.
+  /// Refuses members that are not among `keys`, which are those of the section `path` in this dimension and
+  /// maybe others.
   void refuse_strangers(const Json& value, const std::string& pointer, std::string_view path,
                         const std::string& variant, const Keys& keys) const {
     for (const auto& [name, found] : value.items()) {
@@ -93,7 +94,7 @@ class Completion {
     }
   }
 
-  /// A key that domains of another dimension have deserves more than "unknown key".
+  /// Refuses a key that exists only in domains of another dimension with a better message than "unknown key".
   void refuse_other_dimension(const std::string& pointer, const Json& found, std::string_view path,
                               const std::string& name) const {
     for (const ConfigKey& key : declared(path)) {
@@ -166,7 +167,7 @@ class Completion {
     return result;
   }
 
-  /// An object with exactly one shape (or voxels) and the further keys of the section `extra`.
+  /// Completes an object with exactly one shape (or voxels) and the further keys of the section `extra`.
   Json shape(const Json& value, const std::string& pointer, const std::string& extra) const {
     Keys keys = keys_of("shape", ""), sources, given;
     if (!extra.empty()) {
@@ -196,7 +197,8 @@ class Completion {
   ValueContext context_;
 };
 
-/// The entries of domain.elements decide; what else may be wrong with them is found later.
+/// Dimension of the domain, by the number of entries of domain.elements, 3 if there are none. Other faults in
+/// them are found later.
 int find_dimension(const Json& document) {
   const Json* domain = find_member(document, "domain");
   const Json* elements = domain != nullptr ? find_member(*domain, "elements") : nullptr;
@@ -212,7 +214,7 @@ Json complete_config(const Json& document, const std::string& directory) {
   if (!document.is_object()) refuse("", shown(document), "an object");
   Json input = Json::object();
   for (const auto& [name, value] : document.items()) {
-    if (name != "run") input[name] = value;  // a record of the run that wrote the file
+    if (name != "run") input[name] = value;  // "run" records the run that wrote the file
   }
   return Completion(find_dimension(input), directory).section(input, "", "");
 }

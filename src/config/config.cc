@@ -9,7 +9,7 @@ namespace fabseq {
 
 namespace {
 
-/// The first constraint on the thickness says how thick layers shall be.
+/// The target thickness of the first constraint that has one.
 std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
   for (std::size_t i = 0; i < constraints.size(); ++i)
     if (const auto target = constraints[i].type->target_thickness(constraints[i]))

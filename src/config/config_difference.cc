@@ -11,7 +11,7 @@ namespace fabseq {
 
 namespace {
 
-/// Keys that may change, with all below them.
+/// JSON pointers of keys that may change, with all keys below them.
 constexpr std::array<std::string_view, 10> free_keys = {"/name",
                                                         "/output",
                                                         "/run",

@@ -10,7 +10,7 @@ namespace fabseq {
 
 namespace {
 
-/// A base class of Config, as what a section is read into.
+/// Binding of a section to a base class of Config.
 template <class Base>
 Base& base_of(Config& config) {
   return config;
@@ -101,7 +101,7 @@ Section<Config> all_keys() {
       .section("output", &Its::output, "Output", output_keys(), optional);
 }
 
-/// Calls `visit` for every key.
+/// Calls visit(key) for every key of every section.
 template <class Visit>
 void for_each_key(const Visit& visit) {
   for (const SectionKeys& section : config_sections())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// From the config file and the command line to a Config.
+/// Makes a Config from the config file and the command line.
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -20,7 +20,7 @@ namespace fabseq {
 
 namespace {
 
-/// Why a file cannot be read, empty where it can.
+/// Why a file cannot be read; empty if it can be.
 std::string reading_problem(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) return "is a directory";
@@ -49,7 +49,7 @@ ConfigFile load(const std::string& file) {
   return result;
 }
 
-/// Throws on all ranks what rank 0 found, if it found something.
+/// Throws InputError on all ranks if rank 0 found a problem.
 void throw_problem_of_rank_0(MPI_Comm comm, const std::string& problem) {
   const std::string text = broadcast(comm, problem);
   if (!text.empty()) throw InputError(text);
@@ -62,7 +62,7 @@ std::string missing_file(const std::string& pointer, const std::string& file) {
          "); allowed: a readable HDF5 file";
 }
 
-/// Rank 0 looks whether the files a config names are there.
+/// Lets rank 0 check that the files that a config names can be read. Collective.
 void check_files(MPI_Comm comm, const Config& config) {
   std::string problem;
   if (rank_of(comm) == 0) {
@@ -85,7 +85,7 @@ void warn_about(const Config& config) {
        "): half-built elements shrink more than they resist");
 }
 
-/// The JSON value of a text from the command line, the text itself where it is no JSON.
+/// The JSON value of a text from the command line; the text itself if it is not JSON.
 Json value_of(const std::string& text) {
   try {
     return parse_json(text, "value");
@@ -94,7 +94,7 @@ Json value_of(const std::string& text) {
   }
 }
 
-/// Index of a list's entry: a number, or the "type" of the entry.
+/// Index of the list entry that a segment of a path selects, by number or by the "type" of the entry.
 std::size_t find_entry(const Json& list, const std::string& segment, const std::string& pointer) {
   const std::size_t count = list.size();
   const auto digit = [](unsigned char character) { return std::isdigit(character) != 0; };

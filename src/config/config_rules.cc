@@ -12,12 +12,13 @@ namespace fabseq {
 
 namespace {
 
-/// A value as the user gave it.
+/// Text of a value as the effective config has it.
 std::string given(const Config& config, const char* section, const char* key) {
   return shown(config.effective.at(section).at(key));
 }
 
-/// Node sets end in paths of -set and the name in a path of the file system.
+/// Whether a name can be used: names of node sets appear in paths of -set, and that of the config appears in
+/// file names.
 bool is_plain_name(const std::string& name, const std::string& forbidden) {
   const auto bad = [&](unsigned char character) {
     return std::iscntrl(character) != 0 || forbidden.find(static_cast<char>(character)) != std::string::npos;
@@ -55,7 +56,8 @@ void check_initial_diffusivity(const Config& config) {
          "\"distance\" or a number within bounds " + given(config, "sequence", "bounds"));
 }
 
-/// Thickness and turning strains need the gradient of the pseudo-time, which element-wise values do not have.
+/// Message text for configs without a gradient of the pseudo-time, which thickness and turning strains need
+/// and which element-wise values do not have.
 std::string without_gradient(const Config& config) {
   const bool file = config.sequence.type == SequenceType::file;
   return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
@@ -68,7 +70,7 @@ void check_strain(const Config& config) {
          "a list of numbers, or sequence type heat, planar, or direct with location nodes");
 }
 
-/// What a term needs: a kind of layers, and the gradient of the pseudo-time.
+/// Checks what a term needs: a kind of layers, and the gradient of the pseudo-time.
 void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {
   const LayerKind kind = config.layers.multi_planar ? LayerKind::multi_planar : LayerKind::curved;
   const auto name = [](LayerKind of) { return of == LayerKind::curved ? "curved" : "multi_planar"; };

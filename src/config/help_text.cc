@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The table of config keys for people: -help and the reference in the manual.
+/// The table of config keys for users: -help and the reference in the manual.
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/config_keys.h"
 
@@ -42,7 +42,7 @@ Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could
 
 bool is_listed(const ConfigKey& key) { return key.type != KeyType::unavailable; }
 
-/// What the key takes, with the dimension it is restricted to.
+/// Values that the key takes, with the dimension that it is restricted to.
 std::string allowed_text(const ConfigKey& key) {
   if (key.type == KeyType::part) return "an object with one shape or voxels";
   if (key.type == KeyType::node_sets) return "an object of named shapes";
@@ -62,7 +62,7 @@ std::string title(const SectionKeys& section) {
   return section.path.empty() ? section.title : section.path + ": " + section.title;
 }
 
-/// "heat: scale" where the key exists only for one type.
+/// Name of a key, "heat: scale" if the key exists only for one type.
 std::string key_name(const ConfigKey& key) {
   return key.variant.empty() ? key.name : key.variant + ": " + key.name;
 }
@@ -88,10 +88,10 @@ void write_key(std::ostream& stream, const ConfigKey& key) {
   stream << "; " << (key.required ? "" : "default ") << default_text(key) << "\n";
 }
 
-/// Code in Markdown.
+/// A text as code in Markdown.
 std::string code(std::string_view text) { return text.empty() ? "" : "`" + std::string(text) + "`"; }
 
-/// An item of a Markdown list within 110 columns. Code is not broken, and no line begins with a ">".
+/// An item of a Markdown list, wrapped within 110 columns. Code is not broken, and no line begins with a ">".
 void write_item(std::ostream& stream, const std::string& text) {
   constexpr std::size_t width = 110;
   std::string line = "-";
@@ -151,7 +151,7 @@ std::string reference_table() {
     stream << "\n";
   }
   std::string text = stream.str();
-  text.pop_back();  // who prints it ends the line
+  text.pop_back();  // the caller ends the last line
   return text;
 }
 

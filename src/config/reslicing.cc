@@ -15,7 +15,7 @@ namespace fabseq {
 
 namespace {
 
-/// Layers that a result was made with, and their sharpness; 0 where a file does not say.
+/// Number and sharpness of the layers that a result was made with; 0 if the file does not say.
 struct Slicing {
   double layers = 0.0, beta = 0.0;
 };

@@ -46,7 +46,8 @@ std::uint64_t checksum_of(const std::map<std::string, Json>& scalars) {
   throw OutputError("checkpoint '" + file + "' is damaged: " + what);
 }
 
-/// Checksum of a dataset's doubles, read slab by slab of the slowest axis; none if it cannot be read.
+/// Checksum of a dataset's doubles, which are read slab by slab of the slowest axis; none if it cannot be
+/// read.
 std::optional<std::uint64_t> checksum_of_dataset(hid_t dataset) {
   const Hdf5Dataspace in_file(H5Dget_space(dataset));
   const int rank = in_file ? H5Sget_simple_extent_ndims(in_file) : -1;
@@ -87,7 +88,7 @@ std::string next_slot(const std::string& directory) {
                                                                 : "checkpoint/slot_0.h5";
 }
 
-/// Expanded to the full grid one after the other: what they take in memory is one field.
+/// Expands the fields to the full grid one after the other, so that only one of them takes memory at a time.
 template <int Dim>
 void write_slot(const OutputDirectory& directory, const std::string& slot, const DesignLayout<Dim>& layout,
                 const CheckpointState& state) {

@@ -24,7 +24,7 @@ struct Search {
   std::string path, warning;
 };
 
-/// For rank 0: the slots in the order in which they are to be tried, the one that is pointed to first.
+/// Finds an intact slot, trying the one that `newest` names first. Rank 0 calls it.
 Search search(const std::string& directory) {
   const std::string newest = newest_checkpoint(directory);
   std::vector<std::string> candidates(slots.begin(), slots.end());
@@ -54,7 +54,8 @@ std::vector<double> read_array(hid_t dataset, const std::string& name) {
   return values;
 }
 
-/// For rank 0: scalars, arrays and the names of the fields. As text, JSON keeps every bit of a finite number.
+/// JSON text with scalars, arrays and the names of the fields; as text, every finite number keeps all its
+/// bits. Rank 0 calls it.
 std::string read_description(const std::string& path) {
   silence_hdf5();
   const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
@@ -92,7 +93,7 @@ CheckpointState without_fields(const Json& description) {
 std::string find_checkpoint(MPI_Comm comm, const std::string& directory) {
   Search found;
   run_on_first(comm, [&] { found = search(directory); });
-  if (!found.warning.empty()) warn(found.warning);  // rank 0's
+  if (!found.warning.empty()) warn(found.warning);  // only rank 0 has one
   return broadcast(comm, found.path);
 }
 

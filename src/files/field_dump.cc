@@ -48,7 +48,7 @@ MPI_Datatype make_entity_type(int components, bool single_precision) {
   return type;
 }
 
-/// The part of the whole box that `owned` covers.
+/// MPI datatype of the part of the whole box that `owned` covers.
 template <int Dim>
 MPI_Datatype make_box_type(const IndexBox<Dim>& whole, const IndexBox<Dim>& owned, MPI_Datatype entity) {
   MPI_Datatype type = MPI_DATATYPE_NULL;
@@ -57,13 +57,14 @@ MPI_Datatype make_box_type(const IndexBox<Dim>& whole, const IndexBox<Dim>& owne
   return type;
 }
 
-/// A file that all ranks write together. Every member is collective and throws OutputError on all ranks.
+/// A file that all ranks of `comm` write together. Every member is collective on `comm`, and all but the
+/// destructor throw OutputError on all ranks.
 class SharedFile {
  public:
-  /// `path` must be there.
+  /// The file `path` must exist.
   SharedFile(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
     const int opened = MPI_File_open(comm_, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file_);
-    // Left open where not all ranks could open it: closing is collective and would wait for the others.
+    // If not all ranks could open it, it stays open: closing is collective and would wait for the others.
     if (any(comm_, opened != MPI_SUCCESS)) file_ = MPI_FILE_NULL;
     run_on_all(comm_, [&] { require_success(opened, path_); });
   }
@@ -73,7 +74,7 @@ class SharedFile {
     if (file_ != MPI_FILE_NULL) (void)MPI_File_close(&file_);
   }
 
-  /// Writes this rank's `values` of a field that starts at byte `offset`.
+  /// Writes this rank's values of a field that starts at byte `offset` of the file.
   template <int Dim>
   void write(const IndexBox<Dim>& whole, const IndexBox<Dim>& owned,
              const typename FieldSet<Dim>::Field& field, std::int64_t offset) {
@@ -91,7 +92,7 @@ class SharedFile {
     const int written = MPI_File_write_at_all(file_, 0, values, count, entity, &status);
     run_on_all(comm_, [&] {
       require_success(written, path_);
-      // A full disk need not be an error to MPI: the count is short.
+      // MPI may report a full disk by a short count only.
       int arrived = 0;
       MPI_Get_count(&status, entity, &arrived);
       if (arrived != count)
@@ -119,7 +120,7 @@ IndexBox<Dim> whole_box(const Grid<Dim>& grid, bool on_nodes) {
   return on_nodes ? grid.all_nodes() : grid.all_elements();
 }
 
-/// First byte of each field, and the size of the file.
+/// Byte offset of each field, followed by the size of the file.
 template <int Dim>
 std::vector<std::int64_t> byte_offsets(const FieldSet<Dim>& fields) {
   std::vector<std::int64_t> offsets = {0};
@@ -131,9 +132,9 @@ std::vector<std::int64_t> byte_offsets(const FieldSet<Dim>& fields) {
   return offsets;
 }
 
-/// One rank makes the file and takes its room on the disk, so that a missing folder or a full disk never
-/// reach the collective calls: Open MPI 4.1 gives up a failed collective write half way, and ranks hang in
-/// what they call next.
+/// Creates the file and allocates its room on the disk, on one rank, so that a missing folder or a full disk
+/// never reaches the collective calls: Open MPI 4.1 gives up a failed collective write half way, and ranks
+/// then hang in their next call.
 void make_room(const std::string& path, std::int64_t bytes) {
   PosixFile file(path, O_WRONLY | O_CREAT | O_TRUNC);
   file.reserve(bytes);
@@ -164,7 +165,7 @@ void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::str
 
   try {
     run_on_first(comm, [&] { make_room(partial, offsets.back()); });
-    // Of the ranks that write, all fail or none.
+    // Either all of the ranks that write fail or none.
     run_on_all(comm, [&] {
       if (writes) write_values(fields, offsets, partial);
     });

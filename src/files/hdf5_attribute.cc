@@ -30,7 +30,7 @@ bool write_scalar(hid_t object, const std::string& name, hid_t file_type, hid_t 
   return attribute && H5Awrite(attribute, memory_type, value) >= 0 && attribute.close();
 }
 
-/// An attribute if it is there and holds one value.
+/// The attribute, if it is there and holds one value.
 Hdf5Attribute open_scalar(hid_t object, const std::string& name) {
   if (H5Aexists(object, name.c_str()) <= 0) return {};
   Hdf5Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT));

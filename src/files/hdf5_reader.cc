@@ -8,8 +8,8 @@ namespace fabseq {
 
 namespace {
 
-/// A field stored as one list, x fastest: every rank reads from its first value to its last and picks its
-/// own.
+/// Reads a field that is stored as one list, x fastest. Every rank reads from its first value to its last and
+/// picks out its own.
 template <int Dim>
 std::vector<double> read_field_as_list(const IndexBox<Dim>& all, const IndexBox<Dim>& owned,
                                        const Hdf5ParallelDataset& data) {

@@ -35,10 +35,9 @@ std::vector<hsize_t> to_extents(const std::vector<std::int64_t>& shape) {
 
 /// The file on rank 0.
 ///
-/// HDF5 does not survive a write that fails: what it then keeps of the file crashes the process at its end.
-/// So it gets to see a file in memory only, and there nothing but metadata is written, a few kilobytes. The
-/// values go straight to the disk, to where HDF5 would have put them, and at the end the metadata around
-/// them.
+/// HDF5 does not survive a failed write: the state it keeps of the file crashes the process at its end. So
+/// HDF5 works on a file in memory, to which it writes nothing but metadata, a few kilobytes. The values go
+/// straight to the disk, to where HDF5 would have put them, and the metadata around them follow at the end.
 class Hdf5Writer::File {
  public:
   File(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {}
@@ -69,7 +68,7 @@ class Hdf5Writer::File {
     const Hdf5PropertyList links(H5Pcreate(H5P_LINK_CREATE));
     (void)H5Pset_create_intermediate_group(links, 1);
     const Hdf5PropertyList creation(H5Pcreate(H5P_DATASET_CREATE));
-    (void)H5Pset_obj_track_times(creation, false);  // the same run gives the same bytes
+    (void)H5Pset_obj_track_times(creation, false);  // so that the same run gives the same bytes
     (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     (void)H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
     const Hdf5Dataset dataset(H5Dcreate2(file_, name.c_str(), type, space, links, creation, H5P_DEFAULT));
@@ -80,7 +79,7 @@ class Hdf5Writer::File {
     if (bytes > 0) places_[name] = {static_cast<std::int64_t>(offset), bytes};
   }
 
-  /// Writes values of a dataset from number `first` on, and adds their bytes to the checksum.
+  /// Writes values of a dataset from number `first` on and adds their bytes to the checksum.
   void write_values(const std::string& name, std::int64_t first, std::span<const double> values,
                     bool single_precision, Checksum& checksum) const {
     std::vector<float> rounded;
@@ -118,7 +117,7 @@ class Hdf5Writer::File {
   }
 
  private:
-  /// Where the values of a dataset are in the file.
+  /// Where the values of a dataset are in the file, in bytes.
   struct Place {
     std::int64_t offset = 0, bytes = 0;
   };
@@ -136,7 +135,7 @@ class Hdf5Writer::File {
   std::string path_;
   MemoryFile memory_;
   Hdf5File file_;                  ///< in memory_
-  std::optional<PosixFile> disk_;  ///< under the partial name, as long as it is not published
+  std::optional<PosixFile> disk_;  ///< has the partial name until it is published
   std::map<std::string, Place> places_;
 };
 
@@ -150,7 +149,7 @@ template <int Dim>
 std::uint64_t Hdf5Writer::write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
                                       bool single_precision) {
   const bool is_first = rank_of(file_->comm()) == 0;
-  std::exception_ptr failure;  // put off until all slabs are gathered
+  std::exception_ptr failure;  // rethrown when all slabs are gathered
   Checksum checksum;
   for (int slab = 0; slab < slabs.count(); ++slab) {
     const std::span<const double> values = slabs.gather(slab);

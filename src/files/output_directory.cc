@@ -20,10 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Presence of this file makes a directory a run's: written first, removed last.
+/// This file marks a directory as that of a run. It is written first and removed last.
 constexpr std::string_view mark_of_a_run = "config.json";
-/// What else a run writes (docs/reference.md, output), and the two files by which a user talks to
-/// it.
+/// Files that a run writes (docs/reference.md, output), and the two by which a user talks to it.
 constexpr auto files_of_a_run = std::to_array<std::string_view>(
     {"refined.h5", "history.jsonl", "result.h5", "result.xdmf", "summary.json", "evaluation.json",
      "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest", "stop",
@@ -35,7 +34,7 @@ constexpr auto files_of_a_run = std::to_array<std::string_view>(
 
 void remove_file(const fs::path& path) {
   std::error_code error;
-  fs::remove(path, error);  // nothing there: no error
+  fs::remove(path, error);  // a missing file is no error
   if (error) fail("remove", path, error.message());
 }
 
@@ -55,10 +54,10 @@ void remove_run(const fs::path& directory) {
     remove_file(directory / name);
   }
   for (const char* folder : {"fields", "checkpoint"})
-    fs::remove(directory / folder, error);  // left if not empty
+    fs::remove(directory / folder, error);  // stays if it is not empty
 }
 
-/// Runs on coarse grids are within each other.
+/// Removes runs on coarse grids, which are nested in each other.
 void remove_coarse_runs(const fs::path& directory) {
   std::error_code error;
   const fs::path coarse = directory / coarse_folder;
@@ -68,7 +67,7 @@ void remove_coarse_runs(const fs::path& directory) {
   fs::remove(coarse, error);
 }
 
-/// Permissions say little (root, read-only mounts, network file systems): try it.
+/// Tries to write a file: permissions alone say little (root, read-only mounts, network file systems).
 void require_writable(const fs::path& directory) {
   const fs::path probe = directory / ".fabseq_can_write";
   PosixFile(probe.string(), O_WRONLY | O_CREAT | O_TRUNC).close();
@@ -90,7 +89,7 @@ void set_up(const fs::path& directory, bool overwrite) {
   if (holds_run) remove_run(directory);
 }
 
-/// Partial files are of no use to anybody, and the summary is of a run that has ended.
+/// Removes partial files, which are of no use, and the summary, which describes a run that has ended.
 void prepare_to_continue(const fs::path& directory) {
   require_writable(directory);
   for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).string()));

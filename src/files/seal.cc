@@ -21,7 +21,7 @@ struct Seal {
 };
 static_assert(sizeof(Seal) == 16, "written as it lies in memory");
 
-/// Calls `take` for the first bytes of a file, block by block; a file that is shorter has fewer.
+/// Calls `take` for the first bytes of a file, block by block. A shorter file gives fewer bytes.
 template <class Take>
 std::uint64_t checksum_of_file(const PosixFile& file, std::int64_t bytes, Take&& take) {
   std::vector<char> block(1 << 20);

@@ -15,7 +15,7 @@ SlabGather<Dim>::SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& f
       values_(field.values),
       whole_(field.on_nodes ? grid.all_nodes() : grid.all_elements()),
       owned_(field.on_nodes ? grid.owned_nodes() : grid.owned_elements()) {
-  if (rank_of(comm_) >= size_of(grid.comm())) owned_ = {};  // a copy
+  if (rank_of(comm_) >= size_of(grid.comm())) owned_ = {};  // this rank holds a copy
   const bool is_first = rank_of(comm_) == 0;
   if (is_first) boxes_.resize(static_cast<std::size_t>(size_of(comm_)));
   constexpr int integers = 2 * Dim;
@@ -44,7 +44,7 @@ int SlabGather<Dim>::values_in_slab(const IndexBox<Dim>& box, int slab) const {
 
 template <int Dim>
 std::span<const double> SlabGather<Dim>::gather(int slab) {
-  // The slowest axis comes first in memory: what a rank has of a slab is contiguous.
+  // The slowest axis is the outermost one in memory, so a rank's share of a slab is contiguous.
   const int mine = values_in_slab(owned_, slab);
   const std::int64_t first = static_cast<std::int64_t>(slab - owned_.start[Dim - 1]) * mine;
   const double* piece = mine > 0 ? values_.data() + first : nullptr;

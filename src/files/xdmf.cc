@@ -14,7 +14,7 @@ std::string exact_text(double value) {
   return text;
 }
 
-/// Entries of an index or a point in XDMF's order z y x, with `third` for the missing axis of a 2D grid.
+/// Entries of an index or a point in XDMF's order z y x, with `third` for the missing z axis of a 2D grid.
 template <class Entries>
 std::vector<double> slowest_first(const Entries& entries, double third) {
   std::vector<double> result(entries.rbegin(), entries.rend());

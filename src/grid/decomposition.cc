@@ -14,8 +14,8 @@ namespace fabseq {
 
 namespace {
 
-/// First index after `start` up to which the sum stays within `bound`: the longest range from `start` that
-/// fits.
+/// End of the longest range from `start` on whose sum stays within `bound`. `sums`: running sums of the
+/// weights.
 int longest_range_end(const std::vector<double>& sums, int start, double bound) {
   return static_cast<int>(std::upper_bound(sums.begin() + start, sums.end(), sums[start] + bound) -
                           sums.begin()) -
@@ -34,7 +34,7 @@ bool can_be_split(const std::vector<double>& sums, int parts, double bound) {
   return start == count;
 }
 
-/// Smallest bound, to rounding, with which can_be_split().
+/// Smallest bound, up to rounding, for which can_be_split() holds.
 double smallest_bound(const std::vector<double>& sums, int parts) {
   double low = 0.0, high = sums.back();
   for (int step = 0; step < 64 && high - low > 1e-12 * sums.back(); ++step) {
@@ -44,8 +44,8 @@ double smallest_bound(const std::vector<double>& sums, int parts) {
   return high * (1.0 + 1e-12);
 }
 
-/// Smallest start of each range from which the ranges up to the end stay within `bound` and hold at least one
-/// entry each.
+/// Smallest possible start of each range: from there to the end, all ranges can stay within `bound` and hold
+/// at least one entry each.
 std::vector<int> smallest_starts(const std::vector<double>& sums, int parts, double bound) {
   std::vector<int> starts(static_cast<std::size_t>(parts) + 1);
   starts[parts] = static_cast<int>(sums.size()) - 1;
@@ -57,7 +57,8 @@ std::vector<int> smallest_starts(const std::vector<double>& sums, int parts, dou
   return starts;
 }
 
-/// The whole grid cut across its longest axis into one slab per rank (the last ones may be empty).
+/// Slab of a rank if the whole grid is cut across its longest axis into one slab per rank. The slab may be
+/// empty.
 template <int Dim>
 IndexBox<Dim> slab_of(int rank, int ranks, const Index<Dim>& elements) {
   int axis = Dim - 1;
@@ -72,26 +73,27 @@ IndexBox<Dim> slab_of(int rank, int ranks, const Index<Dim>& elements) {
   return slab;
 }
 
-/// Weights of a slab of the grid on each rank, and what can be said of the whole grid from them.
+/// Weights of one slab of the grid on each rank, and sums over the whole grid that follow from them.
+/// Construction is collective.
 template <int Dim>
 class SlabWeights {
  public:
   SlabWeights(MPI_Comm comm, const Index<Dim>& elements, const ElementWeights<Dim>& weights)
       : comm_(comm), slab_(slab_of<Dim>(rank_of(comm), size_of(comm), elements)) {
-    // Empty slabs too: the function may be collective (a parallel read).
+    // Ranks with empty slabs call it, too: the function may be collective (a parallel read).
     if (weights) weights_ = weights(slab_);
-    // Nothing to go by: all elements alike.
+    // Without any weight, all elements count alike.
     alike_ = !(sum(comm, std::accumulate(weights_.begin(), weights_.end(), 0.0)) > 0.0);
     sum_marginals(elements);
   }
 
-  /// Weight of all elements with each index along an axis.
+  /// Sum of the weights of all elements with each index along an axis.
   const std::vector<double>& marginal(int axis) const { return marginals_[axis]; }
 
   /// Weight of the heaviest rank. Collective.
   double heaviest_rank(const Decomposition<Dim>& decomposition) const {
     if (alike_) return largest_box(decomposition);
-    std::array<std::vector<int>, Dim> process_of;  // of each index along each axis
+    std::array<std::vector<int>, Dim> process_of;  // [axis][index]
     for (int axis = 0; axis < Dim; ++axis) {
       const std::vector<int>& starts = decomposition.range_starts[axis];
       for (int process = 0; process + 1 < static_cast<int>(starts.size()); ++process)
@@ -138,7 +140,7 @@ class SlabWeights {
   std::array<std::vector<double>, Dim> marginals_;
 };
 
-/// Element faces between ranks: what halo exchanges cost.
+/// Number of element faces between ranks, which halo exchanges cost.
 template <int Dim>
 double surface_between(const Index<Dim>& processes, const Index<Dim>& elements) {
   double surface = 0.0;
@@ -151,8 +153,8 @@ double surface_between(const Index<Dim>& processes, const Index<Dim>& elements) 
   return surface;
 }
 
-/// split_evenly() at multiples of 4 or 2 where there are enough of them: ranks that begin on a coarse grid's
-/// elements share the work of its multigrid level, too (docs/formulation.md 11.2).
+/// split_evenly() at multiples of 4 or 2 if there are enough elements. Ranks that begin at an element of a
+/// coarse grid also share the work of that multigrid level (docs/formulation.md 11.2).
 std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int parts) {
   const int count = static_cast<int>(weights.size());
   const int block = count >= 16 * parts ? 4 : count >= 6 * parts ? 2 : 1;
@@ -172,7 +174,7 @@ Decomposition<Dim> balanced(const SlabWeights<Dim>& weights, const Index<Dim>& p
   return result;
 }
 
-/// Rank 0's choice on all ranks: sums may differ in the last digit between ranks, choices must not.
+/// Gives all ranks the choice of rank 0: sums may differ in the last digit between ranks, choices must not.
 template <int Dim>
 void agree(MPI_Comm comm, Decomposition<Dim>& decomposition) {
   MPI_Bcast(decomposition.processes.data(), Dim, MPI_INT, 0, comm);

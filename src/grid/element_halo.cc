@@ -10,12 +10,12 @@ namespace fabseq {
 
 namespace {
 
-/// `box` grown by `width` at both ends of each axis, within the grid.
+/// `box` extended by `width` at both ends of each axis, within the grid.
 template <int Dim>
 IndexBox<Dim> grown(const IndexBox<Dim>& box, const Index<Dim>& width, const Index<Dim>& elements) {
   IndexBox<Dim> result;
   for (int axis = 0; axis < Dim; ++axis) {
-    // Clipped before they are added: a width may be anything up to the largest int.
+    // Widths are clipped before they are added, because a width may be anything up to the largest int.
     const int below = std::min(width[axis], box.start[axis]);
     const int above = std::min(width[axis], elements[axis] - box.start[axis] - box.size[axis]);
     result.start[axis] = box.start[axis] - below;
@@ -35,7 +35,7 @@ ElementHalo<Dim>::ElementHalo(const Grid<Dim>& grid, const Index<Dim>& width)
   box_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
     numbers[offset] = static_cast<PetscInt>(grid.element_number(element));
   });
-  // Vectors without arrays of their own: they are lent the caller's.
+  // The vectors have no arrays of their own; they are lent those of the caller.
   check(VecCreateMPIWithArray(grid.comm(), 1, owned_count, PETSC_DETERMINE, nullptr, owned_.receive()));
   check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, box_count, nullptr, extended_.receive()));
   IndexSetHandle from, to;

@@ -22,7 +22,8 @@ namespace {
   return size;
 }
 
-/// Computed in floating point, which cannot overflow: indices up to 2^31 per axis would exceed 64 bits.
+/// Number of nodes, in floating point, which cannot overflow: with up to 2^31 elements per axis it can exceed
+/// 64 bits.
 template <int Dim>
 double node_count(const Index<Dim>& elements) {
   double count = 1.0;
@@ -30,7 +31,7 @@ double node_count(const Index<Dim>& elements) {
   return count;
 }
 
-/// Throws if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
+/// Throws InputError if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
 template <int Dim>
 void require_countable(const Index<Dim>& elements, int components) {
   const double values = components * node_count<Dim>(elements);
@@ -43,7 +44,7 @@ void require_countable(const Index<Dim>& elements, int components) {
                    std::to_string(most) + " are allowed (PETSc's indices)");
 }
 
-/// What grid and part take for a node, at the least (measured: 240).
+/// Lower bound of the memory that grid and part take per node (measured: 240).
 constexpr double bytes_per_node = 150.0;
 
 template <int Dim>
@@ -56,12 +57,13 @@ void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
       throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
                        std::to_string(axis) + ", needs positive lengths");
   }
-  require_countable<Dim>(domain.elements, Dim);  // the displacement
+  require_countable<Dim>(domain.elements, Dim);  // the components of the displacement
   require_memory(comm, bytes_per_node * node_count<Dim>(domain.elements),
                  "/domain/elements: " + to_text<Dim>(domain.elements));
 }
 
-/// Nodes that go with a rank's elements: as many, and one more at the upper end of the grid.
+/// Nodes that belong to the rank of these elements: one per element, and one more at the upper end of the
+/// grid.
 template <int Dim>
 IndexBox<Dim> nodes_of(const IndexBox<Dim>& elements, const Index<Dim>& all) {
   IndexBox<Dim> nodes = elements;
@@ -82,7 +84,7 @@ NodeExchange<Dim>::NodeExchange(DM dm, int components) : dm_(dm) {
   };
   MPI_Comm comm = MPI_COMM_NULL;
   check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &comm));
-  // Vectors without arrays of their own: they are lent the caller's.
+  // The vectors have no arrays of their own; they are lent those of the caller.
   check(VecCreateMPIWithArray(comm, components, values(owned), PETSC_DETERMINE, nullptr, owned_.receive()));
   check(VecCreateSeqWithArray(PETSC_COMM_SELF, components, values(ghosted), nullptr, ghosted_.receive()));
 }
@@ -182,7 +184,7 @@ std::int64_t Grid<Dim>::element_number(const Index<Dim>& element) const {
 
 template <int Dim>
 std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
-  Index<Dim> element = node;  // that has it as lowest node; the last nodes go with the last elements
+  Index<Dim> element = node;  // the element whose lowest node it is, or the last one
   for (int axis = 0; axis < Dim; ++axis) element[axis] = std::min(element[axis], domain_.elements[axis] - 1);
   const Index<Dim> process = decomposition_.position_of_element(element);
   return node_starts_[decomposition_.rank_at(process)] +
@@ -214,7 +216,7 @@ DM Grid<Dim>::node_dm(int components) const {
   if (found != node_dms_.end()) return found->second;
   require_countable<Dim>(domain_.elements, components);
 
-  std::array<std::vector<PetscInt>, Dim> nodes;  // owned by each process along each axis
+  std::array<std::vector<PetscInt>, Dim> nodes;  // [axis][process]
   for (int axis = 0; axis < Dim; ++axis) {
     const std::vector<int>& starts = decomposition_.range_starts[axis];
     for (std::size_t process = 0; process + 1 < starts.size(); ++process)

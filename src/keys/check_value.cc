@@ -17,7 +17,7 @@ bool has_word(std::string_view words, const Json& value) {
   return std::find(list.begin(), list.end(), value.get<std::string>()) != list.end();
 }
 
-/// One value and its key.
+/// Checks one value against its key.
 class ValueCheck {
  public:
   ValueCheck(const ConfigKey& key, const Json& value, const std::string& pointer, const ValueContext& context)
@@ -60,9 +60,9 @@ class ValueCheck {
       case KeyType::word_list:
         return word_list();
       case KeyType::shape:
-        refuse_found();  // a word it does not take
+        refuse_found();  // a word that the key does not take
       default:
-        return value_;  // objects and lists of them are checked key by key
+        return value_;  // objects and lists of objects are checked key by key
     }
   }
 
@@ -85,7 +85,7 @@ class ValueCheck {
            std::abs(value.get<double>()) <= std::numeric_limits<int>::max();
   }
 
-  /// The name of an axis, alone or with a character more.
+  /// Whether the value is a string of `length` characters that begins with the name of an axis.
   bool is_direction(std::size_t length) const {
     return value_.is_string() && value_.get<std::string>().size() == length &&
            value_.get<std::string>()[0] >= 'x' && value_.get<std::string>()[0] < 'x' + context_.dimension;
@@ -98,7 +98,7 @@ class ValueCheck {
 
   Json integer() const {
     if (!is_integer_in_range(value_)) refuse_found();
-    return static_cast<std::int64_t>(value_.get<double>());  // 1e3 is an integer, too
+    return static_cast<std::int64_t>(value_.get<double>());  // 1e3 counts as an integer
   }
 
   Json path() const {
@@ -132,7 +132,7 @@ class ValueCheck {
     return result;
   }
 
-  /// A strain along and across the layers.
+  /// An inherent strain along (tangential) and across (normal) the layers.
   Json turning_strain() const {
     const char* const names[] = {"tangential", "normal"};
     if (value_.size() != std::size(names)) refuse_found();
@@ -152,7 +152,7 @@ class ValueCheck {
     return value_;
   }
 
-  /// Refuses an entry that is no list of `count` numbers.
+  /// Refuses an entry that is not a list of `count` numbers.
   void require_numbers(std::size_t entry, std::size_t count) const {
     const Json& item = value_[entry];
     bool valid = item.is_array() && item.size() == count;

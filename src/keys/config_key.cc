@@ -27,7 +27,7 @@ std::string entries(int dimension) {
 
 std::string axis_names(int dimension) { return dimension == 2 ? "x, y" : "x, y, z"; }
 
-/// What the key takes besides its words.
+/// The values that the key takes besides its words.
 std::string plain_values(const ConfigKey& key, int dimension) {
   const std::string range = Interval::parse(key.range).text();
   switch (key.type) {

@@ -10,7 +10,7 @@ namespace fabseq {
 
 namespace {
 
-/// Levenshtein's: insertions, deletions and replacements from one word to the other.
+/// Levenshtein distance: number of insertions, deletions and replacements from one word to the other.
 std::size_t edit_distance(std::string_view from, std::string_view to) {
   std::vector<std::size_t> row(to.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

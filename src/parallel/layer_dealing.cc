@@ -11,17 +11,17 @@ namespace fabseq {
 
 namespace {
 
-/// Seconds of an iteration with 1, 2, 4 and 8 lanes, over those with 8 (V-shape, 64 x 32 x 64, one core with
-/// AVX-512): narrow blocks fill a part of a register only.
+/// Time of an iteration with 1, 2, 4 or 8 lanes relative to that with 8 (V-shape, 64 x 32 x 64, one core with
+/// AVX-512). Narrow blocks fill only part of a register.
 constexpr double relative_cost(int lanes) {
   return lanes > 4 ? 1.0 : lanes > 2 ? 0.62 : lanes > 1 ? 0.57 : 0.55;
 }
 
-/// Halving blocks must save more of the longest group's work than this.
+/// Halving blocks must save more than this share of the longest group's work.
 constexpr double worthwhile = 0.02;
-/// Halvings per group, one after the other: more blocks than that balance no better.
+/// Most halvings per group: more blocks balance no better.
 constexpr int most_halvings = 8;
-/// Blocks that are tried for the next halving, those with most work.
+/// Number of blocks, those with most work, that are tried for the next halving.
 constexpr std::size_t most_candidates = 32;
 
 struct WeighedBlock {
@@ -38,7 +38,7 @@ class Dealer {
     return {{first, lanes}, block_work(work_.subspan(first, lanes), solver_)};
   }
 
-  /// Longest processing time first. Leaves the blocks in that order.
+  /// Deals blocks out by the rule "longest processing time first" and leaves them in that order.
   LayerDeal deal(std::vector<WeighedBlock>& blocks) const {
     std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
       return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
@@ -58,8 +58,8 @@ class Dealer {
     return result;
   }
 
-  /// Halves the block that leaves the longest group shortest; nothing is left of `blocks` if all are single
-  /// layers.
+  /// Halves the block whose halving leaves the least work to the longest group. Empties `blocks` if all are
+  /// single layers.
   LayerDeal halve_best(std::vector<WeighedBlock>& blocks) const {
     LayerDeal best;
     std::vector<WeighedBlock> best_blocks;
@@ -92,7 +92,7 @@ double block_work(std::span<const double> work, BlockSolver solver) {
     return relative_cost(8) / 8.0 * std::accumulate(work.begin(), work.end(), 0.0);
   std::vector<double> sorted(work.begin(), work.end());
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
-  // With lanes done one after the other, entry l is when more than l are left.
+  // Lanes are done one after the other: more than `lanes` of them are left up to this iteration.
   const auto left_until = [&](std::size_t lanes) { return lanes < sorted.size() ? sorted[lanes] : 0.0; };
   return relative_cost(8) * left_until(4) + relative_cost(4) * (left_until(2) - left_until(4)) +
          relative_cost(2) * (left_until(1) - left_until(2)) +

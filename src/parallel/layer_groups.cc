@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/parallel/layer_groups.h"
 
-#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+#include "fabseq/base/petsc.h"  // so that -log_view counts the messages sent here
 #include "fabseq/base/verdict.h"
 
 #include <numeric>
@@ -48,7 +48,7 @@ std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vec
   MPI_Alltoallv(outgoing.data(), sent.data(), sent_starts.data(), MPI_DOUBLE, incoming.data(),
                 received.data(), received_starts.data(), MPI_DOUBLE, across());
 
-  // A group's fields arrive in their order.
+  // The fields of a group arrive in the order in which it has them.
   std::vector<std::vector<double>> shares;
   for (const int owner : owners) {
     const auto begin = incoming.begin() + received_starts[owner];

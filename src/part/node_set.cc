@@ -50,7 +50,7 @@ std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescriptio
   return owned;
 }
 
-/// Axis of the longest edge of the bounding box of `nodes`, the first among equals.
+/// Axis of the longest edge of the bounding box of `nodes`; the first of equally long ones.
 template <int Dim>
 int longest_axis(const std::vector<Index<Dim>>& nodes, const Point<Dim>& spacing) {
   int longest = 0;
@@ -70,8 +70,8 @@ int longest_axis(const std::vector<Index<Dim>>& nodes, const Point<Dim>& spacing
   return longest;
 }
 
-/// `samples` of the nodes given by lexicographic number, equally spaced in the order along the longest edge
-/// of their bounding box; the result is sorted by number.
+/// Chooses `samples` of the nodes, which are given by lexicographic number, equally spaced in their order
+/// along the longest edge of their bounding box. The result is sorted by number.
 template <int Dim>
 std::vector<std::int64_t> equally_spaced(const Grid<Dim>& grid, const std::vector<std::int64_t>& numbers,
                                          int samples) {
@@ -92,7 +92,7 @@ std::vector<std::int64_t> equally_spaced(const Grid<Dim>& grid, const std::vecto
   return chosen;
 }
 
-/// Keeps the chosen samples among this rank's nodes.
+/// Removes this rank's nodes that are not among the chosen samples.
 template <int Dim>
 void keep_samples(const Grid<Dim>& grid, int samples, std::vector<int>& owned) {
   const auto number = [&](int offset) { return grid.all_nodes().offset(grid.owned_nodes().index(offset)); };

@@ -131,7 +131,7 @@ void Part<Dim>::collect_elements(const std::vector<double>& distance_to_substrat
 
 template <int Dim>
 void Part<Dim>::measure_extent() {
-  // Of the pieces that were kept; their boxes are in whole elements.
+  // Only the pieces that were kept count; their boxes consist of whole elements.
   lower_.fill(std::numeric_limits<double>::infinity());
   upper_.fill(-std::numeric_limits<double>::infinity());
   for (const Piece<Dim>& piece : pieces_) {

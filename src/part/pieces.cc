@@ -23,12 +23,11 @@ void for_each_face_neighbor(const IndexBox<Dim>& box, const Index<Dim>& element,
     }
 }
 
-/// Face-connected components of this rank's elements alone, numbered by their lowest elements.
+/// Face-connected components of this rank's elements alone, numbered in the order of their lowest elements.
 template <int Dim>
 struct LocalComponents {
-  std::vector<int> of_element;  ///< component of each owned element, -1 outside the part
-  std::vector<std::int64_t>
-      first;  ///< lexicographic number, in the whole grid, of each component's lowest element
+  std::vector<int> of_element;      ///< component of each owned element, -1 outside the part
+  std::vector<std::int64_t> first;  ///< number, in the whole grid, of each component's lowest element
 };
 
 template <int Dim>
@@ -78,9 +77,9 @@ std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const IndexBox<Dim>& 
   return contacts;
 }
 
-/// Smallest first element of all components, of all ranks, that hang together with each local one. A round
-/// carries labels across one boundary between ranks, so the number of rounds is that of the boundaries a
-/// piece winds through.
+/// Label of each local component: the lowest element of its piece, as a lexicographic number in the whole
+/// grid. Each round carries labels across one boundary between ranks, so the number of rounds is that of the
+/// boundaries that a piece winds through. Collective.
 template <int Dim>
 std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents<Dim>& components) {
   constexpr double nothing = -1.0;
@@ -106,8 +105,8 @@ std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComp
   return labels;
 }
 
-/// The labels of all pieces on all ranks, ascending. A label is contributed by the rank that has the element
-/// it names.
+/// Labels of all pieces, ascending, on all ranks. The rank that owns the element a label names contributes
+/// the label.
 std::vector<std::int64_t> gather_labels(MPI_Comm comm, const std::vector<std::int64_t>& first,
                                         const std::vector<std::int64_t>& labels) {
   std::vector<std::int64_t> own;
@@ -118,7 +117,8 @@ std::vector<std::int64_t> gather_labels(MPI_Comm comm, const std::vector<std::in
   return all;
 }
 
-/// Sizes, bounding boxes and plate contact of pieces, first of this rank's share, then of all ranks.
+/// Sizes, bounding boxes and plate contact of pieces: this rank's share until reduce(), afterwards that of
+/// all ranks.
 template <int Dim>
 struct PieceMeasures {
   explicit PieceMeasures(std::size_t pieces)
@@ -150,8 +150,8 @@ struct PieceMeasures {
     return result;
   }
 
-  std::vector<std::int64_t> counts;    ///< elements, and those with a face on the plate
-  std::vector<std::int64_t> extremes;  ///< for each axis: lowest index, and minus the highest plus one
+  std::vector<std::int64_t> counts;    ///< [piece][2]: elements, and those with a face on plate or substrate
+  std::vector<std::int64_t> extremes;  ///< [piece][axis][2]: lowest index, and -(highest index + 1)
 };
 
 }  // namespace
@@ -177,7 +177,8 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
   });
   measures.reduce(grid.comm());
 
-  // Largest first; a stable sort keeps the order of the lowest elements among equals.
+  // The largest piece comes first. A stable sort keeps pieces of equal size in the order of their lowest
+  // elements.
   std::vector<int> order(all_labels.size()), rank_of_piece(all_labels.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),

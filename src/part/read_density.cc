@@ -14,7 +14,7 @@ namespace fabseq {
 
 namespace {
 
-/// Work of an element outside part and substrate relative to one inside.
+/// Work of an element outside part and substrate, relative to that of one inside.
 constexpr double void_weight = 0.1;
 
 template <int Dim>
@@ -30,7 +30,7 @@ std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape
   return density;
 }
 
-/// The mean of the samples of each element of `box`.
+/// Mean of the samples of each element of `box`.
 template <int Dim>
 std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim>& of_samples,
                           const IndexBox<Dim>& box, int sampling) {
@@ -44,7 +44,7 @@ std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim
   return sums;
 }
 
-/// Throws InputError, on all ranks, unless all densities lie between 0 and 1.
+/// Throws InputError on all ranks for densities that are NaN or, without a threshold, not between 0 and 1.
 void require_densities(MPI_Comm comm, const std::vector<double>& density, const VoxelFile& voxels) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   std::int64_t not_a_number = 0;
@@ -67,8 +67,8 @@ void require_densities(MPI_Comm comm, const std::vector<double>& density, const 
   throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
 }
 
-/// The elements that a file has; throws InputError if these are not all of `domain`, or `sampling` - 1 planes
-/// fewer.
+/// Number of elements that a file has along each axis. Throws InputError unless these are those of `domain`
+/// or up to `sampling` - 1 planes fewer.
 template <int Dim>
 Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& domain, int sampling) {
   Index<Dim> found = domain.elements;
@@ -77,7 +77,7 @@ Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& do
     hsize_t& extent = shape[Dim - 1 - axis];
     extent = static_cast<hsize_t>(domain.elements[axis]);
     if (dataset.shape().size() != Dim) continue;
-    const hsize_t missing = extent - dataset.shape()[Dim - 1 - axis];  // huge where the file has more
+    const hsize_t missing = extent - dataset.shape()[Dim - 1 - axis];  // huge if the file has more
     if (missing < static_cast<hsize_t>(sampling)) extent -= missing;
     found[axis] = static_cast<int>(extent);
   }
@@ -87,7 +87,7 @@ Index<Dim> elements_of(const Hdf5ParallelDataset& dataset, const Domain<Dim>& do
   return found;
 }
 
-/// Densities of the elements of `box`, 0 of those that the file lacks.
+/// Densities of the elements of `box`, 0 for those that the file lacks.
 template <int Dim>
 std::vector<double> read_box(const Hdf5ParallelDataset& dataset, const Index<Dim>& there,
                              const IndexBox<Dim>& box) {

@@ -8,13 +8,13 @@
 
 namespace fabseq {
 
-/// Pivots below this share of the number of nodes are rounding.
+/// Pivots below this share of the number of nodes count as rounding.
 constexpr double rounding = 1e-10;
 
 template <int Dim>
 RigidMotions<Dim>::RigidMotions(const Grid<Dim>& grid, std::vector<int> nodes)
     : grid_(grid), nodes_(std::move(nodes)) {
-  std::vector<double> sums(Dim + 1, 0.0);  // positions, number
+  std::vector<double> sums(Dim + 1, 0.0);  // of the positions, and the number of nodes
   for (const int node : nodes_) {
     const Point<Dim> x = grid.node_position(grid.owned_nodes().index(node));
     for (int axis = 0; axis < Dim; ++axis) sums[axis] += x[axis];

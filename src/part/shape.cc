@@ -8,7 +8,8 @@ namespace fabseq {
 
 namespace {
 
-/// In 2D the third entry is 0. On the stack: this runs for every element and node of the grid.
+/// A point; in 2D the third entry is 0. It lives on the stack because this runs for every element and node of
+/// the grid.
 using Offset = std::array<double, 3>;
 
 double dot(std::span<const double> a, std::span<const double> b) {

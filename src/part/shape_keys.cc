@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The keys of shapes, and what a section cannot say of them.
+/// The keys of shapes, and checks that a declaration cannot express.
 #include "fabseq/part/part_settings.h"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ Section<Shape> polygon_keys() {
 struct Primitive {
   const char* name;
   Shape::Kind kind;
-  int dimension;  ///< the only one in which it exists; 0: both
+  int dimension;  ///< the only dimension in which it exists; 0: both
   const char* meaning;
   Section<Shape> keys;
 };

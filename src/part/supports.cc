@@ -28,7 +28,7 @@ std::vector<char> held_nodes(const Part<Dim>& part, const PartDescription& descr
   return held;
 }
 
-/// Refuses supports that leave one of the pieces of part and substrate free to move as a rigid body.
+/// Refuses supports that leave a piece of part and substrate free to move as a rigid body.
 template <int Dim>
 void require_held_pieces(const Grid<Dim>& grid, const PieceMap<Dim>& map, const std::vector<int>& holding,
                          bool clamps) {
@@ -69,7 +69,7 @@ Supports<Dim>::Supports(const Part<Dim>& part, const PartDescription& descriptio
     if (part.substrate().elements()[e] != 0) solid[e] = 1.0;
   const PieceMap<Dim> map = find_pieces<Dim>(grid, solid, part.plate());
   pieces = static_cast<int>(map.pieces.size());
-  // A face of an element on the plate holds every rigid motion by itself.
+  // The face of one element on the plate already holds every rigid motion.
   if (description.clamps || part.substrate().count() > 0)
     require_held_pieces(grid, map, holding, description.clamps.has_value());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Constraint: the pseudo-time has no bumps, and so no layer begins in the air (docs/formulation.md 7).
+/// Constraint: the pseudo-time has no bumps, so no layer begins in the air (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
 #include "fabseq/responses/response_type.h"
@@ -23,8 +23,9 @@ struct ContinuitySettings {
   double limit = 1e-3;
 };
 
-/// Mean over the part elements outside the start region of (t_e - mean t of the face neighbours in the
-/// part)^2, at most `limit`. An element without neighbours counts as even. Collective construction.
+/// One component, at most `limit`: the mean over the part elements outside the start region of (t_e - mean t
+/// of the face neighbours in the part)^2. For elements without neighbours the difference is 0. Construction
+/// is collective on the grid's communicator.
 template <int Dim>
 class Continuity : public Response<Dim> {
  public:
@@ -88,7 +89,7 @@ class Continuity : public Response<Dim> {
     return result;
   }
 
-  /// t_e - mean of the neighbours; 0 where that does not count.
+  /// Part field t_e - mean t of the neighbours; 0 for elements that do not count. Collective.
   std::vector<double> differences(const PipelineState<Dim>& state) const {
     const std::vector<double> time = halo_.gather(part_.expand(state.time.time));
     std::vector<double> result(neighbours_.size(), 0.0);
@@ -105,8 +106,8 @@ class Continuity : public Response<Dim> {
   const Part<Dim>& part_;
   double limit_;
   ElementHalo<Dim> halo_;
-  std::vector<Neighbours<Dim>> neighbours_;  ///< of the part elements; none for those in the start region
-  double elements_counted_ = 0.0;            ///< of all ranks
+  std::vector<Neighbours<Dim>> neighbours_;  ///< [part element]; count is 0 in the start region
+  double elements_counted_ = 0.0;            ///< summed over all ranks
 };
 
 const Registered<Continuity, ContinuitySettings> registered(

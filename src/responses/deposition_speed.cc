@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Constraint: every stage adds the same volume (docs/formulation.md 7).
+/// Constraint: the volume of every stage keeps pace with its time point (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/response_type.h"
 
@@ -11,7 +11,8 @@ struct DepositionSpeedSettings {
   double slack = 1e-3;
 };
 
-/// Components V_j / V* - T_j for j = 1 ... N - 1, each between -slack and 0.
+/// One component per stage j = 1 ... N - 1: V_j / V* - T_j, between -slack and 0. V_j is the volume of the
+/// stage.
 template <int Dim>
 class DepositionSpeed : public Response<Dim> {
  public:
@@ -47,7 +48,7 @@ class DepositionSpeed : public Response<Dim> {
   }
 
  private:
-  /// Of an element in the whole part.
+  /// Volume of an element relative to that of the part.
   double volume_fraction() const { return context_.part.grid().element_volume() / context_.part.volume(); }
 
   ResponseContext<Dim> context_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Distortion measures, all quadratic in the displacement (docs/formulation.md 5). `after_release`: of the
-/// part cut from its supports, u + v (4.3).
+/// Objective: distortion measures, all quadratic in the displacement (docs/formulation.md 5). With
+/// `after_release` they measure the displacement u + v of the part cut from its supports (4.3).
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/distortion_functionals.h"
@@ -21,11 +21,11 @@ constexpr const char* measure_names = "displacement flatness layerwise shape";
 struct DistortionSettings {
   Measure measure = Measure::displacement;
   std::string nodes;  ///< name of a node set
-  int axis = -1;      ///< of flatness
+  int axis = -1;      ///< for `flatness`; -1: not given
   bool mean = false;
   bool after_release = false;
   std::vector<std::string> fit = {"translation", "rotation"};  ///< of shape
-  std::optional<bool> least_squares;                           ///< none: where it pays
+  std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
   bool measures_release() const { return after_release; }
   void check(const TermPlace& place) const;
@@ -38,8 +38,8 @@ struct DistortionSettings {
   }
 };
 
-/// The functionals of a measure on a node set, if the optimizer is to have them: "auto" leaves terms with the
-/// published scaling as published.
+/// The functionals of a measure on a node set, nullptr if the optimizer is not to have them. "auto" leaves
+/// terms with the published scaling as they were published.
 template <int Dim>
 std::unique_ptr<SumOfSquares<Dim>> squares_of(const DistortionSettings& settings, TermScaling scaling,
                                               const SetDisplacement<Dim>& set, std::vector<int> axes,
@@ -49,7 +49,7 @@ std::unique_ptr<SumOfSquares<Dim>> squares_of(const DistortionSettings& settings
                                                       settings.least_squares.has_value());
 }
 
-/// `displacement`: sum over the set's nodes of |u|^2 (or its mean).
+/// `displacement`: sum (or mean) over the set's nodes of |u|^2.
 template <int Dim>
 class Displacement : public Response<Dim> {
  public:
@@ -113,7 +113,7 @@ class Flatness : public Response<Dim> {
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    // The mean's own derivative drops out: deviations sum to zero.
+    // The derivative of the mean drops out because the deviations sum to zero.
     const double average = mean(state);
     set_.prepare(state, adjoint);
     for (const int node : set_.nodes().owned) {

@@ -11,17 +11,18 @@ namespace fabseq {
 
 namespace {
 
-/// Functions over a node set, [owned node of the set].
+/// A function over a node set, [owned node of the set].
 using SetFunction = std::vector<double>;
 
-/// A function that depends on others keeps this little of the size of the box.
+/// A function counts as dependent on others if orthogonalization leaves at most this share of the size of the
+/// box.
 constexpr double dependent = 1e-9;
 
 double dot(MPI_Comm comm, const SetFunction& a, const SetFunction& b) {
   return sum(comm, std::inner_product(a.begin(), a.end(), b.begin(), 0.0));
 }
 
-/// Takes from a function what the others, orthonormal, have in common with it; twice, for rounding.
+/// Orthogonalizes a function against the others, which are orthonormal; twice, against rounding. Collective.
 void orthogonalize(MPI_Comm comm, const std::vector<SetFunction>& others, SetFunction& function) {
   for (int pass = 0; pass < 2; ++pass)
     for (const SetFunction& other : others) {
@@ -30,7 +31,8 @@ void orthogonalize(MPI_Comm comm, const std::vector<SetFunction>& others, SetFun
     }
 }
 
-/// 1, x, y, z, orthonormal over the set's nodes, without those that depend on the ones before. Collective.
+/// The functions 1, x, y, z, made orthonormal over the set's nodes; those that depend on the ones before are
+/// left out. Collective.
 template <int Dim>
 std::vector<SetFunction> linear_functions(const SetDisplacement<Dim>& set) {
   const std::vector<int>& nodes = set.nodes().owned;

@@ -11,21 +11,22 @@ namespace fabseq {
 
 namespace {
 
-/// In layers: elements count from so long before the end of the last layer on.
+/// Elements count from this long before the end of the last layer on, in units of a layer's pseudo-time.
 constexpr double approach = 0.25;
-/// The optimizer is asked to stay away from the bound by so many times what its margin leaves, in layers: a
-/// step moves times by some percent of a layer, and smooth layers reach a little further than binary ones.
+/// The bound for the optimizer lies below the user's by this factor times (1 - margin), in layers: a step
+/// moves times by some percent of a layer, and smooth layers reach a little further than binary ones.
 constexpr double caution = 3.0;
-/// Of the norm, which is nearly the largest entry.
+/// Exponent of the norm, which is nearly the largest entry.
 constexpr int power = 8;
 
 struct LastLayerSettings {
   double least_volume = 0.05;
 };
 
-/// One component: by how much elements are later than the last layer j that holds `least_volume` of the mean
-/// volume V*/N or more, (sum_e max(0, N (t_e - T_j) + 0.25)^8)^(1/8) in layers, at most 0.25. So no element
-/// belongs to a later layer. 0 where the last of all layers is as large. Curved layers only.
+/// Curved layers only. Let j be the last layer with at least `least_volume` of the mean volume V*/N. The one
+/// component says by how much elements are later than that layer: (sum_e max(0, N (t_e - T_j) +
+/// 0.25)^8)^(1/8), in layers, at most 0.25, so that no element belongs to a later layer. It is 0 if j is the
+/// last of all layers.
 template <int Dim>
 class LastLayer : public Response<Dim> {
  public:
@@ -59,7 +60,7 @@ class LastLayer : public Response<Dim> {
   }
 
  private:
-  /// Number, from 1, of the last layer that is no sliver.
+  /// Number, from 1, of the last layer that is not a sliver. Collective.
   int last_whole(const LayerDensities& layers) const {
     const std::vector<double> volume = layer_volumes(grid_, layers);
     int last = layers.count();
@@ -67,8 +68,8 @@ class LastLayer : public Response<Dim> {
     return last;
   }
 
-  /// How many layers later than the end of layer `last` each part element is, plus the approach; 0 if it does
-  /// not count.
+  /// Part field: how many layers later than the end of layer `last` each element is, plus `approach`; 0 for
+  /// elements that do not count.
   std::vector<double> lateness(const PipelineState<Dim>& state, int last) const {
     std::vector<double> result(state.time.time.size(), 0.0);
     if (last == state.layers.count()) return result;
@@ -85,7 +86,7 @@ class LastLayer : public Response<Dim> {
   }
 
   const Grid<Dim>& grid_;
-  double least_of_all_;  ///< least volume times the number of layers
+  double least_of_all_;  ///< least volume of a layer times the number of layers
 };
 
 const Registered<LastLayer, LastLayerSettings> registered(

@@ -12,8 +12,8 @@ namespace fabseq {
 
 namespace {
 
-/// Sum of term(e) over the elements. The partial sums are independent of each other: the compiler turns them
-/// into vectors.
+/// Sum of term(e) over the elements. The partial sums are independent of each other, so that the compiler can
+/// vectorize the loop.
 template <class Term>
 double sum_over(std::size_t elements, Term&& term) {
   constexpr std::size_t lanes = 8;
@@ -27,12 +27,13 @@ double sum_over(std::size_t elements, Term&& term) {
   return total;
 }
 
-/// Volume of a layer in elements; this rank's part.
+/// Volume of a layer in elements, this rank's share of the sum.
 double elements_of(const std::vector<double>& density) {
   return sum_over(density.size(), [d = density.data()](std::size_t e) { return d[e]; });
 }
 
-/// Weight of a layer without and with the floor, and its weighted magnitude; this rank's part.
+/// Sum of the layer densities without the floor, the same with the floor, and the weighted sum of the
+/// magnitudes. This rank's share of each.
 std::array<double, 3> layer_sums(const std::vector<double>& density, const std::vector<double>& magnitude) {
   const double* d = density.data();
   const double* m = magnitude.data();
@@ -81,7 +82,7 @@ LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const Pseu
                                  const LayerDensities& layers) {
   const MPI_Comm comm = context.part.grid().comm();
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
-  // Planar slabs do not follow the pseudo-time.
+  // Multi-planar layers have no time points, because they do not follow the pseudo-time.
   const bool defined =
       !layers.time_points.empty() && sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
   const int count = layers.count();

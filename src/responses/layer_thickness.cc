@@ -11,14 +11,15 @@ namespace {
 
 struct LayerThicknessSettings {
   double target = 0.0;        ///< length unit
-  double tolerance = 0.1;     ///< relative
-  double least_volume = 0.0;  ///< of the mean volume; layers with less are slivers
+  double tolerance = 0.1;     ///< relative to the target
+  double least_volume = 0.0;  ///< relative to the mean volume; layers with less are slivers
 
   double target_thickness() const { return target; }
 };
 
-/// Components d_j / target, each between 1 - tolerance and 1 + tolerance. Layers with less than
-/// `least_volume` of the mean volume V*/N fade towards 1, which they reach where they vanish; 0: none does.
+/// One component per layer, d_j / target, between 1 - tolerance and 1 + tolerance. The components of layers
+/// with less than `least_volume` of the mean volume V*/N fade towards 1, which they reach at volume 0. With
+/// `least_volume` 0, none does.
 template <int Dim>
 class LayerThickness : public Response<Dim> {
  public:
@@ -41,8 +42,8 @@ class LayerThickness : public Response<Dim> {
     return result;
   }
 
-  /// Without fading: d_j = (T_j - T_{j-1}) / m_j and m_j = (M . w) / (1 . w): dm/dw_e = (M_e - m) / W,
-  /// dm/dM_e = w_e / W.
+  /// With W = 1 . w, the mean is m_j = (M . w) / W, so that dm/dw_e = (M_e - m) / W and dm/dM_e = w_e / W.
+  /// Without fading, d_j = (T_j - T_{j-1}) / m_j.
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
@@ -76,7 +77,7 @@ class LayerThickness : public Response<Dim> {
   }
 
  private:
-  /// How much of a layer of this volume counts, from 0 to 1, and the derivative by the volume.
+  /// How much a layer of this volume counts, from 0 to 1, and the derivative by the volume.
   struct Fade {
     double share = 1.0, slope = 0.0;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Objective: |grad t| shall be uniform within each layer (docs/formulation.md 6).
+/// Objective: |grad t| is to be uniform within each layer (docs/formulation.md 6).
 #include "fabseq/responses/layer_statistics.h"
 #include "fabseq/responses/response_type.h"
 
@@ -9,12 +9,12 @@ namespace fabseq {
 
 namespace {
 
-/// Layers with less than this fraction of the mean volume V*/N do not count in the variance.
+/// Layers with at most this fraction of the mean volume V*/N do not count in the variance.
 constexpr double empty_layer_fraction = 1e-6;
 
-/// L = sum_j F_j(D_j, W_j, m_j) with D_j = sum_e w_e (M_e - m_j)^2, W_j = sum_e w_e, w = drho + floor. The
-/// mean's derivative drops out of D_j, since deviations from it sum to zero; what remains for a form are the
-/// three partial derivatives of F_j.
+/// The objective is L = sum_j F_j(D_j, W_j, m_j) with D_j = sum_e w_e (M_e - m_j)^2, W_j = sum_e w_e and w =
+/// drho + floor. The derivative of the mean drops out of D_j because deviations from it sum to zero. So a
+/// form of the objective has to supply only the three partial derivatives of F_j.
 struct Partials {
   double deviation = 0.0, weight = 0.0, mean = 0.0;
 };
@@ -63,7 +63,7 @@ class Uniformity : public Response<Dim> {
   ResponseContext<Dim> context_;
 };
 
-/// `sum_of_squares`: sum over layers of sum_e drho_e (M_e - m_j)^2.
+/// `sum_of_squares`: sum over layers of D_j.
 template <int Dim>
 class SumOfSquaredDeviations : public Uniformity<Dim> {
  public:
@@ -80,8 +80,8 @@ class SumOfSquaredDeviations : public Uniformity<Dim> {
   Partials partials(const LayerStatistics&, int) const override { return {1.0, 0.0, 0.0}; }
 };
 
-/// `variance`: mean over the layers that are not empty of the squared coefficient of variation; free of
-/// scales.
+/// `variance`: mean over the layers that are not empty of the squared coefficient of variation, which has no
+/// unit.
 template <int Dim>
 class Variance : public Uniformity<Dim> {
  public:

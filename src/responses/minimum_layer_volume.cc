@@ -10,7 +10,7 @@ namespace {
 struct MinimumLayerVolumeSettings {
   double fraction = 0.01;
 
-  /// Layers share the whole: they cannot all have more than an equal part.
+  /// The layers share the volume of the part, so they cannot all have more than an equal share.
   void check(const TermPlace& place) const {
     if (!place.layers.count || fraction * *place.layers.count <= 1.0) return;
     refuse(pointer_to(place.pointer, "fraction"),
@@ -19,9 +19,9 @@ struct MinimumLayerVolumeSettings {
   }
 };
 
-/// Components V_min - (volume of layer j), each at most 0; V_min is `fraction` of the part's volume. With
-/// variable time points this keeps them in order, too: a layer that ends before it begins has a negative
-/// volume.
+/// One component per layer, V_min - (volume of the layer), at most 0. V_min is `fraction` of the part's
+/// volume. With variable time points this also keeps them in order, because a layer that ends before it
+/// begins has a negative volume.
 template <int Dim>
 class MinimumLayerVolume : public Response<Dim> {
  public:
@@ -44,7 +44,7 @@ class MinimumLayerVolume : public Response<Dim> {
     for (double& derivative : d_layer) derivative -= weight * element_volume;
   }
 
-  /// The margin is a share of the least volume: there is no other length on the scale of the allowed.
+  /// The margin refers to the least volume, since the allowed range has no width of its own.
   std::vector<ConstraintRow> rows(int components, double margin) const override {
     std::vector<ConstraintRow> result;
     for (int j = 0; j < components; ++j) result.push_back({j, 1.0, -(1.0 - margin) * least_, least_});

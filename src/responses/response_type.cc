@@ -7,13 +7,13 @@ namespace fabseq {
 
 namespace {
 
-/// Grows while the program's sources are initialized.
+/// All registered types. It grows during static initialization.
 std::vector<const ResponseType*>& registry() {
   static std::vector<const ResponseType*> types;
   return types;
 }
 
-/// The keys that all terms of the objective have; some of them depend on the type.
+/// The keys that all objective terms have; the declarations of some of them depend on the type.
 Section<Term> objective_keys() {
   Section<Term> result("objective", "Objective: a list of terms");
   const auto types = response_types(TermList::objective);

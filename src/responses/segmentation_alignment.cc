@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Objective: lines between sub-parts shall be short, and across the print direction of what comes next
-/// (docs/formulation.md 7).
+/// Objective: lines between sub-parts are to be short and perpendicular to the print direction of the next
+/// sub-part (docs/formulation.md 7).
 #include "fabseq/base/mpi.h"
 #include "fabseq/layers/smooth_step.h"
 #include "fabseq/responses/response_type.h"
@@ -13,9 +13,9 @@ namespace fabseq {
 
 namespace {
 
-/// k3, of the band's edges.
+/// Sharpness k3 of the band's edges.
 constexpr double sharpness = 100.0;
-/// Of |grad t|^2, 1/length^2.
+/// Regularization, which is added to |grad t|^2, 1/length^2.
 constexpr double regularization = 1e-9;
 
 struct SegmentationAlignmentSettings {
@@ -29,8 +29,8 @@ struct SegmentationAlignmentSettings {
   }
 };
 
-/// sum_{i < N_P} sum_e rho_e E_B (v . n_{i+1} + 1), E_B the elements up to `band` in pseudo-time after
-/// timestamp i, v = -grad t / |grad t|. NaN without sub-parts.
+/// One component: sum_{i < N_P} sum_e rho_e E_B (v . n_{i+1} + 1). E_B marks the elements up to `band` in
+/// pseudo-time after timestamp i, and v = -grad t / |grad t|. NaN without sub-parts.
 template <int Dim>
 class SegmentationAlignment : public Response<Dim> {
  public:
@@ -77,7 +77,7 @@ class SegmentationAlignment : public Response<Dim> {
   }
 
  private:
-  /// E_B: 1 between a timestamp and the end of its band.
+  /// E_B as a smooth function of pseudo-time: 1 between a timestamp and the end of its band, 0 elsewhere.
   class Band {
    public:
     Band(double timestamp, double width) : begin_(timestamp, sharpness), end_(timestamp + width, sharpness) {}
@@ -96,7 +96,7 @@ class SegmentationAlignment : public Response<Dim> {
     for (int axis = 0; axis < Dim; ++axis) square += std::pow(state.time.gradient[element * Dim + axis], 2);
     return std::sqrt(square);
   }
-  /// -v . n_{i+1}: the cosine between growing pseudo-time and the next print direction.
+  /// -v . n_{i+1}: cosine of the angle between grad t and the next print direction.
   static double along(const PipelineState<Dim>& state, std::size_t timestamp, std::size_t element,
                       double length) {
     double product = 0.0;

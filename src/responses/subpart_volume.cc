@@ -13,7 +13,7 @@ struct SubpartVolumeSettings {
   double tolerance = 0.01;
 };
 
-/// Components V_i / (V* / N_P) - 1, one a sub-part, each at most `tolerance`. NaN without sub-parts.
+/// One component per sub-part, V_i / (V* / N_P) - 1, at most `tolerance`. NaN without sub-parts.
 template <int Dim>
 class SubpartVolume : public Response<Dim> {
  public:
@@ -53,7 +53,7 @@ class SubpartVolume : public Response<Dim> {
   }
 
  private:
-  /// Of a full element in a sub-part's share.
+  /// Volume of a full element relative to a sub-part's equal share.
   double share_of_element(const SubParts& sub_parts) const { return volume_fraction_ * sub_parts.count(); }
 
   MPI_Comm comm_;

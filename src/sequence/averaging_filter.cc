@@ -13,7 +13,7 @@ AveragingFilter<Dim>::AveragingFilter(const Part<Dim>& part, double radius) : pa
   Index<Dim> width{};
   IndexBox<Dim> reach;
   for (int axis = 0; axis < Dim; ++axis) {
-    // No two elements are farther apart than the grid is long, however large the radius.
+    // However large the radius, no two elements are farther apart than the grid is long.
     width[axis] = static_cast<int>(
         std::min(std::floor(radius / grid.spacing()[axis]), grid.domain().elements[axis] - 1.0));
     reach.start[axis] = -width[axis];

@@ -12,7 +12,7 @@ namespace fabseq {
 
 namespace {
 
-/// What both have in common.
+/// Common base of the direct sequences on elements and on nodes.
 template <int Dim>
 class DirectSequence : public Sequence<Dim> {
  public:
@@ -26,11 +26,11 @@ class DirectSequence : public Sequence<Dim> {
 
  protected:
   const Part<Dim>& part() const { return part_; }
-  /// Filtered times on the owned elements or nodes.
+  /// Filtered times on the owned elements or nodes. Collective.
   std::vector<double> times(std::span<const double> design) const {
     return support_.expand(filter_.apply(design));
   }
-  /// Gradient by the design from that by the filtered times.
+  /// Gradient with respect to the design from that with respect to the filtered times. Collective.
   std::vector<double> by_design(std::span<const double> by_times) const {
     return filter_.apply_transpose(support_.restrict_to_variables(by_times));
   }
@@ -91,7 +91,7 @@ class NodeSequence : public DirectSequence<Dim> {
   }
 
  private:
-  /// That share a message to the neighbours.
+  /// Rows that share one exchange with the neighbours.
   static constexpr std::size_t rows_at_once = 8;
 
   ElementMatrices<Dim> element_;

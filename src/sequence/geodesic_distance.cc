@@ -19,16 +19,16 @@ constexpr double far_away = std::numeric_limits<double>::infinity();
 /// Sweeping ends when no value changes by more than this share of itself.
 constexpr double settled = 1e-13;
 
-/// What a distance follows from along one axis: the smaller value of its two neighbours, and how
-/// far they are.
+/// Data of the upwind difference along one axis: the smaller value of the two neighbours, and the distance to
+/// them.
 struct Upwind {
   double value;
   double spacing;
 };
 
 /// Solution s of sum_a max(0, (s - value_a) / spacing_a)^2 = 1 (Godunov's upwind scheme). The left side grows
-/// with s, and only axes with value_a < s count, so axes are taken in ascending order of their values until
-/// the next one lies above s.
+/// with s, and only axes with value_a < s count. So axes are taken in ascending order of their values until
+/// the next value lies above s.
 template <int Dim>
 double solve_upwind(std::array<Upwind, Dim> neighbors) {
   std::sort(neighbors.begin(), neighbors.end(),
@@ -49,17 +49,17 @@ double solve_upwind(std::array<Upwind, Dim> neighbors) {
   return base + r;
 }
 
-/// What a front runs through: elements or nodes, in the box of this rank.
+/// The elements or nodes that a front runs through, in the box of this rank.
 template <int Dim>
 struct Network {
   Point<Dim> spacing{};
-  IndexBox<Dim> owned, box;  ///< this rank's, and with those around them
-  /// Of the owned: the distance where it is given, far_away elsewhere.
+  IndexBox<Dim> owned, box;  ///< this rank's; the same and those around them
+  /// Owned entries: the distance if it is given, otherwise far_away.
   std::vector<double> distance;
-  /// Of the owned: bit 2 axis + end says that the front may come from the neighbour below (end 0) or above
-  /// (end 1) along the axis. None where the distance is given or nothing is there.
+  /// Owned entries: bit (2 axis + end) says that the front may come from the neighbour below (end 0) or above
+  /// (end 1) along the axis. No bit is set if the distance is given or the entry is not part of the network.
   std::vector<unsigned> links;
-  /// Owned values to values on `box`. Collective.
+  /// Turns owned values into values on `box`. Collective.
   std::function<std::vector<double>(const std::vector<double>&)> gather;
 };
 
@@ -78,13 +78,13 @@ class Sweeper {
     }
   }
 
-  /// Sweeps in all directions over what the rank owns; true if a value changed.
+  /// Sweeps in all directions over the owned entries. Returns true if a value changed by more than `settled`.
   bool sweep() {
     bool changed = false;
     for (int direction = 0; direction < (1 << Dim); ++direction) changed |= sweep(direction);
     return changed;
   }
-  /// Takes over what the neighbours have found; true if that was anything new. Collective.
+  /// Takes over the values of the neighbouring ranks. Returns true if any of them is new. Collective.
   bool exchange() {
     std::vector<double> gathered = network_.gather(owned_values());
     const bool news = gathered != values_;
@@ -101,7 +101,7 @@ class Sweeper {
   }
 
  private:
-  /// Bit a of `direction`: from the upper end of axis a.
+  /// Sweeps once. If bit a of `direction` is set, the sweep starts from the upper end of axis a.
   bool sweep(int direction) {
     const IndexBox<Dim>& owned = network_.owned;
     bool changed = false;
@@ -132,7 +132,7 @@ class Sweeper {
   }
 
   const Network<Dim>& network_;
-  std::vector<double> values_;  ///< on the box, far_away where there is nothing or nothing is known yet
+  std::vector<double> values_;  ///< on the box; far_away outside the network and while unknown
   std::array<std::int64_t, Dim> strides_{};
 };
 
@@ -140,7 +140,7 @@ class Sweeper {
 template <int Dim>
 std::vector<double> sweep_until_settled(MPI_Comm comm, const Network<Dim>& network) {
   Sweeper<Dim> sweeper(network);
-  // Values only fall, and the scheme has one solution, whatever the order of updates: so ranks may sweep on
+  // Values only fall, and the scheme has one solution, whatever the order of updates. So ranks may sweep on
   // their own.
   bool unsettled = true;
   while (true) {
@@ -151,7 +151,7 @@ std::vector<double> sweep_until_settled(MPI_Comm comm, const Network<Dim>& netwo
   return sweeper.owned_values();
 }
 
-/// Part field of distances; `given`: those that are known, far_away for all others.
+/// Part field of distances. `given`: the known ones, far_away for all other elements. Collective.
 template <int Dim>
 std::vector<double> distance_of_elements(const Part<Dim>& part, std::span<const double> given) {
   const Grid<Dim>& grid = part.grid();
@@ -174,7 +174,7 @@ std::vector<double> distance_of_elements(const Part<Dim>& part, std::span<const 
   return part.restrict_to_part(sweep_until_settled(grid.comm(), network));
 }
 
-/// Of the owned nodes: the edges of part elements, as links.
+/// Network::links of the owned nodes: one link per edge of a part element. Collective.
 template <int Dim>
 std::vector<unsigned> edges_of_nodes(const Part<Dim>& part) {
   constexpr int directions = 2 * Dim;

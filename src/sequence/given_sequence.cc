@@ -26,7 +26,8 @@ Point<Dim> unit_direction(const Part<Dim>& part, const std::vector<double>& dire
   return result;
 }
 
-/// Heights of the part elements' centres, and of the lowest and highest corner of all of them.
+/// Heights of the centres of this rank's part elements, and of the lowest and highest corner of all part
+/// elements. Construction is collective.
 template <int Dim>
 struct Heights {
   std::vector<double> centers;
@@ -91,7 +92,7 @@ std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double
   Index<Dim> width{};
   width.fill(1);
   const ElementHalo<Dim> halo(grid, width);
-  // Larger than any time: the void is no earlier neighbour.
+  // The void gets a time larger than any other, so that it is no earlier neighbour.
   const std::vector<double> times = halo.gather(part.expand(time, 2.0));
   std::int64_t minima = 0;
   for (std::size_t e = 0; e < part.elements().size(); ++e) {

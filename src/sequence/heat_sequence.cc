@@ -17,21 +17,23 @@ namespace fabseq {
 
 namespace {
 
-/// With the consistent matrix the temperature leaves its range where the drain outweighs conduction.
+/// Whether to lump the mass matrix. With the consistent one the temperature leaves its range where the drain
+/// outweighs conduction.
 bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
   if (settings.mass != MassRule::automatic) return settings.mass == MassRule::lumped;
   return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
 }
 
-/// Rows that a block of right-hand sides takes: `most`, but no more than PETSc's indices take of the nodes of
-/// the whole grid.
+/// Number of rows that a block of right-hand sides takes: at most `most`, and few enough for PETSc's indices
+/// to count the values at all nodes of the grid.
 template <int Dim>
 std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
   const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();
   return std::clamp<std::int64_t>(limit, 1, most);
 }
 
-/// K_0 T of the part elements, [part element][corner], for a temperature on the ghosted node box.
+/// K_0 T of each part element, [part element][corner], where K_0 is the conductivity matrix for unit
+/// diffusivity. `temperature`: T on the ghosted node box. Local.
 template <int Dim>
 std::vector<double> heat_flux(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                               std::span<const double> temperature) {
@@ -49,8 +51,7 @@ std::vector<double> heat_flux(const Part<Dim>& part, const ElementMatrices<Dim>&
   return flux;
 }
 
-/// dJ/dkappa_e = lambda^T K_0 T, a part field for each lane of adjoints lambda on the owned nodes.
-/// Collective.
+/// dJ/dkappa_e = lambda^T K_0 T, one part field per lane. `adjoints`: lambda on the owned nodes. Collective.
 template <int Dim>
 std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span<const double> heat_flux,
                                                 const LaneVector& adjoints) {
@@ -74,7 +75,7 @@ std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span
   return result;
 }
 
-/// Beyond this the discrete maximum principle does not hold.
+/// If the temperature leaves [0, 1] by more than this, the discrete maximum principle does not hold.
 constexpr double temperature_tolerance = 1e-9;
 
 }  // namespace
@@ -112,8 +113,8 @@ template <int Dim>
 std::vector<double> HeatSequence<Dim>::initial_design() const {
   const std::size_t count = variables();
   if (settings_.initial) return std::vector<double>(count, *settings_.initial);
-  // Along a path of constant |grad T| = g the equation gives kappa = alpha / (2 g^2) (T^2 - T_end^2),
-  // formulation 2.1.
+  // Along a path of constant |grad T| = g the heat equation gives kappa = alpha / (2 g^2) (T^2 - T_end^2)
+  // (docs/formulation.md 2.1).
   const std::vector<double> distance = geodesic_distance(part_);
   double farthest = 0.0;
   for (const double s : distance) farthest = std::max(farthest, s);
@@ -138,7 +139,7 @@ const PseudoTime<Dim>& HeatSequence<Dim>::update(std::span<const double> design)
   return time_;
 }
 
-/// T = 1 on the fixed nodes plus a correction that vanishes there: K_ff T_f = -K_fd 1.
+/// T is 1 at the fixed nodes plus a correction that vanishes there: K_ff T_f = -K_fd 1.
 template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
   const Grid<Dim>& grid = part_.grid();
@@ -146,7 +147,8 @@ void HeatSequence<Dim>::solve_temperature() {
   LaneVector correction = load;
   run_in_groups(across_, [&] {
     solver_->set_operator(diffusivity_, model_->reaction);
-    // A single right-hand side cannot be shared out; other groups would only take bandwidth from the first.
+    // A single right-hand side cannot be shared out, and other groups would only take bandwidth from the
+    // first.
     if (rank_of(across_) != 0) return;
     const SolveReport report = solver_->solve({&load, 1}, {&correction, 1})[0];
     require_convergence(report, "the heat solve");
@@ -164,7 +166,7 @@ void HeatSequence<Dim>::solve_temperature() {
   grid.exchange(1).to_ghosted(time_.temperature, ghosted_temperature_);
 }
 
-/// -K 1 of the fixed nodes: elements without one have none.
+/// Load -K 1_d, where 1_d is 1 at the fixed nodes. Only elements with a fixed node contribute.
 template <int Dim>
 LaneVector HeatSequence<Dim>::prescribed_load() const {
   constexpr int corners = corner_count<Dim>;
@@ -223,7 +225,7 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
   const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;
   for (std::size_t first = 0; first < rows.size(); first += together) {
-    // K_T lambda = -dJ/dT: mean and gradient of the temperature enter the time with a minus.
+    // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is the derivative by t.
     const LaneVector loads =
         pull_back_means(part_, model_->element, rows.subspan(first, std::min(together, rows.size() - first)));
     LaneVector adjoints = loads;

@@ -9,8 +9,8 @@ namespace fabseq {
 
 namespace {
 
-/// A pass has the kernel (1/4, 1/2, 1/4) along each axis, of variance h^2 / 2; the variance of a cone of
-/// radius R along an axis is 3/20 R^2 in the plane, 2/15 R^2 in space.
+/// Number of passes for a radius. A pass has the kernel (1/4, 1/2, 1/4) along each axis, whose variance is
+/// h^2 / 2. The variance of a cone of radius R along an axis is 3/20 R^2 in 2D and 2/15 R^2 in 3D.
 template <int Dim>
 int passes_of(const Grid<Dim>& grid, double radius) {
   double square = 0.0;
@@ -69,7 +69,7 @@ std::vector<double> RepeatedAveraging<Dim>::apply(std::span<const double> design
   return variables;
 }
 
-// Of elements a pass is its own transpose.
+// On elements, a pass is its own transpose.
 template <int Dim>
 std::vector<double> RepeatedAveraging<Dim>::apply_transpose(std::span<const double> design) const {
   if (!support_.on_nodes()) return apply(design);

@@ -14,7 +14,7 @@ namespace fabseq {
 
 namespace {
 
-/// Owned nodes of the part in or on the shape; without a shape, on the plate or the substrate.
+/// 1 for the owned nodes of the part in or on the shape or, without a shape, on the plate or the substrate.
 template <int Dim>
 std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
   const Grid<Dim>& grid = part.grid();
@@ -40,7 +40,7 @@ std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& sh
   return result;
 }
 
-/// Part elements with at least so many of the flagged nodes, a part field. Collective.
+/// Part field: 1 for elements with at least `least` of the flagged nodes. Collective.
 template <int Dim>
 std::vector<char> elements_with_corners(const Part<Dim>& part, const std::vector<char>& nodes, int least) {
   const Grid<Dim>& grid = part.grid();
@@ -59,7 +59,8 @@ std::int64_t count(MPI_Comm comm, const std::vector<char>& flags) {
   return sum(comm, static_cast<std::int64_t>(std::count(flags.begin(), flags.end(), 1)));
 }
 
-/// Without a shape it is the elements with a face on the plate or the substrate.
+/// Part field: 1 for the elements of the region. Without a shape these have a face on the plate or the
+/// substrate.
 template <int Dim>
 std::vector<char> elements_in_region(const Part<Dim>& part, const std::optional<Shape>& shape) {
   std::vector<char> elements;
@@ -74,7 +75,8 @@ std::vector<char> elements_in_region(const Part<Dim>& part, const std::optional<
 
 [[noreturn]] void refuse_region(const std::string& text) { throw InputError("/sequence/start: " + text); }
 
-/// Initial values at the free places from the distances everywhere; throws InputError if some are infinite.
+/// Sets the initial values at the free places from the distances everywhere. Throws InputError if some of
+/// these are infinite. Collective.
 void set_initial_time(MPI_Comm comm, const std::vector<double>& distance, const char* what,
                       StartRegion& region) {
   double farthest = 0.0;
@@ -116,7 +118,7 @@ StartRegion region_of_nodes(const Part<Dim>& part, const std::optional<Shape>& s
   std::vector<char> nodes = nodes_in_region(part, shape);
   if (count(comm, nodes) == 0)
     refuse_region("no node that touches the part lies in or on the shape, needs at least one");
-  // The substrate stands before all else.
+  // The substrate stands before anything is built.
   for (std::size_t node = 0; node < nodes.size(); ++node)
     if (part.touched_nodes()[node] != 0 && part.substrate().nodes()[node] != 0) nodes[node] = 1;
   if (count(comm, nodes) == count(comm, part.touched_nodes()))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The BLAS and LAPACK routines in use, with LAPACK's own argument names; matrices are column by column.
+/// The BLAS and LAPACK routines in use, with LAPACK's own argument names. Matrices are stored column by
+/// column.
 #pragma once
 
 extern "C" {

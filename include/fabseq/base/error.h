@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Errors that end the program, each with the exit status users and job scripts rely on
+/// Errors that end the program. Each has the exit status that users and job scripts rely on
 /// (docs/reference.md).
 #pragma once
 
@@ -12,8 +12,8 @@ namespace fabseq {
 /// What `main` returns.
 enum class ExitStatus { done = 0, bad_input = 2, numerical_failure = 3, stopped = 4, output_failure = 5 };
 
-/// Base of all errors of fabseq. Thrown on every rank of the world with the same text: what a single rank
-/// runs into goes through a verdict first (verdict.h).
+/// Base of all errors of fabseq. An error is thrown on every rank of the world with the same text. A failure
+/// of a single rank goes through one of the calls of verdict.h first.
 class Error : public std::runtime_error {
  public:
   Error(ExitStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}
@@ -29,12 +29,12 @@ class ErrorWith : public Error {
   explicit ErrorWith(const std::string& message) : Error(Status, message) {}
 };
 
-/// The user's config, command line or files are wrong; thrown before anything is written. `message` is one
+/// The user's config, command line or files are wrong. Thrown before anything is written. `message` is one
 /// line that names the key (JSON pointer), what was found and what is allowed.
 using InputError = ErrorWith<ExitStatus::bad_input>;
 /// A solver diverged or a NaN appeared.
 using NumericalError = ErrorWith<ExitStatus::numerical_failure>;
-/// Somebody asked the run to end before its time (stop.h). Not a failure: what was reached is kept.
+/// The run was asked to end early (stop.h). This is no failure: what was reached is kept.
 using Stopped = ErrorWith<ExitStatus::stopped>;
 /// A file or directory could not be written.
 using OutputError = ErrorWith<ExitStatus::output_failure>;

@@ -5,8 +5,8 @@
 
 namespace fabseq {
 
-/// A kind of work that -log_view reports by name, a line within the stage of its phase. Make one at first
-/// use, as a static of the function that does the work.
+/// A kind of work that -log_view reports by name, on one line within the stage of its phase. Make one at
+/// first use, as a static variable of the function that does the work.
 class LogEvent {
  public:
   /// Registers the event; PETSc must be initialized.
@@ -15,7 +15,7 @@ class LogEvent {
     if (event_ < 0) check(PetscLogEventRegister(name, KSP_CLASSID, &event_));
   }
 
-  /// What happens from construction to destruction belongs to the event.
+  /// What happens between construction and destruction counts for the event.
   class Scope {
    public:
     explicit Scope(PetscLogEvent event) : event_(event) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The few MPI reductions fabseq needs, on values and in place on arrays. All are collective on `comm`.
+/// The few MPI reductions that fabseq needs, on values and in place on arrays. All but rank_of() and
+/// size_of() are collective on `comm`, and results are the same on all ranks unless they say otherwise.
 #pragma once
 
 #include <mpi.h>
@@ -13,7 +14,7 @@
 
 namespace fabseq {
 
-/// Sole owner of a communicator made by a split. Made and freed by all of its ranks.
+/// Sole owner of a communicator made by a split. All of its ranks make and free it together.
 class Communicator {
  public:
   Communicator() = default;
@@ -37,33 +38,35 @@ class Communicator {
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
 
+/// Sum, maximum or minimum of `value` over the ranks.
 double sum(MPI_Comm comm, double value);
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
 double max(MPI_Comm comm, double value);
 std::int64_t max(MPI_Comm comm, std::int64_t value);
 double min(MPI_Comm comm, double value);
 std::int64_t min(MPI_Comm comm, std::int64_t value);
-/// True on every rank if `value` is true on any.
+/// True on every rank if `value` is true on any rank.
 bool any(MPI_Comm comm, bool value);
 
-/// Sum over the ranks, entry by entry, in place; the same length on all ranks.
+/// Sum over the ranks, entry by entry, in place. The length is the same on all ranks.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 void sum_in_place(MPI_Comm comm, std::span<float> values);
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values);
 void sum_in_place(MPI_Comm comm, std::span<int> values);
-/// Largest over the ranks, entry by entry, in place; the same length on all ranks.
+/// Maximum over the ranks, entry by entry, in place. The length is the same on all ranks.
 void max_in_place(MPI_Comm comm, std::span<double> values);
 
-/// `text` of rank 0 on every rank.
+/// Returns rank 0's `text` on every rank.
 std::string broadcast(MPI_Comm comm, const std::string& text);
-/// Values of rank 0 on every rank, in place; the same length on all ranks.
+/// Copies rank 0's `values` to every rank, in place. The length is the same on all ranks.
 void broadcast(MPI_Comm comm, std::span<double> values);
 
-/// The entries of all ranks, rank after rank, on every rank; at most 2^31 - 1 in all.
+/// The entries of all ranks on every rank, rank after rank; at most 2^31 - 1 in all. Lengths may differ
+/// between ranks.
 std::vector<std::int64_t> gather_all(MPI_Comm comm, std::span<const std::int64_t> own);
 std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own);
 
-/// Sum of `value` over the ranks below this one.
+/// Sum of `value` over the ranks below this one, 0 on rank 0.
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value);
 
 }  // namespace fabseq

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// PETSc with C++ manners: error codes become exceptions, objects free themselves.
+/// PETSc with C++ manners: error codes become exceptions, and objects free themselves.
 #pragma once
 
 #include <petscdmda.h>
@@ -10,12 +10,13 @@
 
 namespace fabseq {
 
-/// Throws NumericalError with PETSc's own message where `code` is not 0. Wrap every PETSc call in it.
+/// Throws NumericalError with PETSc's own message if `code` is not 0. Wrap every PETSc call in it. Not
+/// collective.
 void check(PetscErrorCode code);
 
-/// Sole owner of a PETSc object; destroyed with the handle (collective on the object's communicator, like
-/// PETSc's own Destroy, so handles must die in the same order on all ranks). Converts to the raw object for
-/// PETSc calls.
+/// Sole owner of a PETSc object; the destructor destroys it. Destruction is collective on the object's
+/// communicator, as PETSc's own Destroy is, so handles must be destroyed in the same order on all ranks. The
+/// handle converts to the raw object for PETSc calls.
 template <class Object, PetscErrorCode (*Destroy)(Object*)>
 class PetscHandle {
  public:
@@ -31,7 +32,7 @@ class PetscHandle {
 
   operator Object() const { return object_; }
   explicit operator bool() const { return object_ != nullptr; }
-  /// For PETSc's Create functions; frees what the handle held before.
+  /// Address to hand to one of PETSc's Create functions. Frees what the handle held before.
   Object* receive() {
     reset();
     return &object_;
@@ -53,9 +54,9 @@ using IndexSetHandle = PetscHandle<IS, ISDestroy>;
 using ScatterHandle = PetscHandle<VecScatter, VecScatterDestroy>;
 using NullSpaceHandle = PetscHandle<MatNullSpace, MatNullSpaceDestroy>;
 
-/// While it lives, the values of `vector` (made without an array of its own) are those at `values`, which
-/// must hold the vector's local size and outlive the scope. A vector that is only read from may be lent a
-/// const array.
+/// Lends an array to `vector` for the lifetime of this object. The vector must have been made without an
+/// array of its own. `values` must hold the vector's local size and outlive this object. A vector that is
+/// only read may be lent a const array.
 class PlacedArray {
  public:
   PlacedArray(Vec vector, const double* values) : vector_(vector) { check(VecPlaceArray(vector, values)); }

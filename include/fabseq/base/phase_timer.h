@@ -8,19 +8,19 @@
 
 namespace fabseq {
 
+/// Phases of a run, in the order of phase_names.
 enum class Phase { heat, layers, primal, adjoint, responses, optimizer, output };
 constexpr int phase_count = 7;
 constexpr std::array<std::string_view, phase_count> phase_names = {
     "heat", "layers", "primal", "adjoint", "responses", "optimizer", "output"};
 
-/// Where the time of a run goes: wall seconds spent in each phase, on this rank; each phase is a stage of
-/// PETSc's -log_view.
+/// Wall seconds that this rank has spent in each phase of a run. Each phase is a stage of PETSc's -log_view.
 class PhaseTimer {
  public:
   /// Registers the log stages and events; PETSc must be initialized.
   PhaseTimer();
 
-  /// Time from construction to destruction counts for the phase. Phases do not nest.
+  /// The time between construction and destruction counts for the phase. Phases do not nest.
   class Scope {
    public:
     Scope(PhaseTimer& timer, Phase phase);
@@ -34,7 +34,7 @@ class PhaseTimer {
   };
   [[nodiscard]] Scope enter(Phase phase) { return Scope(*this, phase); }
 
-  /// Seconds a phase since construction or the last reset().
+  /// Seconds per phase since construction or the last reset(), in the order of Phase.
   const std::array<double, phase_count>& seconds() const { return seconds_; }
   void reset() { seconds_.fill(0.0); }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// \file
 /// Writing small files so that a crash or a full disk never leaves half of one under its final name. Nothing
-/// here is collective; all failures are OutputErrors that name the file and the system's reason.
+/// here is collective. Failures throw OutputError, which names the file and the system's reason, unless a
+/// call says otherwise.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace fabseq {
 
-/// A file open for writing, closed with the object.
+/// An open file; the destructor closes it without looking for errors.
 class PosixFile {
  public:
   /// `flags` as for open(2).
@@ -21,18 +22,21 @@ class PosixFile {
   ~PosixFile();
 
   operator int() const { return descriptor_; }  ///< for system calls
+  /// Writes all of `bytes` at the current position.
   void write(std::string_view bytes) const;
+  /// Writes `count` bytes at `offset` of the file.
   void write_at(std::int64_t offset, const void* bytes, std::size_t count) const;
+  /// Makes the file `bytes` bytes long.
   void resize(std::int64_t bytes) const;
-  /// Reads up to that many bytes from `offset` on; how many there were.
+  /// Reads up to `count` bytes from `offset` on and returns how many there were.
   std::size_t read_at(std::int64_t offset, void* bytes, std::size_t count) const;
-  /// Takes the room for that many bytes on the disk, so that writing them later cannot find it full; the file
-  /// has this size then, and zeros where nothing was written.
+  /// Allocates room on the disk for `bytes` bytes, so that writing them later cannot find it full. The file
+  /// then has this size, with zeros where nothing was written.
   void reserve(std::int64_t bytes) const;
-  /// Data are on the disk when it returns; the page cache forgets them, so that the next read comes from
-  /// there.
+  /// Returns when the data are on the disk. The page cache then drops them, so that the next read comes from
+  /// the disk.
   void sync() const;
-  /// Network file systems report a full disk only here.
+  /// Closes the file and reports errors: network file systems report a full disk only here.
   void close();
 
  private:
@@ -40,38 +44,39 @@ class PosixFile {
   int descriptor_;
 };
 
-/// What a file is called until it is whole.
+/// Name that a file has until it is whole.
 std::string partial_name(const std::string& path);
 
-/// Writes `text` under the partial name, syncs, and renames to `path`.
+/// Writes `text` under the partial name, syncs, and renames the file to `path`.
 void replace_file(const std::string& path, std::string_view text);
-/// Appends `text` in one piece; a file that could not take all of it is cut back to what it was.
+/// Appends `text` in one piece. If the file cannot take all of it, it is cut back to what it was.
 void append_to_file(const std::string& path, std::string_view text);
-/// Cuts a file back to its first `bytes` bytes, on the disk when it returns; a file that is shorter or not
-/// there stays so. Returns its size.
+/// Cuts a file back to its first `bytes` bytes, on the disk when it returns. A shorter or missing file stays
+/// as it is. Returns the size of the file.
 std::int64_t cut_file(const std::string& path, std::int64_t bytes);
-/// Puts what a file holds on the disk and returns its size; 0 if it is not there.
+/// Syncs a file and returns its size; 0 if there is no such file.
 std::int64_t sync_file(const std::string& path);
-/// Text of a file; "" if there is none.
+/// Text of a file; "" if there is none or it cannot be read.
 std::string read_file_if_there(const std::string& path);
 
-/// Renames PARTIAL to `path` and syncs the directory, so that the name survives a crash.
+/// Renames the file partial_name(path) to `path` and syncs the directory, so that the name survives a crash.
 void publish_file(const std::string& path);
-/// Removes a file that is there; does not fail.
+/// Removes a file if it is there. Ignores failures.
 void remove_quietly(const std::string& path) noexcept;
 
-/// A file in memory, without a name, for HDF5: there nothing fails that would on a disk. Gone with the
-/// object.
+/// A file in memory, without a name, for HDF5. Writes to it do not fail as they would on a disk. It ceases to
+/// exist with the object.
 class MemoryFile {
  public:
   MemoryFile();
   MemoryFile(MemoryFile&&) = delete;
   ~MemoryFile();
 
-  /// A path under which this process can open it.
+  /// Path under which this process can open it.
   std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  /// Size in bytes, -1 on failure.
   std::int64_t size() const;
-  /// Whether all of `bytes` could be read, or written.
+  /// Reads or writes all of `bytes`. Returns false if not all could be read or written.
   bool read_at(std::int64_t offset, std::span<char> bytes) const;
   bool write_at(std::int64_t offset, std::span<const char> bytes) const;
 

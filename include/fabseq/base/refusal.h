@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// How a value that cannot be is refused: where it stands, what was found, what is allowed.
+/// How an invalid value is refused: where it stands, what was found, what is allowed.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -10,9 +10,9 @@
 
 namespace fabseq {
 
-/// The words in one text.
+/// The words in one text, with `separator` between them.
 std::string join(const std::vector<std::string>& words, const std::string& separator);
-/// A value as it stands in messages: one line, long ones cut.
+/// Text of a value for messages: one line, cut if it is long.
 std::string shown(const Json& value);
 /// Throws InputError("POINTER: found FOUND; allowed: ALLOWED").
 [[noreturn]] void refuse(const std::string& pointer, const std::string& found, const std::string& allowed);

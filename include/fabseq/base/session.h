@@ -13,23 +13,24 @@
 namespace fabseq {
 
 /// Runs `program` between PetscInitialize and PetscFinalize and returns the exit status of the process.
+/// Collective on the world.
 ///
-/// `petsc_arguments`: argv without fabseq's own options, argv[0] first. An Error thrown by `program` is
-/// printed once, by rank 0, as "fabseq: MESSAGE" on stderr, and its status is returned on every rank; any
-/// other exception is printed by the rank that has it and aborts all ranks with status 3. PETSc options that
-/// nobody read are reported as warnings.
+/// `petsc_arguments` is argv without fabseq's own options, argv[0] first. If `program` throws an Error, rank
+/// 0 prints it once on stderr as "fabseq: MESSAGE", and every rank returns its status. Any other exception is
+/// printed by the rank that has it, which then aborts all ranks with status 3. PETSc options that were never
+/// read are reported as warnings.
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program);
 
-/// Prints "warning: MESSAGE" on stderr, once (rank 0 of the world).
+/// Prints "warning: MESSAGE" on stderr from rank 0 of the world; does nothing on other ranks. Not collective.
 void warn(const std::string& message);
-/// The same once for each communicator that says it: for what the first rank of the world may not know of.
+/// The same from rank 0 of `comm`, for warnings that rank 0 of the world may not know of.
 void warn(MPI_Comm comm, const std::string& message);
-/// Prints a line on stdout, once (rank 0 of the world).
+/// Prints a line on stdout from rank 0 of the world; does nothing on other ranks. Not collective.
 void print(const std::string& line);
 
-/// Writes text to file descriptor 1 or 2, whole, and waits where there is no room for it. Once this rank has
-/// been asked to stop (stop.h) it waits no longer than a moment, and what has no room is lost: mpirun, told
-/// to end, reads no more of what its ranks print, and a checkpoint must not wait for that. Does not fail.
+/// Writes all of `text` to file descriptor 1 or 2 and waits while there is no room for it. Once this rank has
+/// been asked to stop (stop.h), it waits only for a moment, and text without room is lost: an mpirun that was
+/// told to end no longer reads what its ranks print, and a checkpoint must not wait for that. Does not fail.
 void write_text(int descriptor, const std::string& text) noexcept;
 
 }  // namespace fabseq

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Requests to end a run before its time: signals, a time limit, a file. Whoever iterates for long asks for
-/// them.
+/// Requests to end a run early: signals, a time limit, a file. Long iterations poll for them.
 #pragma once
 
 #include <mpi.h>
@@ -11,43 +10,46 @@
 
 namespace fabseq {
 
-/// Listens for SIGUSR1, SIGUSR2, SIGTERM and SIGINT as long as it lives; make one, first thing in main. The
-/// first signal is noted; a second one, more than a tenth of a second later (launchers deliver some twice),
-/// ends the process at once.
+/// Listens for SIGUSR1, SIGUSR2, SIGTERM and SIGINT for the lifetime of the object. Make one at the start of
+/// main. The first signal is noted. A second one, more than a tenth of a second later, ends the process at
+/// once; the delay is needed because some launchers deliver a signal twice.
 class StopRequests {
  public:
-  /// `max_wall_time`: seconds from the start of the process after which it shall stop.
+  /// `max_wall_time`: seconds from the start of the process after which it is asked to stop; none: no limit.
   explicit StopRequests(std::optional<double> max_wall_time);
   StopRequests(StopRequests&&) = delete;
   ~StopRequests();
 };
 
-/// Makes a file a request, too, as long as it lives: at once, or, if the file holds an integer, when that
-/// many iterations are done. Stop files of runs within runs are nested.
+/// Makes the presence of a file a request, too, for the lifetime of the object. If the file holds an integer,
+/// the request is made when that many iterations are done, otherwise at once. Stop files of runs within runs
+/// are nested.
 class StopFile {
  public:
-  /// Rank 0 of `comm` looks.
+  /// Rank 0 of `comm` looks for the file. Not collective.
   StopFile(MPI_Comm comm, const std::string& path);
   StopFile(StopFile&&) = delete;
   ~StopFile();
 };
 
-/// Says how many iterations are done, for stop files (the innermost) that wait for one, and looks for the
-/// files without delay.
+/// Tells the innermost stop file how many iterations are done, and looks for all stop files without delay.
+/// Not collective.
 void note_iterations(int done);
-/// Removes the files that ask for the stop. Rank 0 of StopFile; does not fail.
+/// Removes the files that asked for the stop, on the rank that looks for them. Ignores failures.
 void remove_stop_files() noexcept;
 
-/// Whether this rank has been asked to stop; once true, always true. Cheap: looks for the file once a second.
+/// Whether this rank has been asked to stop; once true, always true. It is cheap: it looks for the files at
+/// most once per second. Not collective.
 bool stop_requested();
-/// Throws Stopped on all ranks of `comm` if any of them has been asked. Collective, one reduction.
+/// Throws Stopped on all ranks of `comm` if any of them has been asked to stop. Collective on `comm`, with
+/// one reduction if none has.
 void stop_if_requested(MPI_Comm comm);
-/// For those who have learned by a reduction of their own that a rank of `comm` has been asked: throws
-/// Stopped, which names the reason, on all of them. Collective.
+/// Throws Stopped, which names the reason, on all ranks of `comm`, for callers whose own reduction has told
+/// them that one of these ranks was asked to stop. Collective on `comm`.
 [[noreturn]] void throw_stopped(MPI_Comm comm);
 
-/// Seconds of a time given as seconds ("5400", "0.5") or H:M:S ("1:30:00"); none if it is neither, or not
-/// positive.
+/// Seconds of a time given as seconds ("5400", "0.5") or as H:M:S ("1:30:00"); none if the text is neither or
+/// the time is not positive.
 std::optional<double> parse_duration(const std::string& text);
 
 }  // namespace fabseq

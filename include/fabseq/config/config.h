@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What a user asks for, typed: the result of reading and validating a config file (docs/reference.md,
+/// A config as typed settings: the result of reading and validating a config file (docs/reference.md,
 /// reference table).
 #pragma once
 
@@ -12,12 +12,14 @@
 
 namespace fabseq {
 
+/// What a run does (docs/reference.md, -task).
 enum class Task { optimize, simulate, evaluate, check_gradients, check };
 
+/// What a run writes on its way, and how often.
 struct OutputSettings {
-  int every = 15;
-  int checkpoint_every = 10;
-  bool stages = false;
+  int every = 15;             ///< iterations between two dumps of the fields; 0: none
+  int checkpoint_every = 10;  ///< iterations between two checkpoints; 0: none
+  bool stages = false;        ///< whether to write the displacement after every layer
 };
 
 /// A validated config.
@@ -26,20 +28,20 @@ struct Config : ModelSettings {
   OptimizerSettings optimizer;
   OutputSettings output;
 
-  Json effective;  ///< every key with its value, defaults filled in, paths absolute: runs again to the same
-                   ///< result
+  /// Every key with its value, defaults filled in, paths absolute. A run of it gives the same result.
+  Json effective;
 
-  /// Whether |grad t| is defined, and with it whatever thickness means.
+  /// Whether |grad t| is defined, and with it all that depends on thickness.
   bool has_time_gradient() const {
     return sequence.type != SequenceType::file &&
            !(sequence.type == SequenceType::direct && sequence.location == DesignLocation::elements);
   }
 };
 
-/// Validates `document` (config text parsed, -set and flat options applied) against the sections of keys and
-/// fills in defaults. `directory`: absolute directory that relative paths in the config refer to. Not
-/// collective; the same on all ranks. Throws InputError with the JSON pointer of the offending key, what was
-/// found and what is allowed.
+/// Validates `document` (the parsed config with -set and flat options applied) against the sections of keys
+/// and fills in defaults. `directory`: absolute directory that relative paths in the config refer to. Not
+/// collective; the result is the same on all ranks. Throws InputError with the JSON pointer of the offending
+/// key, what was found and what is allowed.
 Config make_config(const Json& document, const std::string& directory);
 
 }  // namespace fabseq

@@ -10,8 +10,9 @@
 namespace fabseq {
 
 /// The first key in which two effective configs differ, with both values ("/layers/count was 4, is 5 now");
-/// "" if they pose the same problem. What a run may change on its way does not count: name, output, solver,
-/// the number of iterations and the tolerance of the optimizer, and where a voxel file lies.
+/// "" if they pose the same problem. Keys that a continued run may change do not count: name, output, run,
+/// solver, the place of a voxel file, and the optimizer's numbers of iterations, tolerances and window. Not
+/// collective.
 std::string config_difference(const Json& then, const Json& now);
 
 }  // namespace fabseq

@@ -10,16 +10,17 @@
 
 namespace fabseq {
 
-/// Makes of a config, as read and with the overrides applied, one whose sequence is that of -sequence FILE:
+/// Turns `document`, a config as read and with the overrides applied, into one whose sequence is that of
+/// -sequence FILE:
 ///   - sequence: the dataset `time` of FILE;
-///   - layers.count, unless given on the command line: as many as FILE says that it has;
-///   - projection.beta, unless given there: as sharp as FILE says that it is, relative to a layer, which
-///   gives the same
-///     layers for the same number of them;
-///   - without the terms that need the gradient of the pseudo-time, which a file does not have, with a
-///   warning each.
-/// Collective on `comm`; does nothing without -sequence. A file that cannot be read is left to those who read
-/// it.
+///   - layers.count, unless the command line gives it: the number of layers that FILE states;
+///   - projection.beta, unless the command line gives it: the sharpness relative to a layer that FILE states,
+///     so that the same number of layers gives the same layers;
+///   - terms that need the gradient of the pseudo-time, which a file does not have, are left out, each with a
+///     warning.
+///
+/// Does nothing without -sequence. Does not report a file that cannot be read: its later reader does.
+/// Collective on `comm`.
 void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document);
 
 }  // namespace fabseq

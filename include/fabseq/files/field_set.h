@@ -9,8 +9,8 @@
 
 namespace fabseq {
 
-/// Names and values of element and node fields, for any writer. Values are not copied: what was added must
-/// outlive the set.
+/// Names and values of element and node fields on a grid, for any writer. The set owns neither: grid and
+/// values must outlive it.
 template <int Dim>
 struct FieldSet {
   struct Field {
@@ -24,6 +24,8 @@ struct FieldSet {
   const Grid<Dim>* grid = nullptr;
   std::vector<Field> fields;
 
+  /// Adds a field on the nodes or elements, in double precision, with `components` values per node or
+  /// element.
   void add(bool on_nodes, const std::string& name, std::span<const double> values, int components = 1) {
     fields.push_back({name, on_nodes, components, values, false});
   }

@@ -9,22 +9,24 @@
 
 namespace fabseq {
 
-/// history.jsonl: one JSON object a line (its keys: docs/reference.md, output).
+/// The file history.jsonl: one JSON object per line (docs/reference.md, output, lists its keys).
 class History {
  public:
-  /// `directory` is not owned and must outlive the history. A file that is there is continued.
+  /// `directory` must outlive the history. An existing file is continued.
   explicit History(const OutputDirectory& directory) : directory_(directory) {}
 
-  /// Appends `entry` (rank 0's) as one line, which other programs can read when the call returns. Throws
-  /// OutputError on all ranks if it could not be written. Collective.
+  /// Appends `entry` of rank 0 as one line, which other programs can read when the call returns. Throws
+  /// OutputError on all ranks if the line could not be written. Collective on the directory's communicator.
   void append(const Json& entry) const;
 
-  /// Puts all lines on the disk and returns the size of the file, a position for cut_back(). Collective.
+  /// Syncs all lines to the disk and returns the size of the file, bytes, which is a position for cut_back().
+  /// Collective.
   std::int64_t sync() const;
-  /// Goes back to what the file was when sync() returned `position`, with a warning if it is shorter by now.
+  /// Cuts the file back to what it was when sync() returned `position`. Warns if it is shorter by now.
   /// Collective.
   void cut_back(std::int64_t position) const;
-  /// Begins with the first `position` bytes of the history of another directory. Collective.
+  /// Replaces the file by the first `position` bytes of the history of another directory. Warns if that
+  /// history is shorter. Collective.
   void copy_from(const std::string& directory, std::int64_t position) const;
 
  private:

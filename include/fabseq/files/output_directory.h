@@ -8,38 +8,40 @@
 
 namespace fabseq {
 
-/// Folder in a run's directory for the run on half the resolution with which it began.
+/// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
 
-/// Creates (collectively, rank 0 does the work) the directory of a run and writes small text files into it.
+/// The directory of a run, which it creates and into which it writes small text files. Rank 0 of comm() does
+/// the work. Calls that say "collective" are so on comm().
 class OutputDirectory {
  public:
-  /// Throws InputError if `path` holds a run already (a config.json) and not `overwrite`; with `overwrite`
-  /// removes what an earlier run left there (only files and folders a run writes, and a file `stop` or
-  /// `output_now`). Throws OutputError if it cannot be made or written to. Collective.
+  /// Creates the directory. With `overwrite`, removes what an earlier run left there: only files and folders
+  /// that a run writes, and the files `stop` and `output_now`. Throws InputError if `path` holds a run
+  /// already (a config.json) and `overwrite` is false. Throws OutputError if the directory cannot be made or
+  /// written to. Collective.
   OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
-  /// The directory of a run that goes on there: what it left stays, but for its summary.json and for files
-  /// that it did not complete. Throws OutputError if it cannot be written to. Collective.
+  /// The directory of a run that continues there. What the run left stays, except for its summary.json and
+  /// for incomplete files. Throws OutputError if the directory cannot be written to. Collective.
   static OutputDirectory continued(MPI_Comm comm, const std::string& path);
 
-  /// Removes what runs on coarser grids have left in it, as the constructor does with what the run itself
-  /// left. Collective.
+  /// Removes what runs on coarser grids have left in the directory. Collective.
   void remove_coarse_runs() const;
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }
+  /// Path of a file in the directory.
   std::string file(const std::string& name) const { return path_ + "/" + name; }
-  /// Makes a folder in it, if it is not there yet. Throws OutputError on all ranks if that fails, as it does
-  /// where the directory itself has vanished. Collective.
+  /// Makes a folder in the directory if it is not there yet. Throws OutputError on all ranks if that fails,
+  /// for example because the directory itself has vanished. Collective.
   void make_folder(const std::string& name) const;
-  /// Writes a file whole, through a temporary name and a rename, by rank 0; the outcome is known on all
-  /// ranks: throws OutputError on all of them if it failed. Collective.
+  /// Writes a whole file through a temporary name and a rename. Throws OutputError on all ranks if that
+  /// fails. Collective.
   void write(const std::string& name, const std::string& text) const;
-  /// Appends a line to a file and hands it to the operating system, as write(); a line that does not fit is
-  /// not there in part either.
+  /// Appends a line to a file and hands it to the operating system. A line that does not fit leaves no part
+  /// of itself behind. Throws as write() does. Collective.
   void append_line(const std::string& name, const std::string& line) const;
 
-  /// Whether a file is there, by a look of rank 0. Collective.
+  /// Whether rank 0 sees a file of that name; the same on all ranks. Collective.
   bool has(const std::string& name) const;
   /// Removes a file, if it is there. Collective.
   void remove(const std::string& name) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// A checksum of a whole file at its end, behind what the file's own format looks at. Nothing here is
+/// A seal: a checksum of a whole file at its end, where the file's own format does not look. Nothing here is
 /// collective.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace fabseq {
 
-/// 64-bit FNV-1a, which finds damaged bytes in files, not malice, of bytes that come piece by piece; how they
-/// are cut into pieces does not matter.
+/// 64-bit FNV-1a checksum of bytes that come piece by piece; the cuts between the pieces do not matter. It
+/// finds damage, not malice.
 class Checksum {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -26,10 +26,11 @@ class Checksum {
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
 
-/// Appends the seal to a file of `bytes` bytes, open for reading and writing.
+/// Appends the seal to a file of `bytes` bytes, which must be open for reading and writing. Throws
+/// OutputError.
 void seal_file(const PosixFile& file, std::int64_t bytes);
-/// Copies a file but for its seal; false if it does not end in one that is right. Throws OutputError if it
-/// cannot be read or there is not enough memory.
+/// Copies a file without its seal. Returns false if the file does not end with a correct seal. Throws
+/// OutputError if the file cannot be read or there is not enough memory.
 bool copy_if_intact(const std::string& path, const MemoryFile& copy);
 
 }  // namespace fabseq

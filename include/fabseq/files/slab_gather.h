@@ -10,9 +10,10 @@
 
 namespace fabseq {
 
-/// Gathers a field on rank 0, one slab (one index of the slowest axis) at a time, which fits its memory.
-/// Construction and gather() are collective on `comm`, whose first ranks must be those of the grid: further
-/// ranks may hold copies of the field, of which nothing is sent. Grid and values must outlive the object.
+/// Gathers a field on rank 0, one slab at a time, so that it fits the rank's memory. A slab is one index of
+/// the slowest axis. Construction and gather() are collective on `comm`, whose first ranks must be those of
+/// the grid. Further ranks may hold copies of the field, which are not sent. Field values must outlive the
+/// object.
 template <int Dim>
 class SlabGather {
  public:
@@ -20,15 +21,15 @@ class SlabGather {
 
   SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& field);
 
-  /// Number of slabs: extent of the slowest axis.
+  /// Number of slabs: the extent of the slowest axis.
   int count() const { return whole_.size[Dim - 1]; }
-  /// Axes of the field in a file, slowest first: [z][y][x] and [component] if there are several.
+  /// Extents of the field in a file, slowest axis first: [z][y][x], and [component] if there are several.
   std::vector<std::int64_t> shape() const;
-  /// Values of a slab on rank 0, [y][x][component], valid until the next call; empty on the other ranks.
+  /// Values of a slab on rank 0, [y][x][component], valid until the next call; an empty span on other ranks.
   std::span<const double> gather(int slab);
 
  private:
-  /// Values this box contributes to a slab.
+  /// Number of values that a box contributes to a slab.
   int values_in_slab(const IndexBox<Dim>& box, int slab) const;
   void place(const IndexBox<Dim>& box, const double* piece);
 
@@ -37,7 +38,7 @@ class SlabGather {
   std::span<const double> values_;
   IndexBox<Dim> whole_, owned_;
   // Rank 0 only:
-  std::vector<IndexBox<Dim>> boxes_;  ///< share of each rank
+  std::vector<IndexBox<Dim>> boxes_;  ///< owned box of each rank, empty for copies
   std::vector<int> counts_, offsets_;
   std::vector<double> pieces_, slab_;
 };

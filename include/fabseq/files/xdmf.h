@@ -8,20 +8,20 @@
 
 namespace fabseq {
 
-/// Where the values of a field are: XML attributes of its data item (Format and what belongs to it) and its
-/// content.
+/// Where the values of a field are: the XML attributes of its data item (Format and what belongs to it), and
+/// the content of the item.
 struct XdmfSource {
   std::string attributes;
   std::string content;
 };
 
-/// Text of an XDMF file, the small one beside binary or HDF5 data by which ParaView opens them: `source(i)`
-/// is asked for each field i. Not collective, no values are read.
+/// Text of an XDMF file, by which ParaView opens the binary or HDF5 data beside it. `source(i)` gives the
+/// place of the values of field i; the values themselves are not read. Not collective.
 ///
-/// A 2D grid is described as a flat 3D one with one layer of nodes at z = 0: 2D meshes end up in ParaView's
-/// yz plane. Its older "XDMF Reader" shows no element fields of such a grid; the two that it offers first do.
-/// Vectors keep their components; six-component tensors are six columns, because XDMF's own order (xx xy xz
-/// yy yz zz) is not the Voigt order of docs/formulation.md 1.
+/// A 2D grid is described as a flat 3D one with one layer of nodes at z = 0, because 2D meshes end up in
+/// ParaView's yz plane. ParaView's older "XDMF Reader" shows no element fields of such a grid; the two
+/// readers that it offers first do. Vectors keep their components. Six-component tensors are six columns,
+/// because XDMF's own order (xx xy xz yy yz zz) is not the Voigt order of docs/formulation.md 1.
 template <int Dim>
 std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The box and its grid, as a config has them.
+/// The box and its grid as a config describes them.
 #pragma once
 
 #include "fabseq/grid/grid.h"
@@ -12,11 +12,11 @@ namespace fabseq {
 template <class Settings>
 class Section;
 
-/// Vectors have an entry per axis.
+/// Extent and grid of the box (see Domain). Vectors have one entry per axis, 2 or 3.
 struct DomainSettings {
-  std::vector<double> size;
-  std::vector<int> elements;
-  double thickness = 1.0;
+  std::vector<double> size;   ///< edge lengths, length unit
+  std::vector<int> elements;  ///< number of elements along each axis
+  double thickness = 1.0;     ///< 2D only, length unit
 
   int dimension() const { return static_cast<int>(elements.size()); }
   template <int Dim>

@@ -17,8 +17,9 @@ Index<Dim> stepped(const Index<Dim>& from, int number, int step) {
   return result;
 }
 
-/// Gathers an element field on this rank's elements and all elements up to `width` away along each axis
-/// (within the grid), also across several ranks. Set-up and calls are collective.
+/// Gathers an element field on this rank's elements and on all elements of the grid up to `width` elements
+/// away along each axis, which may belong to several other ranks. Construction, gather() and scatter_add()
+/// are collective on the grid's communicator. The grid need not outlive the object.
 template <int Dim>
 class ElementHalo {
  public:
@@ -26,9 +27,11 @@ class ElementHalo {
 
   /// Box of the gathered elements.
   const IndexBox<Dim>& box() const { return box_; }
-  /// `owned`: lexicographic in Grid::owned_elements(); returns values lexicographic in box().
+  /// Returns the field on box(), lexicographic. `owned`: this rank's values, lexicographic in
+  /// Grid::owned_elements().
   std::vector<double> gather(std::span<const double> owned) const;
-  /// Transpose of gather(): adds values on box() to their owners.
+  /// Transpose of gather(): adds the values on box() of all ranks to their owners and returns this rank's
+  /// sums.
   std::vector<double> scatter_add(std::span<const double> values) const;
 
  private:

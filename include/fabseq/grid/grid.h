@@ -16,15 +16,15 @@
 
 namespace fabseq {
 
-/// Extent of the box and its elements; in 2D every element has the given thickness.
+/// Extent of the box and number of its elements. In 2D every element has the given thickness.
 template <int Dim>
 struct Domain {
   Point<Dim> size{};       ///< edge lengths, length unit
-  Index<Dim> elements{};   ///< elements along each axis
+  Index<Dim> elements{};   ///< number of elements along each axis
   double thickness = 1.0;  ///< 2D plane stress only, length unit; 1 in 3D
 };
 
-/// Centre of an element, for those who have no grid yet.
+/// Centre of an element, length unit, for callers without a grid.
 template <int Dim>
 Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) {
   Point<Dim> center;
@@ -33,19 +33,20 @@ Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) 
   return center;
 }
 
-/// Moves nodal values between the nodes a rank owns and the ghosted box its element loops work on. Arrays are
-/// [node][component], nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes(). All calls are
-/// collective.
+/// Moves nodal values between the nodes that a rank owns and the ghosted box that its element loops work on.
+/// Arrays are [node][component], with nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes().
+/// All calls are collective on the communicator of the DMDA.
 template <int Dim>
 class NodeExchange {
  public:
-  /// `dm`: a DMDA with `components` degrees of freedom per node; not owned, must outlive the exchange.
-  /// Collective.
+  /// `dm`: a DMDA with `components` degrees of freedom per node, which is not owned and must outlive the
+  /// exchange.
   NodeExchange(DM dm, int components);
 
-  /// Copies owned values and those of the neighbours' nodes in the ghosted box.
+  /// Copies owned values, and the neighbours' values in the ghosted box, to `ghosted`.
   void to_ghosted(std::span<const double> owned, std::span<double> ghosted) const;
-  /// Adds what element loops collected on `ghosted` nodes to their owners; `owned` is overwritten.
+  /// Sums the values that the element loops of all ranks collected on `ghosted` at the owners of the nodes.
+  /// `owned` is overwritten.
   void add_to_owned(std::span<const double> ghosted, std::span<double> owned) const;
 
  private:
@@ -53,45 +54,49 @@ class NodeExchange {
   VecHandle owned_, ghosted_;
 };
 
-/// A DMDA (box stencil of width 1). `nodes`: that each process has along each axis. Collective.
+/// A DMDA with a box stencil of width 1. `nodes`: for each axis, the number of nodes of each process along
+/// it. The caller owns the result. Collective on `comm`.
 template <int Dim>
 DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
                       const std::array<std::vector<PetscInt>, Dim>& nodes, int components);
 
-/// A DMDA-decomposed box grid of Q4 or H8 elements. The element with index i belongs to the rank that owns
-/// its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are tensor
-/// products, chosen so that the largest sum of element weights of a rank is smallest.
+/// A box grid of Q4 or H8 elements, decomposed as a DMDA. The element with index i belongs to the rank that
+/// owns its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are
+/// tensor products, chosen so that the largest sum of element weights of a rank is as small as possible.
 template <int Dim>
 class Grid {
  public:
-  /// Weights of the elements of a box, lexicographic (for load balance only); called on a part of the grid on
-  /// each rank, by all ranks or none. Empty: all elements alike.
+  /// Weights of elements for load balance. The grid calls the function with one box per rank, on all ranks or
+  /// on none. Empty: all elements have the same weight.
   using WeightFunction = ElementWeights<Dim>;
 
-  /// Collective on `comm`. Throws InputError if the grid has fewer elements than can be dealt out to the
-  /// ranks, or more unknowns than PETSc's indices hold. The grid holds no reference to `weights` afterwards.
-  /// A grid can be moved: DMs and exchanges stay where they are; parts, halos and the like that refer to the
-  /// moved grid do not follow.
+  /// Collective on `comm`. Keeps no reference to `weights`. A grid can be moved: its DMs and exchanges stay
+  /// where they are, but parts, halos and other objects that refer to the grid do not follow. Throws
+  /// InputError on all ranks if an axis has no elements or no length, if the grid needs more memory than
+  /// there is, if it has too few elements to deal out to the ranks, or if it has more nodes or unknowns than
+  /// indices can count.
   Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights);
 
   MPI_Comm comm() const { return comm_; }
   const Domain<Dim>& domain() const { return domain_; }
-  /// Element edge lengths.
+  /// Edge lengths of an element, length unit.
   const Point<Dim>& spacing() const { return spacing_; }
   double smallest_spacing() const { return *std::min_element(spacing_.begin(), spacing_.end()); }
   double largest_spacing() const { return *std::max_element(spacing_.begin(), spacing_.end()); }
-  /// Volume of an element (2D: area times thickness).
+  /// Volume of an element (in 2D, area times thickness).
   double element_volume() const;
 
-  /// The whole grid.
+  /// Boxes of the whole grid.
   IndexBox<Dim> all_elements() const { return {Index<Dim>{}, domain_.elements}; }
   IndexBox<Dim> all_nodes() const;
-  /// This rank's share. Local element fields are lexicographic in owned_elements().
+  /// This rank's elements and nodes. Its element fields are lexicographic in owned_elements(), its nodal
+  /// fields in owned_nodes().
   const IndexBox<Dim>& owned_elements() const { return owned_elements_; }
   const IndexBox<Dim>& owned_nodes() const { return owned_nodes_; }
-  /// Owned nodes and one layer around them, within the grid; holds all nodes of the owned elements.
+  /// Owned nodes and one layer of nodes around them, within the grid. The box holds all nodes of the owned
+  /// elements.
   const IndexBox<Dim>& ghosted_nodes() const { return ghosted_nodes_; }
-  /// Ranks along each axis; rank = px + Px (py + Py pz).
+  /// Number of ranks along each axis; rank = px + Px (py + Py pz).
   const Index<Dim>& processes() const { return decomposition_.processes; }
 
   Point<Dim> element_center(const Index<Dim>& element) const;
@@ -104,14 +109,16 @@ class Grid {
     return static_cast<int>(ghosted_nodes_.offset(element));
   }
 
-  /// Position of an element in the order "ranks one after the other, each lexicographic" (PETSc's order).
+  /// Number of an element or node in PETSc's order: rank after rank, lexicographic within each.
   std::int64_t element_number(const Index<Dim>& element) const;
   std::int64_t node_number(const Index<Dim>& node) const;
 
-  /// DMDA over the nodes with this many components (box stencil of width 1); owned by the grid, made at first
-  /// use (collective). Throws InputError if the values of all nodes are more than PETSc's indices hold.
+  /// DMDA over the nodes with this many components (box stencil of width 1), which the grid owns. The first
+  /// call for a number of components makes it and is collective. Throws InputError if PETSc's indices cannot
+  /// count the values of all nodes.
   DM node_dm(int components) const;
-  /// Exchange for nodal arrays with this many components; owned by the grid, made at first use (collective).
+  /// Exchange for nodal arrays with this many components, which the grid owns. The first call for a number of
+  /// components makes it and is collective.
   const NodeExchange<Dim>& exchange(int components) const;
 
  private:

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <string>
 
-/// Explicit instantiation, in 2D and 3D, of a class or struct template, or of a function template that is not
-/// overloaded, whatever its arguments.
+/// Explicit instantiation in 2D and 3D of a class template, of a struct template, or of a function template
+/// that is not overloaded, whatever its arguments.
 #define FABSEQ_INSTANTIATE_CLASS(Name) \
   template class Name<2>;              \
   template class Name<3>
@@ -22,6 +22,7 @@
 
 namespace fabseq {
 
+/// Coordinates of a point or components of a vector, [axis].
 template <int Dim>
 using Point = std::array<double, Dim>;
 
@@ -52,7 +53,7 @@ std::string to_text(const Point<Dim>& point) {
   return text + "]";
 }
 
-/// Number of nodes of an element; node n sits at the upper end of axis a where bit a of n is set.
+/// Number of nodes of an element. Node n lies at the upper end of axis a if bit a of n is set.
 template <int Dim>
 constexpr int corner_count = 1 << Dim;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Rigid motions of points, and least-squares fits of them.
+/// Rigid motions of points, and least-squares fits of them to displacements.
 #pragma once
 
 #include "fabseq/base/mpi.h"
@@ -13,11 +13,12 @@
 
 namespace fabseq {
 
-/// Number of independent rigid motions: the translations, and behind them the rotations.
+/// Number of independent rigid motions. Translations come first, followed by rotations.
 template <int Dim>
 constexpr int rigid_motion_count = Dim*(Dim + 1) / 2;
 
-/// Displacement component of a rigid motion at a position; rotations are about the origin, by a unit angle.
+/// Displacement component of rigid motion `number` at a position. Rotations are linear, about the origin, by
+/// a unit angle.
 template <int Dim>
 double rigid_motion(int number, int component, const Point<Dim>& position) {
   if (number < Dim) return number == component ? 1.0 : 0.0;
@@ -27,26 +28,27 @@ double rigid_motion(int number, int component, const Point<Dim>& position) {
   return component == b ? position[a] : 0.0;
 }
 
-/// The normal matrix R^T W R of the rigid motions R at some displacement components, W diagonal.
+/// The normal matrix R^T W R of the rigid motions R at a set of displacement components, with diagonal
+/// weights W.
 template <int Dim>
 class RigidFit {
  public:
   static constexpr int count = rigid_motion_count<Dim>;
-  /// A factor per motion.
+  /// One factor per rigid motion.
   using Amplitudes = std::array<double, count>;
 
-  /// Adds a displacement component of the point at `position`.
+  /// Adds one displacement component of the point at `position` to the matrix. Local.
   void add(const Point<Dim>& position, int component, double weight = 1.0) {
     for (int k = 0; k < count; ++k)
       for (int l = 0; l <= k; ++l)
         matrix_[k * count + l] +=
             weight * rigid_motion<Dim>(k, component, position) * rigid_motion<Dim>(l, component, position);
   }
-  /// Adds up the matrices of all ranks. Collective on `comm`.
+  /// Sums the matrices of all ranks. Collective on `comm`.
   void sum(MPI_Comm comm) { sum_in_place(comm, matrix_); }
 
-  /// Replaces the matrix by its Cholesky factor. False if a motion depends on those before it: if its pivot
-  /// is not above `least`, or not above `share` of its diagonal entry.
+  /// Replaces the matrix by its Cholesky factor. Returns false if a motion depends on those before it: its
+  /// pivot is at most `least`, or at most `share` times its diagonal entry.
   bool factor(double share, double least = 0.0) {
     for (int row = 0; row < count; ++row) {
       const double limit = std::max(least, share * matrix_[row * count + row]);
@@ -63,7 +65,7 @@ class RigidFit {
     }
     return true;
   }
-  /// (R^T W R)^-1 of `right`, once factored.
+  /// (R^T W R)^-1 times `right`. Needs a successful factor().
   Amplitudes solve(Amplitudes right) const {
     for (int row = 0; row < count; ++row) {
       for (int k = 0; k < row; ++k) right[row] -= matrix_[row * count + k] * right[k];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What the type of a settings struct's member says of the key that is bound to it.
+/// What follows for a key from the type of the settings member that it is bound to.
 #pragma once
 
 #include "fabseq/keys/config_key.h"
@@ -24,12 +24,13 @@ inline constexpr bool is_vector = false;
 template <class Value>
 inline constexpr bool is_vector<std::vector<Value>> = true;
 
-/// Flags whose key has words are choices between two of them, false first.
+/// Type of the key that is bound to a member. A flag whose key has words is a choice between two of them,
+/// false first.
 template <class Member>
 KeyType type_of(const ConfigKey& key, const Member& /*member*/) {
   if (key.type != KeyType::of_member) return key.type;
   if constexpr (is_optional<Member>) {
-    return type_of(ConfigKey{}, typename Member::value_type{});  // its words stand for none
+    return type_of(ConfigKey{}, typename Member::value_type{});  // the key's words mean "no value"
   } else if constexpr (std::is_same_v<Member, bool>) {
     return key.words.empty() ? KeyType::flag : KeyType::choice;
   } else if constexpr (std::is_enum_v<Member>) {
@@ -47,8 +48,8 @@ KeyType type_of(const ConfigKey& key, const Member& /*member*/) {
   }
 }
 
-/// JSON text of a member's value, as the default of its key; empty: there is none. Optional members without a
-/// value and empty vectors are the first of the key's words.
+/// JSON text of a member's value, which is the default of its key; empty if there is none. For optional
+/// members without a value and for empty vectors it is the first of the key's words.
 template <class Member>
 std::string text_of(const ConfigKey& key, const Member& member) {
   const auto word = [&](std::size_t index) {

@@ -12,33 +12,35 @@
 
 namespace fabseq {
 
-/// Where a reader is, for its messages.
+/// The place of the value that a reader reads, for its messages.
 struct KeyPlace {
-  std::string pointer;  ///< of the value (RFC 6901)
+  std::string pointer;  ///< JSON pointer of the value (RFC 6901)
   int dimension;        ///< of the domain, 2 or 3
 };
 
-/// Each key is declared once: name, member, range, unit, option, meaning. Type and default are the member's.
-/// From that come the declarations against which a document is checked and completed, and read().
+/// The keys of an object. Each key is declared once, with name, member, range, unit, option and meaning; its
+/// type and default are those of the member. The declarations, against which a document is checked and
+/// completed, and read() follow from that. Nothing here is collective.
 ///
 ///     Section<ProcessSettings>("process", "Process simulation")
 ///         .key("min_stiffness", &ProcessSettings::min_stiffness, "Stiffness of ...", {.range = "(0, 1)"});
 template <class Settings>
 class Section {
  public:
-  /// Sets what a value says.
+  /// Sets the members of `settings` that follow from `value`.
   using Reader = std::function<void(Settings& settings, const Json& value, const KeyPlace& place)>;
 
-  /// `path`: dotted, in the config.
+  /// `path`: dotted path of the object in the config.
   explicit Section(std::string path, std::string title = "") : own_{std::move(path), std::move(title), {}} {}
 
-  /// Keys declared from here on exist only where the object's "type" is this; empty: in all.
+  /// Keys declared from here on exist only if the object's "type" is `type`; empty: for every type.
   Section& only_for(std::string type) {
     variant_ = std::move(type);
     return *this;
   }
 
-  /// A key bound to a member, by a pointer to it or a function that returns a reference.
+  /// A key that is bound to a member, by a pointer to the member or by a function that returns a reference to
+  /// it.
   template <class Binding>
   Section& key(const char* name, Binding member, const char* meaning, ConfigKey key = {}) {
     const Settings defaults{};
@@ -50,12 +52,12 @@ class Section {
     });
   }
 
-  /// A key with a reader of its own: type and default are as declared.
+  /// A key with a reader of its own; type and default are as declared.
   Section& key(const char* name, const char* meaning, ConfigKey key, Reader read) {
     return add(name, meaning, std::move(key), std::move(read));
   }
 
-  /// A key that holds an object: another section, read into what `member` refers to.
+  /// A key that holds an object with the keys of another section, read into what `member` refers to.
   template <class Binding, class Part>
   Section& section(const char* name, Binding member, const char* meaning, const Section<Part>& keys,
                    ConfigKey key = {}) {
@@ -67,7 +69,7 @@ class Section {
                });
   }
 
-  /// The keys of another section with the same path, here and now.
+  /// Inserts the keys of another section with the same path at this place, for the current type.
   template <class Binding, class Part>
   Section& keys(Binding member, const Section<Part>& other) {
     for (SectionKeys& declared : other.declarations()) {
@@ -85,26 +87,26 @@ class Section {
     });
   }
 
-  /// Documents a section that this one's own readers look after.
+  /// Adds the declarations of a section that readers of this one take care of.
   Section& declare(SectionKeys section) {
     further_.push_back(std::move(section));
     return *this;
   }
 
-  /// What is to be done with the whole object, after the keys declared so far.
+  /// Adds a reader of the whole object, which runs after those of the keys declared so far.
   Section& then(Reader read) {
     readers_.push_back({variant_, "", std::move(read)});
     return *this;
   }
 
-  /// The declarations, this section's first, then those of its sub-sections.
+  /// The declarations of this section, followed by those of its subsections.
   std::vector<SectionKeys> declarations() const {
     std::vector<SectionKeys> result = {own_};
     result.insert(result.end(), further_.begin(), further_.end());
     return result;
   }
 
-  /// Reads a completed object. Throws InputError for what a key's own reader finds.
+  /// Reads a completed object into `settings`. Throws InputError for faults that a key's own reader finds.
   void read(Settings& settings, const Json& object, const KeyPlace& place) const {
     const Json* type = find_member(object, "type");
     for (const auto& [variant, name, read] : readers_) {
@@ -118,7 +120,7 @@ class Section {
 
  private:
   struct BoundKey {
-    std::string variant, name;  ///< without a name: of the whole object
+    std::string variant, name;  ///< empty name: the reader reads the whole object
     Reader read;
   };
 

@@ -6,32 +6,33 @@
 
 namespace fabseq {
 
-/// Neighbouring layers that are solved together.
+/// Consecutive layers that are solved together.
 struct LayerBlock {
-  int first = 0;  ///< layer
+  int first = 0;  ///< its first layer, from 0
   int lanes = 0;  ///< number of layers
 };
 
-/// How the work of a block follows from that of its layers.
+/// How the layers of a block are solved, from which the work of the block follows.
 enum class BlockSolver {
-  lanes,      ///< side by side: lanes that are done leave when half of them are
+  lanes,      ///< side by side: the block halves its width when half of its lanes are done
   one_by_one  ///< one layer after the other
 };
 
-/// Work of a block in units of a full block's iteration. `work`: iterations of each of its layers, 1 to 8.
+/// Work of a block, in units of one iteration of a full block. `work`: iterations of each of its layers, of
+/// which there are 1 to 8.
 double block_work(std::span<const double> work, BlockSolver solver);
 
-/// What each group solves for, as blocks in the order of their layers.
+/// What each layer group solves for.
 struct LayerDeal {
-  std::vector<std::vector<LayerBlock>> blocks;  ///< of each group
-  double longest = 0.0;                         ///< work of the group with most
+  std::vector<std::vector<LayerBlock>> blocks;  ///< [group][block], in the order of their layers
+  double longest = 0.0;                         ///< largest work of a group
 };
 
-/// Deals layers out to `groups` in blocks of `widest` layers (a power of two, at most 8) and one of the rest,
-/// the block with most work first, each to the group with least so far. Blocks are halved, as long as that
-/// pays: while there are fewer of them than groups, or they do not add up to equal sums. A single group gets
-/// whole blocks. The same arguments give the same deal.
-/// `work`: expected iterations of each layer.
+/// Deals layers out to `groups` layer groups. `work` holds the expected iterations of each layer. Blocks have
+/// `widest` layers (a power of two, at most 8), the last one the rest. Blocks are dealt out in the order of
+/// falling work, each to the group with least work so far. They are halved while that pays: when there are
+/// fewer blocks than groups, or when their sums per group are uneven. A single group gets whole blocks. The
+/// result depends on the arguments only, so all ranks get the same one. Not collective.
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver);
 
 }  // namespace fabseq

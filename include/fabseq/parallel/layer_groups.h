@@ -12,47 +12,50 @@ namespace fabseq {
 
 /// The ranks of a run as groups of equal size that share the layers (docs/architecture.md, distribution).
 /// Every group holds the whole box, decomposed over its ranks in the same way, and solves for its share of
-/// the layers. So rank p of every group has the same elements and nodes: its *copies* are the ranks p of the
-/// other groups. Rank = group * (ranks of a group) + p.
+/// the layers. Hence rank p of every group has the same elements and nodes; its *copies* are the ranks p of
+/// the other groups. The rank in the world is group * (ranks per group) + p.
 ///
-/// Fields are the same on all copies, bit for bit, but what has one entry per design variable is split among
-/// them: each has a *share*, a contiguous range of the entries. All calls but the plain queries are
-/// collective on across().
+/// Fields are the same on all copies, bit for bit. Vectors with one entry per design variable are split among
+/// the copies instead: each has a *share*, a contiguous range of the entries. All calls but the plain queries
+/// and share() are collective on across().
 class LayerGroups {
  public:
-  /// Collective on `world`, which must outlive the object; `count` divides its ranks.
+  /// Collective on `world`, which must outlive the object. `count`, the number of groups, must divide the
+  /// number of its ranks.
   LayerGroups(MPI_Comm world, int count);
 
   MPI_Comm world() const { return world_; }
-  /// This rank's group: what the grid is decomposed over.
+  /// The ranks of this rank's group; the grid is decomposed over them.
   MPI_Comm domain() const { return count_ == 1 ? world_ : domain_; }
   /// This rank and its copies, in the order of the groups.
   MPI_Comm across() const { return count_ == 1 ? MPI_COMM_SELF : across_; }
   int count() const { return count_; }
-  /// Number of this rank's group, from 0.
+  /// Index of this rank's group, from 0.
   int index() const { return index_; }
 
-  /// This rank's share of a field that it and its copies have.
+  /// This rank's share of a field that it and its copies have. Local.
   std::vector<double> share(std::span<const double> field) const;
-  /// The field whose shares this rank and its copies have.
+  /// The whole field, from the shares of this rank and its copies.
   std::vector<double> gather(std::span<const double> share) const;
-  /// Shares of fields that each exist in one group only. `owners`: the group that has each field; `own`: this
-  /// group's, in their order; `length`: entries of every field. One message between any two copies.
+  /// This rank's shares of several fields, each of which exists in one group only. `owners`: the group of
+  /// each field. `own`: the fields of this rank's group, in the order in which they stand in `owners`.
+  /// `length`: number of entries of every field. Any two copies exchange one message.
   std::vector<std::vector<double>> share_out(std::span<const std::vector<double>> own,
                                              std::span<const int> owners, std::size_t length) const;
 
-  /// Sum of the copies' values, in place.
+  /// Sum over the copies, entry by entry, in place.
   void sum(std::span<double> values) const;
   void sum(std::span<int> values) const;
-  /// The same, but only group `owner` gets the sum; elsewhere `values` are used up.
+  /// The same, but only group `owner` gets the sum. In other groups `values` are unspecified afterwards.
   void sum_at(int owner, std::span<double> values) const;
-  /// Values of group `owner` on all copies.
+  /// Copies the values of group `owner` to all copies, in place.
   void broadcast(int owner, std::span<double> values) const;
-  /// Runs work in which each group acts on its own; if it fails in one, the error is thrown in all.
+  /// Runs work in which each group acts on its own. If it fails in one group, the error is thrown in all
+  /// (run_in_groups()).
   void run(const std::function<void()>& work) const;
 
  private:
-  /// First entry of a group's share of `length` entries.
+  /// First entry of a group's share of a vector with `length` entries.
   std::size_t start(std::size_t length, int group) const { return length * group / count_; }
 
   MPI_Comm world_;

@@ -9,12 +9,13 @@
 
 namespace fabseq {
 
-/// What the config says of a node set: all nodes in or on `shape` that touch the part or the
-/// substrate, or `samples` of them.
+/// A node set as the config describes it: the nodes in or on `shape` that touch the part or the substrate, or
+/// `samples` of them.
 struct NodeSetDescription {
   Shape shape;
-  int samples = 0;  ///< 0: all; else k nodes equally spaced along the longest edge of the set's bounding box
-  double within = 0.0;   ///< nodes up to so far outside the shape count, too; length unit
+  /// Number of nodes, equally spaced along the longest edge of the set's bounding box. 0: all nodes.
+  int samples = 0;
+  double within = 0.0;   ///< nodes at most this far outside the shape count, too; length unit
   bool all = false;      ///< every node of a part element, in place of those in a shape
   bool surface = false;  ///< only nodes with fewer than 2^Dim elements of part and substrate around them
 };
@@ -23,13 +24,14 @@ struct NodeSetDescription {
 struct NodeSet {
   std::string name;
   std::vector<int> owned;  ///< offsets in Grid::owned_nodes(), ascending
-  std::int64_t count = 0;  ///< nodes of all ranks
+  std::int64_t count = 0;  ///< number of nodes, summed over all ranks
 };
 
-/// Collective. Nodes up to 1e-6 of the smallest spacing outside the shape count. With samples k: nodes
-/// ordered along the longest edge of the set's bounding box, ties by lexicographic node number, index floor(i
-/// (n-1)/(k-1) + 1/2). Throws InputError naming /node_sets/NAME for a set without nodes or with fewer nodes
-/// than samples.
+/// Collects the nodes of a set. Nodes at most max(`within`, 1e-6 of the smallest spacing) outside the shape
+/// count. With k samples of n nodes, the nodes are ordered along the longest edge of the set's bounding box,
+/// ties by lexicographic node number, and those with index floor(i (n-1)/(k-1) + 1/2) are chosen. Collective
+/// on the grid's communicator. Throws InputError naming /node_sets/NAME for a set without nodes or with fewer
+/// nodes than samples.
 template <int Dim>
 NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
 

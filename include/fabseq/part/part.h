@@ -17,38 +17,44 @@
 
 namespace fabseq {
 
-/// Density read from an HDF5 dataset with axes [z][y][x] (2D [y][x]), shape equal to the domain's elements
-/// reversed, times PartDescription::sampling; planes that the file lacks to that at the upper ends are empty.
+/// Density from an HDF5 dataset with axes [z][y][x] (2D [y][x]). Its shape is that of the domain's elements
+/// reversed, times PartDescription::sampling. The file may have up to `sampling` - 1 planes fewer at the
+/// upper end of an axis; the missing ones are empty.
 struct VoxelFile {
   std::string file;  ///< absolute path
   std::string dataset = "density";
-  std::optional<double> threshold;  ///< density >= threshold counts as 1; none: the grey density as it is
+  /// Densities >= threshold count as 1, all others as 0. None: densities are taken as they are.
+  std::optional<double> threshold;
 };
 
-/// What the config says of the part.
+/// The part as the config describes it.
 struct PartDescription {
   std::variant<Shape, VoxelFile> source;
-  bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing them
-  bool announce = true;         ///< warn of what was dropped
-  int sampling = 1;  ///< an element's density is the mean over so many points along each axis, equally spaced
-  std::optional<Shape> substrate = std::nullopt;  ///< what stands from the start; not part where both are
-  std::optional<Shape> clamps = std::nullopt;     ///< nodes held in place of the plate's
+  bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing the part
+  bool announce = true;         ///< warn of dropped pieces
+  /// Density of an element: mean over this number of equally spaced points along each axis.
+  int sampling = 1;
+  /// What stands from the start. Elements in both shapes belong to the substrate, not to the part.
+  std::optional<Shape> substrate = std::nullopt;
+  std::optional<Shape> clamps = std::nullopt;  ///< nodes in it are held instead of the plate's
 };
 
-/// Densities (0 to 1) of the elements of `box`, lexicographic. Collective on `comm` for voxel files (parallel
-/// read). Voxel datasets may be of any numeric type. `box` may be empty on some ranks. Throws InputError (on
-/// all ranks) for a missing file or dataset, a wrong shape, or densities outside [0, 1].
+/// Densities (0 to 1) of the elements of `box`, lexicographic. Voxel datasets may have any numeric type.
+/// `box` may be empty on some ranks. Collective on `comm` for voxel files (parallel read). Throws InputError
+/// on all ranks for a missing file or dataset, a wrong shape, or densities outside [0, 1].
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box);
 
-/// What a decomposition balances: elements of part and substrate count 1, others a tenth (they are in the
-/// heat problem only). `description` must outlive the function, whose calls are collective on `comm`.
+/// Weights by which a decomposition is balanced: elements of part and substrate count 1, all others a tenth,
+/// because they take part in the heat problem only. `description` must outlive the returned function, whose
+/// calls are collective on `comm`.
 template <int Dim>
 ElementWeights<Dim> element_weights(MPI_Comm comm, const Domain<Dim>& domain,
                                     const PartDescription& description);
 
-/// A grid decomposed by element_weights(). Collective on `comm`; throws what Grid and read_density throw.
+/// A grid that is decomposed by element_weights(). Collective on `comm`. Throws what Grid and read_density()
+/// throw.
 template <int Dim>
 Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description);
 
@@ -56,10 +62,10 @@ Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const Par
 template <int Dim>
 class Part {
  public:
-  /// Collective on the grid's communicator. The grid must outlive the part. Throws InputError for an empty
-  /// part, no contact with plate or substrate, or pieces without a path of faces to them (naming number, size
-  /// and place), unless `description.keep_connected`, which drops them with a warning. Elements of the
-  /// substrate are no part elements.
+  /// Collective on the grid's communicator. The grid must outlive the part. Elements of the substrate are no
+  /// part elements. Throws InputError for an empty part, for a part without contact with plate or substrate,
+  /// and for pieces without a path of faces to them, naming their number, size and place. With
+  /// `description.keep_connected`, such pieces are dropped with a warning instead.
   Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate);
 
   const Grid<Dim>& grid() const { return grid_; }
@@ -68,44 +74,45 @@ class Part {
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
-  /// Owned part elements (density > 0): offsets in Grid::owned_elements(), ascending. "Part fields" have one
-  /// entry per part element.
+  /// Owned part elements (density > 0) as offsets in Grid::owned_elements(), ascending. A "part field" has
+  /// one entry per entry of elements().
   const std::vector<int>& elements() const { return elements_; }
   /// Density of each part element (a part field).
   const std::vector<double>& part_density() const { return part_density_; }
   /// Offset in the ghosted node box of each part element's lowest node (a part field).
   const std::vector<int>& first_corners() const { return first_corners_; }
-  /// Part elements of all ranks.
+  /// Number of part elements, summed over all ranks.
   std::int64_t count() const { return count_; }
-  /// V* of docs/formulation.md 7: volume weighted by density, all ranks.
+  /// Volume weighted by density, summed over all ranks: V* of docs/formulation.md 7.
   double volume() const { return volume_; }
-  /// Corners of the bounding box of all part elements.
+  /// Corners of the bounding box of all part elements, on all ranks; length unit.
   const Point<Dim>& lower() const { return lower_; }
   const Point<Dim>& upper() const { return upper_; }
-  /// Longest edge of the bounding box: the default characteristic length.
+  /// Longest edge of the bounding box, length unit. It is the default characteristic length.
   double longest_edge() const;
-  /// The pieces, largest first, before any were dropped.
+  /// All pieces, largest first, including those that were dropped. The same on all ranks.
   const std::vector<Piece<Dim>>& pieces() const { return pieces_; }
-  /// Part elements with a face on the build plate or on the substrate, all ranks.
+  /// Number of part elements with a face on the build plate or on the substrate, summed over all ranks.
   std::int64_t plate_contact() const { return plate_contact_; }
-  /// For each part element, half the spacing across its face on the plate or on the substrate, the smallest
-  /// one; infinite without such a face (a part field).
+  /// Half the spacing across each part element's face on the plate or on the substrate, the smallest one if
+  /// there are several; infinite without such a face. A part field in length units.
   const std::vector<double>& contact_distance() const { return contact_distance_; }
 
-  /// Owned nodes of at least one part element (1 or 0), lexicographic in Grid::owned_nodes().
+  /// 1 for owned nodes of at least one part element, on any rank, 0 for others; lexicographic in
+  /// Grid::owned_nodes().
   const std::vector<char>& touched_nodes() const { return touched_nodes_; }
   /// Whether a node lies on the plate's face of the box.
   bool on_plate(const Index<Dim>& node) const {
     return node[plate_.axis] == (plate_.upper ? grid_.domain().elements[plate_.axis] : 0);
   }
 
-  /// Values of a part field on all owned elements of the grid, `outside` where there is no part.
+  /// Values of a part field on all owned elements of the grid, `outside` for elements outside the part.
   std::vector<double> expand(std::span<const double> part_field, double outside = 0.0) const {
     std::vector<double> field(density_.size(), outside);
     for (std::size_t i = 0; i < elements_.size(); ++i) field[elements_[i]] = part_field[i];
     return field;
   }
-  /// The part elements' values of a field on all owned elements.
+  /// Part field of the values that a field on all owned elements has in the part.
   std::vector<double> restrict_to_part(std::span<const double> element_field) const {
     std::vector<double> field(elements_.size());
     for (std::size_t i = 0; i < elements_.size(); ++i) field[i] = element_field[elements_[i]];

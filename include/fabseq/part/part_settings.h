@@ -12,15 +12,15 @@ namespace fabseq {
 
 /// Section "part": a shape or voxels.
 Section<PartDescription> part_keys();
-/// Section "node_sets.NAME": a shape, and which of its nodes.
+/// Section "node_sets.NAME": a shape, and which of its nodes belong to the set.
 Section<NodeSetDescription> node_set_keys();
 /// The sections of all shapes, "shape" and "shape.*".
 std::vector<SectionKeys> shape_declarations();
 
-/// The shape in a completed config object (one shape key, maybe others beside it). Throws InputError for
-/// empty boxes, cylinders without length and normals of length 0.
+/// The shape in a completed config object, which may have other keys beside the shape's. Throws InputError
+/// for empty boxes, cylinders without length and normals of length 0.
 Shape make_shape(const Json& value, const KeyPlace& place);
-/// "z-": the lower end of the last axis.
+/// The plate on the face of that name; "z-" is the lower end of the z axis.
 BuildPlate make_plate(const std::string& face);
 
 }  // namespace fabseq

@@ -17,7 +17,7 @@ struct BuildPlate {
 
   /// The face as the config writes it: "z-".
   std::string name() const { return std::string(1, "xyz"[axis]) + (upper ? "+" : "-"); }
-  /// Whether an element of a grid with so many elements has a face on the plate.
+  /// Whether an element has a face on the plate. `elements`: number of elements of the grid along each axis.
   template <int Dim>
   bool touches(const Index<Dim>& element, const Index<Dim>& elements) const {
     return element[axis] == (upper ? elements[axis] - 1 : 0);
@@ -29,19 +29,20 @@ template <int Dim>
 struct Piece {
   std::int64_t elements = 0;
   Point<Dim> min{}, max{};     ///< bounding box, length unit
-  bool touches_plate = false;  ///< an element has a face on the build plate or on the substrate
+  bool touches_plate = false;  ///< at least one element has a face on the build plate or on the substrate
 };
 
-/// The pieces of all ranks, and this rank's share of them.
+/// All pieces, and the piece of each of this rank's elements.
 template <int Dim>
 struct PieceMap {
   std::vector<Piece<Dim>> pieces;     ///< largest first, ties by lowest element number; the same on all ranks
-  std::vector<int> piece_of_element;  ///< index into pieces of each owned element, -1 where the density is 0
+  std::vector<int> piece_of_element;  ///< index into `pieces` for each owned element, -1 if its density is 0
 };
 
-/// Labels the elements with `density` (of each owned element of the grid) above 0. Elements that share only
-/// an edge or a corner are not connected. `on_substrate`: for each owned element, whether it has a face on
-/// the substrate; empty: none has. Collective on the grid's communicator.
+/// Finds the pieces that the elements with `density` > 0 form; `density` has an entry per owned element of
+/// the grid. Elements that share only an edge or a corner are not connected. `on_substrate` says for each
+/// owned element whether it has a face on the substrate; empty: none has. Collective on the grid's
+/// communicator.
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
                           const std::vector<char>& on_substrate = {});

@@ -9,28 +9,29 @@
 
 namespace fabseq {
 
-/// The translations and rotations R of all nodes, and their least-squares fit C = (R_P^T R_P)^-1 R_P^T to the
-/// displacements of a set of nodes P (docs/formulation.md 4.3). Rotations are about the centre of the set, in
-/// units of its extent. Displacements and forces are [owned node][component]. All calls but determined() are
-/// collective on the grid's communicator.
+/// The rigid motions R of all nodes (translations and rotations), and their least-squares fit C = (R_P^T
+/// R_P)^-1 R_P^T to the displacements of a set of nodes P (docs/formulation.md 4.3). Rotations are about the
+/// centre of P, in units of its extent. Displacements and forces are [owned node][component]. All calls but
+/// determined() are collective on the grid's communicator.
 template <int Dim>
 class RigidMotions {
  public:
-  /// `nodes`: P, offsets in Grid::owned_nodes(). The grid must outlive the object.
+  /// `nodes`: this rank's nodes of P, as offsets in Grid::owned_nodes(). The grid must outlive the object.
   RigidMotions(const Grid<Dim>& grid, std::vector<int> nodes);
 
-  /// Whether no rigid motion leaves all of P where it is; otherwise there is no fit.
+  /// Whether P determines the fit: no rigid motion leaves all of P where it is. The other calls need that.
   bool determined() const { return determined_; }
-  /// Takes R C u out of a displacement u.
+  /// Subtracts the fitted rigid motion R C u from a displacement u, in place.
   void remove_fit(std::span<double> displacement) const;
-  /// Takes C^T R^T b out of forces b: what is left has no resultants. The transpose of remove_fit().
+  /// Subtracts C^T R^T b from forces b, in place, so that they have no resultants. The transpose of
+  /// remove_fit().
   void balance(std::span<double> forces) const;
 
  private:
   static constexpr int count = rigid_motion_count<Dim>;
   using Amplitudes = typename RigidFit<Dim>::Amplitudes;
 
-  /// A node's position from the centre, in units of the extent.
+  /// A node's position relative to the centre, in units of the extent.
   Point<Dim> position(const Index<Dim>& node) const;
 
   const Grid<Dim>& grid_;

@@ -9,12 +9,12 @@
 
 namespace fabseq {
 
-/// Shapes contain points up to this share of the smallest spacing outside (docs/reference.md, conventions).
+/// Shapes contain points up to this share of the smallest spacing outside their surface (docs/reference.md,
+/// conventions).
 inline constexpr double shape_tolerance = 1e-6;
 
-/// A primitive or a boolean combination of shapes. 2D and 3D alike: coordinates have as many entries as the
-/// domain has dimensions. Primitives contain points up to a tolerance outside their surface
-/// (docs/reference.md, conventions).
+/// A primitive or a boolean combination of shapes, in 2D or 3D. Coordinates have as many entries as the
+/// domain has dimensions.
 struct Shape {
   enum class Kind { box, half_space, cylinder, sphere, polygon, union_of, intersection, difference };
 
@@ -23,11 +23,12 @@ struct Shape {
   std::vector<double> second;  ///< box max, half_space normal, cylinder to
   double radius = 0.0;         ///< cylinder, sphere
   int axis = 2;                ///< polygon in 3D: axis along which it is extruded through the box
-  std::vector<std::array<double, 2>> points;  ///< polygon: in the two other axes in ascending order
-  std::vector<Shape> operands;                ///< union_of, intersection, difference (first minus all others)
+  /// Corners of a polygon; in 3D, the coordinates along the two other axes in ascending order.
+  std::vector<std::array<double, 2>> points;
+  std::vector<Shape> operands;  ///< union_of, intersection, difference (the first minus all others)
 
-  /// Whether `point` (one coordinate per axis, length unit) lies inside or at most `tolerance` (length)
-  /// outside.
+  /// Whether `point` (one coordinate per axis) lies inside or at most `tolerance` outside; both in length
+  /// units.
   bool contains(std::span<const double> point, double tolerance) const;
 };
 

@@ -11,25 +11,29 @@
 
 namespace fabseq {
 
-/// Elements that stand from the start and are no part of what is built, such as a base plate
-/// (docs/formulation.md 4.4); there may be none.
+/// Elements that stand from the start and are not built, such as a base plate (docs/formulation.md 4.4).
+/// There may be none.
 template <int Dim>
 class Substrate {
  public:
-  /// Collective on the grid's communicator. Elements whose centre lies in `shape`; no reference to it is
-  /// kept. Throws InputError if a shape is given that holds none.
+  /// The elements whose centres lie in `shape`, of which no reference is kept. Collective on the grid's
+  /// communicator. The grid must outlive the object. Throws InputError if a shape is given that holds no
+  /// element.
   Substrate(const Grid<Dim>& grid, const std::optional<Shape>& shape);
 
-  /// Elements of all ranks.
+  /// Number of elements, summed over all ranks.
   std::int64_t count() const { return count_; }
-  /// 1 for the owned elements of the grid that belong to it, lexicographic in Grid::owned_elements().
+  /// 1 for the owned elements of the grid that belong to the substrate, lexicographic in
+  /// Grid::owned_elements().
   const std::vector<char>& elements() const { return elements_; }
-  /// 1 for the owned nodes of such elements, of any rank, lexicographic in Grid::owned_nodes().
+  /// 1 for the owned nodes of such elements, which may be on any rank, lexicographic in Grid::owned_nodes().
   const std::vector<char>& nodes() const { return nodes_; }
-  /// 1 for the nodes on its side towards the plate: the lowest ones along the plate's normal. Collective.
+  /// 1 for the substrate's owned nodes on its side towards the plate: the lowest ones along the plate's
+  /// normal. Collective on the grid's communicator.
   std::vector<char> nodes_towards(const BuildPlate& plate) const;
-  /// For each owned element, half the spacing across a face that it shares with the substrate (the smallest
-  /// one), or infinity. Collective.
+  /// For each owned element, half the spacing across the face that it shares with the substrate, the smallest
+  /// one if there are several; infinite without such a face. Length unit. Collective on the grid's
+  /// communicator.
   std::vector<double> contact_distance() const;
 
  private:
@@ -38,7 +42,8 @@ class Substrate {
   std::int64_t count_ = 0;
 };
 
-/// Owned nodes of the given owned elements (1 or 0 each), of any rank. Collective.
+/// 1 for the owned nodes of the elements whose entry in `elements` is not 0; `elements` has one entry per
+/// owned element, and elements of all ranks count. Collective on the grid's communicator.
 template <int Dim>
 std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements);
 

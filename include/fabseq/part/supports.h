@@ -7,18 +7,19 @@
 
 namespace fabseq {
 
-/// The nodes that the mechanical model is held at (docs/formulation.md 4.1, 4.4): those of the plate's face,
-/// or the clamps in its place.
+/// The nodes at which the mechanical model is held (docs/formulation.md 4.1, 4.4): the clamps if there are
+/// any, otherwise the substrate's side towards the plate if there is a substrate, otherwise the plate's face
+/// of the box.
 template <int Dim>
 struct Supports {
-  /// Collective on the grid's communicator. With a substrate and without clamps, the substrate's side towards
-  /// the plate. Throws InputError if clamps hold no node of part or substrate, or if a face-connected piece
-  /// of both could still move as a rigid body. No reference to the part is kept.
+  /// Collective on the grid's communicator. Keeps no reference to the part. Throws InputError if the clamps
+  /// hold no node of part or substrate, or if a face-connected piece of both could still move as a rigid
+  /// body.
   Supports(const Part<Dim>& part, const PartDescription& description);
 
-  std::vector<char> held;    ///< 1 for owned nodes of the grid that are held, in the void, too
-  std::vector<int> holding;  ///< of them, on part or substrate: offsets in Grid::owned_nodes(), ascending
-  int pieces = 0;            ///< face-connected pieces of part and substrate together
+  std::vector<char> held;    ///< 1 for owned nodes of the grid that are held, those in the void included
+  std::vector<int> holding;  ///< held nodes on part or substrate: offsets in Grid::owned_nodes(), ascending
+  int pieces = 0;            ///< number of face-connected pieces of part and substrate together
 };
 
 }  // namespace fabseq

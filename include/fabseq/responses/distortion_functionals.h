@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Distortion as a sum of squares of few linear functionals and a rest (docs/formulation.md 9).
+/// Distortion as a sum of squares of a few linear functionals and a rest (docs/formulation.md 9).
 #pragma once
 
 #include "fabseq/responses/set_displacement.h"
@@ -10,17 +10,19 @@
 
 namespace fabseq {
 
-/// The components r_k = a_k . u of a distortion J = sum_k r_k^2 + rest, rest >= 0: for each displacement
-/// component that J measures the coefficients of its constant and linear part over the node set. These are
-/// its products with functions that are orthonormal over the set's nodes, 1, x, y, z in this order less what
-/// depends on those before.
+/// The components r_k = a_k . u of a distortion J = sum_k r_k^2 + rest, with rest >= 0. For each displacement
+/// component that J measures, they are the coefficients of its constant and linear part over the node set:
+/// its products with functions that are orthonormal over the nodes of the set. These functions are 1, x, y,
+/// z, in this order, each orthogonalized against those before it and left out if it depends on them.
 template <int Dim>
 class DistortionFunctionals : public SumOfSquares<Dim> {
  public:
-  /// \param axes     displacement components
-  /// \param means    whether the constant parts count, too; without them J is one of deviations from the mean
-  /// \param factor   J is `factor` times the sum of squares over the nodes
-  /// Collective construction.
+  /// \param axes displacement components that J measures
+  /// \param means whether the constant parts count; without them J measures deviations from the mean
+  /// \param factor J is `factor` times the sum of squares over the nodes
+  /// \param asked_for what asked_for() returns
+  ///
+  /// Collective on the grid's communicator.
   DistortionFunctionals(const SetDisplacement<Dim>& set, std::vector<int> axes, bool means, double factor,
                         bool asked_for);
 
@@ -31,7 +33,7 @@ class DistortionFunctionals : public SumOfSquares<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override;
 
   int count() const override { return static_cast<int>(axes_.size() * functions_.size()); }
-  /// There is no rest where the set has no more nodes than there are functions.
+  /// There is no rest if the set has no more nodes than there are functions.
   bool complete() const override { return complete_; }
   bool asked_for() const override { return asked_for_; }
 

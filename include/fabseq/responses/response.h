@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What is measured on a fabrication sequence: one interface for objective terms and constraints.
+/// Measures of a fabrication sequence: one interface for objective terms and constraints.
 #pragma once
 
 #include "fabseq/layers/layers.h"
@@ -17,18 +17,17 @@
 
 namespace fabseq {
 
-/// What all responses of a run may know of the part.
+/// What all responses of a run may know of the part. References must outlive the responses.
 template <int Dim>
 struct ResponseContext {
   const Part<Dim>& part;
   const std::map<std::string, NodeSet>& node_sets;
-  double characteristic_length;  ///< l_c of docs/formulation.md 6
-  std::span<const char> start =
-      {};             ///< part field: 1 in the start region of a direct sequence; empty: there is none
-  int sub_parts = 0;  ///< of multi-planar layers
+  double characteristic_length;      ///< l_c of docs/formulation.md 6
+  std::span<const char> start = {};  ///< part field: 1 in a direct sequence's start region; or empty
+  int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
 };
 
-/// The stages of the pipeline for one design. References to the pipeline's own results.
+/// The results of the pipeline's stages for one design, which the pipeline owns.
 template <int Dim>
 struct PipelineState {
   const PseudoTime<Dim>& time;
@@ -36,64 +35,68 @@ struct PipelineState {
   const ProcessResult& process;
 };
 
-/// Where responses leave their derivatives: one row of adjoints, with respect to each stage.
+/// Derivatives of one row (a weighted sum of response components) with respect to the result of each stage.
+/// Responses add theirs to it.
 template <int Dim>
 struct PipelineAdjoint {
   explicit PipelineAdjoint(int layers) : densities(layers) {}
 
-  ProcessAdjoint process;        ///< dJ/du, dJ/dv and dJ/d(increments), empty while zero
+  ProcessAdjoint process;        ///< dJ/du, dJ/dv and dJ/d(increments); empty while zero
   DensityDerivatives densities;  ///< explicit dependence on stage and layer densities and on time points
-  TimeDerivatives time;          ///< explicit dependence on t and grad t, empty while zero
+  TimeDerivatives time;          ///< explicit dependence on t and grad t; empty while zero
 };
 
-/// One inequality for the optimizer, sign * (value of a component) <= sign * bound, both in units of `scale`.
+/// One inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
+/// `scale`.
 struct ConstraintRow {
-  int component = 0;
-  double sign = 1.0;
-  double bound = 0.0;
-  double scale = 1.0;
+  int component = 0;   ///< of the response
+  double sign = 1.0;   ///< 1: upper bound, -1: lower bound
+  double bound = 0.0;  ///< in the unit of the component
+  double scale = 1.0;  ///< in the unit of the component, > 0
 
-  /// <= 0 where the inequality holds.
+  /// Not positive if the inequality holds for a component with this value.
   double violation(double value) const { return sign * (value - bound) / scale; }
 };
 
 template <int Dim>
 class SumOfSquares;
 
-/// A functional of a sequence with one or several components. Values are the same on all ranks; all calls are
-/// collective on the grid's communicator unless they say otherwise; each layer group makes them for itself,
-/// but values of what is said to use displacements are asked for by all groups.
+/// A functional of a sequence with one or several components. All calls are collective on the grid's
+/// communicator unless they say otherwise, and values are the same on all ranks. Each layer group makes its
+/// calls for itself; only values() of responses that use displacements must be called by all groups.
 template <int Dim>
 class Response {
  public:
   virtual ~Response() = default;
 
-  /// The config's name of the type. Not collective.
+  /// Name of the type in the config. Not collective.
   virtual std::string type() const = 0;
-  /// Whether it looks at displacements: its rows need the adjoints of all layers. Not collective.
+  /// Whether values depend on displacements, in which case its rows need the adjoints of all layers. Not
+  /// collective.
   virtual bool uses_displacements() const { return false; }
-  /// Raw values, one a component.
+  /// Raw values, one per component.
   virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
-  /// Adds weight * d(component) to the adjoint of each stage the component looks at.
+  /// Adds weight * d(value of the component) to the derivatives by each stage that the component depends on.
   virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                               PipelineAdjoint<Dim>& adjoint) const = 0;
-  /// As a constraint: the rows for the optimizer, allowed ranges shrunk to `margin` times their width; margin
-  /// 1 is the user's constraint. Empty for responses that are objectives. Not collective.
+  /// The optimizer's rows for a constraint with this number of components. Allowed ranges are shrunk to
+  /// `margin` times their width; margin 1 gives the user's constraint. Empty for responses that are
+  /// objectives. Not collective.
   virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
-  /// As an objective with that scaling: what the optimizer may be given in its place. nullptr where it is no
-  /// sum of squares, or shall not be handed over as one. Collective.
+  /// The sum of squares that the optimizer may be given in place of an objective with that scaling; nullptr
+  /// if the objective is no sum of squares or is not to be handed over as one. Collective.
   virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
 };
 
-/// Components whose squares add up to the value of an objective less a rest >= 0 (docs/formulation.md 9).
+/// Components whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
 template <int Dim>
 class SumOfSquares : public Response<Dim> {
  public:
   /// Number of components.
   virtual int count() const = 0;
-  /// Whether there is no rest, whatever the displacements.
+  /// Whether the rest is zero for all displacements.
   virtual bool complete() const = 0;
-  /// Whether the user asks for them, even where they hold little of the value.
+  /// Whether the user asks for them even if their squares hold little of the value.
   virtual bool asked_for() const = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The registry of responses: each registers itself from its own source, with its keys and what it needs.
+/// The registry of responses. Each response registers itself in its own source, with its keys and what it
+/// needs.
 #pragma once
 
 #include "fabseq/keys/section.h"
@@ -15,28 +16,30 @@
 
 namespace fabseq {
 
+/// The two lists of terms in a config.
 enum class TermList { objective, constraints };
+/// Kinds of layers that a response may need.
 enum class LayerKind { any, curved, multi_planar };
 
 /// What the keys of a term are checked against.
 struct TermPlace {
-  std::string pointer;  ///< of the term, such as "/objective/0"
+  std::string pointer;  ///< JSON pointer of the term, such as "/objective/0"
   int dimension;
-  std::vector<std::string> node_sets;  ///< their names
+  std::vector<std::string> node_sets;  ///< names of all node sets
   const LayerSettings& layers;
 };
 
-/// What is known of a response before there is a part: how it is called and what it needs.
+/// What is known of a response before there is a part: its name and what it needs.
 struct ResponseTraits {
   TermList list = TermList::objective;
   std::string name;                          ///< the config's "type"
-  LayerKind layers = LayerKind::any;         ///< that it is defined for
-  bool needs_time_gradient = false;          ///< |grad t| and with it thickness
-  TermScaling scaling = TermScaling::first;  ///< default of an objective term
-  std::string weight_option = "";            ///< flat option of an objective term's weight
+  LayerKind layers = LayerKind::any;         ///< kind of layers that it is defined for
+  bool needs_time_gradient = false;          ///< it needs |grad t|, as thickness does
+  TermScaling scaling = TermScaling::first;  ///< default scaling of an objective term
+  std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none
 };
 
-/// A type of term. Nothing here is collective but make().
+/// A type of term. Nothing here but make() is collective; make() is so on the grid's communicator.
 class ResponseType : public ResponseTraits {
  public:
   explicit ResponseType(ResponseTraits traits) : ResponseTraits(std::move(traits)) {}
@@ -44,30 +47,30 @@ class ResponseType : public ResponseTraits {
   ResponseType& operator=(const ResponseType&) = delete;
   virtual ~ResponseType() = default;
 
-  /// Declarations of the keys of its own.
+  /// Declarations of the type's own keys.
   virtual std::vector<ConfigKey> keys() const = 0;
-  /// Relations of the term's keys to each other and to the rest of the config. Throws InputError.
+  /// Checks relations of the term's keys to each other and to the rest of the config. Throws InputError.
   virtual void check(const Term& term, const TermPlace& place) const = 0;
-  /// Whether the term measures after the release from plate or clamps.
+  /// Whether the term measures displacements after the release from plate or clamps.
   virtual bool measures_release(const Term& term) const = 0;
-  /// How thick the term wants layers to be, length unit.
+  /// Layer thickness that the term aims at, length unit; none if it aims at none.
   virtual std::optional<double> target_thickness(const Term& term) const = 0;
   virtual std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const = 0;
   virtual std::unique_ptr<Response<3>> make(const Term& term, const ResponseContext<3>& context) const = 0;
 };
 
-/// The types of a list, by name.
+/// All types of a list, sorted by name. They live as long as the program.
 std::vector<const ResponseType*> response_types(TermList list);
-/// The type of that list with that name, nullptr where there is none.
+/// The type of a list with that name; nullptr if there is none.
 const ResponseType* find_response_type(TermList list, const std::string& name);
-/// Declarations of a list's terms, section "objective" or "constraints".
+/// Declarations of the keys of a list's terms, section "objective" or "constraints".
 SectionKeys term_keys(TermList list);
-/// A completed object of a list.
+/// The term that a completed config object of a list describes.
 Term make_term(TermList list, const Json& object);
-/// Called by Registered. Types are never taken out.
+/// Adds a type, which must live as long as the program; types are never removed. Registered calls it.
 void register_type(const ResponseType* type);
 
-/// Registers a response: one object of this type, in the response's source.
+/// Registers a response. The response's source defines one object of this type.
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
 ///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),

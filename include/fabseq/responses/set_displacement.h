@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What distortion is measured on: the displacements of a node set (docs/formulation.md 5).
+/// The displacements of a node set, on which distortion is measured (docs/formulation.md 5).
 #pragma once
 
 #include "fabseq/responses/response.h"
@@ -9,32 +9,35 @@
 
 namespace fabseq {
 
-/// Displacements of a set of nodes on the plate or, where that is asked for, after the release.
+/// Displacements of a set of nodes, either while the part is on the plate or after the release. Nodes are
+/// given as offsets in Grid::owned_nodes(). Nothing here is collective.
 template <int Dim>
 class SetDisplacement {
  public:
-  /// Part and nodes must outlive the object.
+  /// `part` and `nodes` must outlive the object.
   SetDisplacement(const Part<Dim>& part, const NodeSet& nodes, bool after_release)
       : part_(part), nodes_(nodes), after_release_(after_release) {}
 
   MPI_Comm comm() const { return part_.grid().comm(); }
   const NodeSet& nodes() const { return nodes_; }
-  /// Where an owned node is.
+  /// Position of an owned node, length unit.
   Point<Dim> position(int node) const {
     return part_.grid().node_position(part_.grid().owned_nodes().index(node));
   }
+  /// Displacement component of an owned node, length unit.
   double at(const PipelineState<Dim>& state, int node, int axis) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
   }
-  /// Adds a derivative of at(): what is released moves with both.
+  /// Adds `value` times the derivative of at() to `adjoint`. The displacement after the release is u + v, so
+  /// the derivative goes to both.
   void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     touch(adjoint.process.displacement, state)[i] += value;
     if (after_release_) touch(adjoint.process.release, state)[i] += value;
   }
-  /// Makes room for derivatives: on all ranks, those without a node of the set, too.
+  /// Makes room for derivatives. All ranks must call it, also those without a node of the set.
   void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {
     touch(adjoint.process.displacement, state);
     if (after_release_) touch(adjoint.process.release, state);

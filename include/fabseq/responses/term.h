@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// A term of the objective or a constraint, as the config has it.
+/// A term of the objective or a constraint, as the config describes it.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -11,15 +11,17 @@ namespace fabseq {
 
 class ResponseType;
 
+/// The iteration by whose value an objective term is scaled: the first, or the current one.
 enum class TermScaling { first, current };
 
+/// The settings of a term.
 struct Term {
-  const ResponseType* type = nullptr;  ///< of the registry, never null in a config that was read
-  // The objective's; constraints have the defaults.
-  double weight = 1.0;
-  double normalize = 100.0;
+  const ResponseType* type = nullptr;  ///< in the registry, not owned; never null in a config that was read
+  // Of objective terms; constraints have the defaults.
+  double weight = 1.0;       ///< factor of the scaled term
+  double normalize = 100.0;  ///< value that the term is scaled to
   TermScaling scaling = TermScaling::first;
-  Json keys;  ///< all of them, complete: each type has a section that reads its own
+  Json keys;  ///< the completed config object; each type reads its own keys from it
 };
 
 }  // namespace fabseq

@@ -10,17 +10,17 @@
 
 namespace fabseq {
 
-/// Weighted mean over the part elements within `radius`, weights falling linearly with the distance
-/// (docs/formulation.md 2.2). Radius 0: the identity.
+/// Filter of a part field: weighted mean over the part elements within `radius`, with weights that fall
+/// linearly with the distance (docs/formulation.md 2.2). Radius 0 gives the identity.
 template <int Dim>
 class AveragingFilter {
  public:
-  /// `radius` in length units. Collective; the part must outlive the filter.
+  /// `radius`: length unit. The part must outlive the filter. Collective on the grid's communicator.
   AveragingFilter(const Part<Dim>& part, double radius);
 
-  /// Filtered part field. Collective.
+  /// Filtered part field. Collective on the grid's communicator.
   std::vector<double> apply(std::span<const double> part_field) const;
-  /// Transpose of apply(). Collective.
+  /// Transpose of apply(). Collective on the grid's communicator.
   std::vector<double> apply_transpose(std::span<const double> part_field) const;
 
  private:
@@ -34,8 +34,8 @@ class AveragingFilter {
   const Part<Dim>& part_;
   std::optional<ElementHalo<Dim>> halo_;
   std::vector<Neighbour> stencil_;
-  std::vector<double> in_part_;  ///< 1 for part elements of the halo's box
-  std::vector<double> row_sum_;  ///< a part field
+  std::vector<double> in_part_;  ///< on the halo's box: 1 for part elements
+  std::vector<double> row_sum_;  ///< part field: sum of the weights of each mean
 };
 
 }  // namespace fabseq

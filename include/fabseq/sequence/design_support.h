@@ -10,28 +10,30 @@
 
 namespace fabseq {
 
-/// The elements or nodes with a design variable: entry i of a design belongs to place i.
+/// The *places* of the design variables: the elements or nodes that have one. Entry i of a design belongs to
+/// place i. Nothing here is collective.
 template <int Dim>
 class DesignSupport {
  public:
-  /// `places`: offsets in Grid::owned_elements() or Grid::owned_nodes(), ascending. The grid must outlive the
-  /// object.
+  /// `places`: this rank's, as offsets in Grid::owned_elements() or Grid::owned_nodes(), ascending. The grid
+  /// must outlive the object.
   DesignSupport(const Grid<Dim>& grid, bool on_nodes, std::vector<int> places)
       : grid_(grid), on_nodes_(on_nodes), places_(std::move(places)) {}
 
   bool on_nodes() const { return on_nodes_; }
   const std::vector<int>& places() const { return places_; }
-  /// Variables of this rank.
+  /// Number of variables of this rank.
   std::size_t size() const { return places_.size(); }
 
-  /// Values of the variables on all owned elements or nodes of the grid, 0 where nothing is variable.
+  /// Field on all owned elements or nodes of the grid, with the values of the variables at their places and 0
+  /// elsewhere.
   std::vector<double> expand(std::span<const double> variables) const {
     const std::int64_t count = on_nodes_ ? grid_.owned_nodes().count() : grid_.owned_elements().count();
     std::vector<double> field(static_cast<std::size_t>(count), 0.0);
     for (std::size_t i = 0; i < places_.size(); ++i) field[places_[i]] = variables[i];
     return field;
   }
-  /// The variables' values of a field on all owned elements or nodes.
+  /// Values at the places of the variables, from a field on all owned elements or nodes.
   std::vector<double> restrict_to_variables(std::span<const double> field) const {
     std::vector<double> variables;
     for (const int place : places_) variables.push_back(field[place]);

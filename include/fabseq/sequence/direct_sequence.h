@@ -11,11 +11,12 @@
 
 namespace fabseq {
 
-/// The pseudo-time itself as design (docs/formulation.md 2.3). Pseudo-time of elements: t_e is the design,
-/// and 0 in the start region; its gradient is not defined. Pseudo-time of nodes: t_e is the mean of the
-/// element's nodes, grad t that of the bilinear field at its centre. Which of them, `support` says. With a
-/// filter radius (length units) these times are the design smoothed inside the part (RepeatedAveraging).
-/// Part, support and region must outlive the sequence. Collective.
+/// A sequence whose design is the pseudo-time itself (docs/formulation.md 2.3), on elements or on nodes as
+/// `support` says. On elements, t_e is the design, and 0 in the start region; its gradient is not defined. On
+/// nodes, t_e is the mean over the element's nodes, and grad t is that of the bilinear (trilinear) field at
+/// the element's centre. With a filter radius > 0 (length unit), these times are the design smoothed inside
+/// the part (RepeatedAveraging). Part, support and region must outlive the sequence. Collective on the grid's
+/// communicator.
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_direct_sequence(const Part<Dim>& part, const DesignSupport<Dim>& support,
                                                     const StartRegion& region, double filter_radius = 0.0);

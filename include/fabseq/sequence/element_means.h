@@ -11,18 +11,19 @@
 
 namespace fabseq {
 
-/// Of each part element: the mean of its nodes' values, and the gradient at its centre, [part element][axis].
+/// Mean of the nodal values of each part element (a part field), and the gradient of these values at its
+/// centre, [part element][axis].
 struct ElementMeans {
   std::vector<double> mean, gradient;
 };
 
-/// `nodal`: on the ghosted node box. Local to the rank.
+/// Means and gradients of a nodal field. `nodal`: its values on the ghosted node box. Local.
 template <int Dim>
 ElementMeans element_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const double> nodal);
 
-/// The transpose: derivatives by the nodal values from those by means (`time`) and gradients, on the owned
-/// nodes, a row a lane. Collective.
+/// The transpose: derivatives with respect to the nodal values, on the owned nodes, from those with respect
+/// to means (`time`) and gradients. One lane per row. Collective on the grid's communicator.
 template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const TimeDerivatives> rows);

@@ -8,25 +8,28 @@
 
 namespace fabseq {
 
-/// Geodesic distance (length unit) of each part element's centre from the plate or the substrate, on paths
-/// inside the part (a part field; the same on any number of ranks). Solves |grad s| = 1 by fast sweeping with
-/// first-order upwind differences over face neighbours, from s = (half the spacing) in elements with a face
-/// there: exact above a straight column. Collective on the grid's communicator.
+/// Geodesic distance of each part element's centre from the plate or the substrate on paths inside the part:
+/// a part field, length unit, the same on any number of ranks. Solves |grad s| = 1 by fast sweeping with
+/// first-order upwind differences over face neighbours. Elements with a face on the plate or the substrate
+/// start with s = half the spacing, so that s is exact above a straight column. Collective on the grid's
+/// communicator.
 template <int Dim>
 std::vector<double> geodesic_distance(const Part<Dim>& part);
 
-/// The same from the centres of the elements with `start` not 0 (a part field), where it is 0. Infinite where
-/// no path leads. Collective.
+/// The same distance from the centres of the elements whose `start` (a part field) is not 0; it is 0 there
+/// and infinite where no path leads. Collective on the grid's communicator.
 template <int Dim>
 std::vector<double> geodesic_distance_of_elements(const Part<Dim>& part, std::span<const char> start);
 
-/// The same between nodes, along the edges of part elements and across them: from the nodes with `start` not
-/// 0, of every owned node. Infinite outside the part. Collective.
+/// The same distance for every owned node, along the edges of part elements and across them, from the nodes
+/// whose `start` (one entry per owned node) is not 0. Infinite for nodes outside the part and where no path
+/// leads. Collective on the grid's communicator.
 template <int Dim>
 std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<const char> start);
 
-/// Largest distance of any element's far side from the plate: the largest geodesic_distance plus half the
-/// spacing along the plate's normal, all ranks. Collective.
+/// Largest distance from the plate of an element's far side, over all ranks: the maximum of `distance`, a
+/// geodesic_distance(), plus half the spacing along the plate's normal. Length unit. Collective on the grid's
+/// communicator.
 template <int Dim>
 double geodesic_height(const Part<Dim>& part, const std::vector<double>& distance);
 

@@ -9,7 +9,7 @@
 
 namespace fabseq {
 
-/// A sequence without design variables (docs/formulation.md 3.3, 3.1): a pseudo-time that stays as it is.
+/// A sequence without design variables (docs/formulation.md 3.3, 3.1): its pseudo-time never changes.
 template <int Dim>
 class GivenSequence : public Sequence<Dim> {
  public:
@@ -20,22 +20,26 @@ class GivenSequence : public Sequence<Dim> {
   PseudoTime<Dim> time_;
 };
 
-/// Height of each part element's centre along `direction` (any length; empty: the plate's normal, pointing
-/// away from it), 0 at the lowest and 1 at the highest corner of the part's elements. Collective.
+/// Planar pseudo-time: the height of each part element's centre along `direction`, scaled to 0 at the lowest
+/// and 1 at the highest corner of all part elements. `direction` may have any length; empty: the plate's
+/// normal, pointing away from the plate. Collective on the grid's communicator.
 template <int Dim>
 PseudoTime<Dim> planar_time(const Part<Dim>& part, std::vector<double> direction);
 
-/// Height of the part along `direction`, length unit. Collective.
+/// Height of the part along `direction` (as in planar_time()), length unit. Collective on the grid's
+/// communicator.
 template <int Dim>
 double planar_height(const Part<Dim>& part, std::vector<double> direction);
 
-/// Element-wise pseudo-time read from an HDF5 dataset [z][y][x], without gradient. Throws InputError if the
-/// file does not fit the grid or a part element's value is outside [0, 1]. Collective.
+/// Element-wise pseudo-time from an HDF5 dataset [z][y][x], without gradient. Collective on the grid's
+/// communicator. Throws InputError if the file does not fit the grid or if the value of a part element is
+/// outside [0, 1].
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 
-/// Part elements without a face on plate or substrate of which no face neighbour in the part comes earlier:
-/// places where a layer would begin in the air. All ranks; collective.
+/// Number of part elements, summed over all ranks, at which a layer would begin in the air: they have no face
+/// on plate or substrate, and none of their face neighbours in the part comes earlier. `time`: a part field.
+/// Collective on the grid's communicator.
 template <int Dim>
 std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time);
 

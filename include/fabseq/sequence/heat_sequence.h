@@ -16,42 +16,47 @@
 
 namespace fabseq {
 
-/// What the heat solves of a part have in common (docs/formulation.md 2.1): the whole box conducts, void
-/// included; the temperature is prescribed on the plate's nodes of the part and on the substrate's.
+/// The model that all heat solves of a part share (docs/formulation.md 2.1). The whole box conducts, the void
+/// included. The temperature is prescribed at the nodes of the part on the plate and at all nodes of the
+/// substrate.
 template <int Dim>
 struct HeatModel {
-  /// The model holds no reference to the part.
+  /// Keeps no reference to the part. Not collective.
   HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
 
+  /// Mass matrix of an element, lumped or consistent.
   const SquareMatrix<corner_count<Dim>>& mass() const {
     return lumped ? element.lumped_mass() : element.consistent_mass();
   }
 
   ElementMatrices<Dim> element;
-  double reaction;      ///< alpha, in units of diffusivity / length^2
+  double reaction;      ///< alpha, diffusivity / length^2
   bool lumped;          ///< whether the mass matrix is diagonal
-  SystemDomain domain;  ///< all elements
+  SystemDomain domain;  ///< all elements; fixed where the temperature is prescribed
 };
 
 /// Heat-regularized pseudo-time: one minus a virtual temperature (docs/formulation.md 2.1). Solves div(kappa
-/// grad T) = alpha T, T = 1 on the plate's nodes of the part, insulated elsewhere, the void conducting too:
+/// grad T) = alpha T in the whole box, the void included, with T = 1 at the prescribed nodes of HeatModel and
+/// insulation elsewhere:
 ///
 ///     K_T T = 0 on the free nodes,  K_T = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
 ///     alpha = drain / l_c^2,  t_e = 1 - mean of T over the element's nodes,  grad t = -grad T at its centre.
 ///
-/// The design is kappa on the part elements, before the filter. The solver's operator is set once for the
-/// forward solve and all adjoints of an update.
+/// The design is the diffusivity kappa of the part elements, before the filter. Each update sets the solver's
+/// operator once, for the forward solve and all adjoints.
 template <int Dim>
 class HeatSequence : public Sequence<Dim> {
  public:
-  /// \param target_gradient |grad T| the start aims at, 1/length: 1 / (layers * target thickness); 0: 0.95 /
-  /// largest distance
-  /// \param model of this part and these settings
-  /// \param solver on the model's domain, which it may refer to
-  /// \param across this rank and those that hold the same part of the grid in other layer groups: the first
-  /// one's group solves for the temperature and sends it to the others, so that they have the same bits.
-  /// update() is collective on `across`, too; pull_back() is each group's own. \param lanes rows that are
-  /// solved side by side at most Collective. The part and `across` must outlive the sequence.
+  /// Collective on the grid's communicator. The part and `across` must outlive the sequence.
+  ///
+  /// \param target_gradient |grad T| that the initial design aims at, 1/length: 1 / (layers * thickness)
+  /// for a target thickness of the layers; 0: 0.95 / (largest distance from the plate)
+  /// \param model that of this part and these settings
+  /// \param solver a solver on the domain of `model`, to which it may refer
+  /// \param across this rank and its copies in other layer groups. The group of the first one solves for
+  /// the temperature and sends it to the others, so that all have the same bits. update() is collective on
+  /// `across`, too; in pull_back() each group acts on its own.
+  /// \param lanes most rows that are solved side by side
   HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
                std::unique_ptr<const HeatModel<Dim>> model, std::unique_ptr<HeatSolver<Dim>> solver,
                MPI_Comm across = MPI_COMM_SELF, int lanes = HeatSolver<Dim>::widest);
@@ -80,7 +85,7 @@ class HeatSequence : public Sequence<Dim> {
   MPI_Comm across_;
   int lanes_;
   AveragingFilter<Dim> filter_;
-  std::vector<double> diffusivity_;          ///< of all owned elements, filtered
+  std::vector<double> diffusivity_;          ///< of all owned elements of the grid, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
   PseudoTime<Dim> time_;
   std::vector<int> adjoint_iterations_;

@@ -8,19 +8,23 @@
 
 namespace fabseq {
 
-/// The start region of a direct sequence (docs/formulation.md 2.3) on this rank: its pseudo-time is 0, all
-/// else of the part is free.
+/// This rank's share of the start region of a direct sequence (docs/formulation.md 2.3). The pseudo-time is 0
+/// in the region and free in the rest of the part.
 struct StartRegion {
-  std::vector<char> elements;  ///< part field: 1 where t_e is 0 whatever the design
-  std::vector<int> free;  ///< elements or nodes with a variable: offsets in the grid's owned ones, ascending
-  std::vector<double> initial_time;  ///< of these: distance from the region in the part, over the largest
+  std::vector<char> elements;  ///< part field: 1 if t_e is 0 whatever the design
+  std::vector<int> free;       ///< elements or nodes with a variable: offsets in the owned ones, ascending
+  std::vector<double> initial_time;  ///< [entry of free]: distance from the region over the largest distance
 };
 
-/// With variables on elements: the elements whose centres lie in the shape; if it holds none, those with a
-/// node in or on it. With variables on nodes: the nodes in or on it, and those of the substrate; elements all
-/// of whose nodes are. Without a shape: what has a face, or lies, on the build plate or the substrate.
+/// Makes the start region of a shape or, without one, of all that has a face or lies on the build plate or
+/// the substrate.
+/// - With variables on elements, it consists of the elements whose centres lie in the shape or, if there are
+/// none, of those with a node in or on it.
+/// - With variables on nodes, it consists of the nodes in or on the shape and those of the substrate, and of
+/// the elements all of whose nodes belong to it.
+///
 /// Collective on the grid's communicator. Throws InputError if the shape meets nothing of the part or holds
-/// all of it, or if not all of the part can be reached from it.
+/// all of it, or if some of the part cannot be reached from it.
 template <int Dim>
 StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
 
