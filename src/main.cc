@@ -21,6 +21,8 @@
 #include "fabseq/run/optimization.h"
 #include "fabseq/run/tasks.h"
 
+#include <exception>
+
 namespace fabseq {
 namespace {
 
@@ -96,17 +98,17 @@ void run_task(const CommandLine& command_line, const Config& config) {
 int main(int argc, char** argv) {
   using namespace fabseq;
   CommandLine command_line;
-  std::string refusal;
+  std::exception_ptr problem;
   try {
     command_line = parse_command_line(argc, argv);
-  } catch (const Error& error) {
-    // Every rank reads the same command line; one of them shall say what is wrong with it.
+  } catch (...) {
+    // Thrown again in the session, where one rank says what is wrong with the command line of all.
     command_line.petsc_arguments = {argv[0]};
-    refusal = error.what();
+    problem = std::current_exception();
   }
   const StopRequests stop_requests(command_line.max_wall_time);
   return run_session(command_line.petsc_arguments, [&] {
-    if (!refusal.empty()) throw InputError(refusal);
+    if (problem) std::rethrow_exception(problem);
     if (command_line.help) return print(help_text());
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);

@@ -28,6 +28,7 @@ Section<OutputSettings> output_keys() {
 
 void add_part(Section<Config>& keys) {
   using Its = Config;
+  const Section<NodeSetDescription> set_keys = node_set_keys();
   const auto shape_of = [](std::optional<Shape> PartDescription::*member) {
     return [member](Its& config, const Json& value, const KeyPlace& place) {
       config.part.*member = make_shape(value, place);
@@ -58,12 +59,11 @@ void add_part(Section<Config>& keys) {
            "Named sets of nodes for distortion terms: nodes inside or on a shape that touch the part or the "
            "substrate",
            {.type = KeyType::node_sets, .default_value = "{}"},
-           [](Its& config, const Json& value, const KeyPlace& place) {
+           [set_keys](Its& config, const Json& value, const KeyPlace& place) {
              for (const auto& [name, set] : value.items())
-               node_set_keys().read(config.node_sets[name], set,
-                                    {pointer_to(place.pointer, name), place.dimension});
+               set_keys.read(config.node_sets[name], set, {pointer_to(place.pointer, name), place.dimension});
            })
-      .declare(node_set_keys().declarations().front());
+      .declare(set_keys.declarations().front());
 }
 
 void add_terms(Section<Config>& keys) {

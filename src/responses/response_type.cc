@@ -73,10 +73,11 @@ SectionKeys term_keys(TermList list) {
 }
 
 Term make_term(TermList list, const Json& object) {
+  static const Section<Term> common = objective_keys();
   Term term;
   term.type = find_response_type(list, object.at("type").get<std::string>());
   term.keys = object;
-  if (list == TermList::objective) objective_keys().read(term, object, {"", 0});
+  if (list == TermList::objective) common.read(term, object, {"", 0});
   return term;
 }
 
