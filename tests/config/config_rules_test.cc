@@ -129,8 +129,7 @@ TEST(ConfigRulesTest, SubstrateClampsAndRelease) {
   EXPECT_EQ(
       solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise", "after_release": true})"),
       "/objective/0/after_release: found true with measure layerwise; allowed: true only with measures "
-      "displacement "
-      "and flatness");
+      "displacement, flatness and shape");
 }
 
 TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
