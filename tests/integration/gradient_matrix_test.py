@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Every response against central differences by every kind of design variable, in two and three dimensions,
-with both void models, a constant strain and one that turns with the layers.
+with both void models, a constant strain and one that turns with the layers, the latter with nominal deposition.
 
     tests/integration/gradient_matrix_test.py --table     prints the worst errors as a table (Markdown)
 """
@@ -33,7 +33,8 @@ def part(dimension):
         # Without the notch some functionals would vanish by symmetry.
         "part": {"difference": [{"union": [box([0, 0, 0], [0.8, 0.6, 1.2]), box([0, 0, 0.6], [1.6, 0.6, 1.2])]},
                                 box([0.81, 0.41, 0.61], [1.6, 0.6, 0.99])]},
-        "node_sets": {"tip": box([1.6, 0, 0.6], [1.6, 0.6, 1.2]), "top": box([0, 0, 1.2], [1.6, 0.6, 1.2])}}
+        "node_sets": {"tip": box([1.6, 0, 0.6], [1.6, 0.6, 1.2]), "top": box([0, 0, 1.2], [1.6, 0.6, 1.2]),
+                      "skin": {"all": True, "surface": True}}}
 
 
 def distortions(up):
@@ -41,13 +42,14 @@ def distortions(up):
     for released in (False, True):
         terms.append({"type": "distortion", "nodes": "tip", "mean": released, "after_release": released, "least_squares": True})
         terms.append({"type": "distortion", "measure": "flatness", "axis": up, "nodes": "top", "after_release": released})
+        terms.append({"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": released})
     return terms
 
 
 def problem(dimension, design, void, turning):
     config, up = part(dimension), "y" if dimension == 2 else "z"
     constant = [-0.01, -0.008, 0.003] if dimension == 2 else [-0.01, -0.008, -0.012, 0.003, 0, -0.002]
-    config["process"] = {"void": void}
+    config["process"] = {"void": void, "deposition": "nominal" if turning else "follow"}
     config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant}
     config["objective"] = distortions(up)
     if design == "sub-parts":
