@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Every response against central differences by every kind of design variable, in two and three dimensions,
-with both void models, a constant strain and one that turns with the layers. Material goes to nominal positions
-where strains turn.
+with both void models, a constant strain and one that turns with the layers. Material goes to nominal
+positions where strains turn.
 
     tests/integration/gradient_matrix_test.py --table     prints the worst errors as a table (Markdown)
 """
