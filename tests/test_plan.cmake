@@ -35,7 +35,7 @@ set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm"
 # the end.
 set(FABSEQ_COSTS
     integration.restart=200 integration.slurm=150 integration.multi_planar=140 integration.groups=100
-    integration.direct=90 integration.gradient_matrix=80 integration.benchmarks=80 integration.stop=130
+    integration.direct=90 integration.gradient_matrix=80 integration.benchmarks=80 integration.stop=200
     integration.readme=90 integration.configs=70 integration.calibrate=70 integration.coarse=60 integration.ranks=60 integration.gradients=50 integration.failures=50
     integration.errors=50 integration.reproduce=40 integration.outputs=40 integration.reference=30 integration.reruns=30
     integration.simulate=30 integration.squares=30 integration.leaks=30 faults.sample=30)
