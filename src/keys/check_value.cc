@@ -53,8 +53,10 @@ class ValueCheck {
         return points();
       case KeyType::list:
         return list();
+      case KeyType::vectors:
+        return lists_of(context_.dimension);
       case KeyType::angles:
-        return angles();
+        return lists_of(context_.dimension - 1);
       case KeyType::angle_bounds:
         return angle_bounds();
       case KeyType::word_list:
@@ -159,13 +161,13 @@ class ValueCheck {
     for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item[i]);
     if (!valid)
       refuse(pointer_to(pointer_, entry), shown(item),
-             "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers"));
+             "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers") +
+                 Interval::parse(key_.range).text());
   }
 
-  Json angles() const {
+  Json lists_of(int numbers) const {
     if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      require_numbers(i, static_cast<std::size_t>(context_.dimension) - 1);
+    for (std::size_t i = 0; i < value_.size(); ++i) require_numbers(i, static_cast<std::size_t>(numbers));
     return value_;
   }
 

@@ -58,6 +58,8 @@ std::string plain_values(const ConfigKey& key, int dimension) {
                          : dimension == 2 ? "a list of 3 numbers (xx, yy, xy)"
                                           : "a list of 6 numbers (xx, yy, zz, xy, yz, zx)") +
              " or {\"tangential\": number, \"normal\": number}";
+    case KeyType::vectors:
+      return "a list of lists of " + entries(dimension) + " numbers" + range;
     case KeyType::points:
       return "a list of three or more pairs of numbers";
     case KeyType::list:

@@ -104,6 +104,13 @@ void MmaRows::add_residuals(int count) {
   d.resize(all, 2.0);
 }
 
+void MmaRows::add_largest_of(int count) {
+  const std::size_t all = a.size() + static_cast<std::size_t>(count);
+  a.resize(all, 1.0);
+  c.resize(all, 1000.0);
+  d.resize(all, 1.0);
+}
+
 Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(comm), settings_(settings) {
   for (auto* vector : {&state_.low, &state_.upp, &state_.previous, &state_.before_previous})
     vector->assign(local, 0.0);

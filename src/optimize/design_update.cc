@@ -59,6 +59,9 @@ StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradient
   std::vector<double> values = gradients.constraint_values;
   std::vector<std::vector<double>> rows;
   for (const Design& row : gradients.constraints) rows.push_back(gradient_of_variables(row, design));
+  kinds.add_largest_of(static_cast<int>(gradients.largest.size()));
+  values.insert(values.end(), gradients.largest_values.begin(), gradients.largest_values.end());
+  for (const Design& row : gradients.largest) rows.push_back(gradient_of_variables(row, design));
   add_residuals(gradients, design, kinds, values, rows);
   StepReport report;
   report.mma = mma_.update(now, gradient_of_variables(gradients.objective, design), values, rows, lower,

@@ -15,6 +15,19 @@ namespace {
 /// Its name in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
 
+bool any_measures_release(const std::vector<Term>& terms) {
+  return std::any_of(terms.begin(), terms.end(),
+                     [](const Term& term) { return term.type->measures_release(term); });
+}
+
+/// The functionals of displacements that a row consists of, as few as possible.
+template <int Dim>
+std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, std::size_t cases) {
+  std::vector<ProcessAdjoint> result = std::move(row.combinations);
+  if (result.empty() || !row.process.is_zero()) result.push_back(std::move(row.process));
+  return reduced(std::move(result), cases);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -29,9 +42,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> 
       elastic_(model.part, model.supports, model.settings.material, model.settings.process),
       process_(elastic_, make_elasticity_solver(model, elastic_, tolerance), model.groups,
                model.block_solver(), model.lanes) {
-  const auto& terms = model.settings.objective;
-  if (std::any_of(terms.begin(), terms.end(),
-                  [](const Term& term) { return term.type->measures_release(term); }))
+  if (any_measures_release(model.settings.objective) || any_measures_release(model.settings.constraints))
     process_.release_with(release_solver(model.settings.solver, tolerance));
 }
 
@@ -138,9 +149,10 @@ void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Res
           responses[term.response]->add_derivative(term.component, term.weight, state, row.adjoint);
       if (is_own(row)) continue;
       // What else the row depends on is in its owner's part of it.
-      ProcessAdjoint process = std::move(row.adjoint.process);
-      row.adjoint = PipelineAdjoint<Dim>(state.layers.count());
-      row.adjoint.process = std::move(process);
+      PipelineAdjoint<Dim> of_process(state.layers.count());
+      of_process.process = std::move(row.adjoint.process);
+      of_process.combinations = std::move(row.adjoint.combinations);
+      row.adjoint = std::move(of_process);
     }
   });
 }
@@ -150,11 +162,14 @@ void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vect
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
+  const std::size_t cases = state.process.other_cases.size() + 1;
   for (Row& row : rows) {
     if (!row.shared) continue;
-    adjoints.push_back(std::move(row.adjoint.process));
-    derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr,
-                           [this, &state, &row] { take_up_densities(state, row); }});
+    for (ProcessAdjoint& functional : process_functionals(row.adjoint, cases)) {
+      adjoints.push_back(std::move(functional));
+      derivatives.push_back({&row.adjoint.densities, strain_.turns() ? &row.strains : nullptr,
+                             [this, &state, &row] { take_up_densities(state, row); }});
+    }
   }
   // One row may keep its densities: there is nothing to save.
   if (derivatives.size() == 1) derivatives[0].after_block = {};

@@ -31,7 +31,19 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
     for (const Term& term : *list) responses_.push_back(term.type->make(term, context));
   configured_ = responses_.size();
-  add_functionals();
+  add_largest();
+  if (!largest_) add_functionals();
+}
+
+template <int Dim>
+void Problem<Dim>::add_largest() {
+  for (std::size_t i = 0; i < terms_.size() && !largest_; ++i) {
+    if (terms_[i].weight == 0.0) continue;
+    auto values = responses_[i]->largest_of();
+    if (!values) continue;
+    largest_ = {i, responses_.size()};
+    responses_.push_back(std::move(values));
+  }
 }
 
 /// Terms without weight get none: their rows would have no meaning.
@@ -84,6 +96,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.constraints.assign(split, end);
   result.functionals.resize(terms_.size());
   for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
+  if (largest_) result.scenarios = all[largest_->response];
   if (first_values_.empty())
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
 
@@ -105,7 +118,8 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   return result;
 }
 
-/// The weighted terms; of a sum of squares what is not in the residuals, J - sum r_k^2.
+/// The weighted terms but for one that is the largest of several; of a sum of squares what is not in the
+/// residuals, J - sum r_k^2.
 template <int Dim>
 GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
                                         const std::vector<double>& factors) const {
@@ -120,6 +134,7 @@ GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
   }
   // What has no rest would cost an adjoint of rounding.
   std::erase_if(row, [&](const WeightedComponent& part) {
+    if (largest_ && static_cast<std::size_t>(part.response) == largest_->term) return true;
     return std::any_of(squares_.begin(), squares_.end(), [&](const Squares& squares) {
       const auto response = static_cast<std::size_t>(part.response);
       return squares.complete && (response == squares.term || response == squares.response);
@@ -142,6 +157,12 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
       rows.push_back({{static_cast<int>(terms_.size() + i), static_cast<int>(c), 1.0}});
   }
   ProblemGradients result;
+  const std::size_t first_largest = rows.size();
+  for (std::size_t c = 0; c < values.scenarios.size(); ++c) {
+    const double scale = terms_[largest_->term].weight * factors[largest_->term];
+    result.largest_values.push_back(scale * values.scenarios[c]);
+    rows.push_back({{static_cast<int>(largest_->response), static_cast<int>(c), scale}});
+  }
   const std::size_t first_residual = rows.size();
   for (const Squares& squares : squares_) {
     const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
@@ -163,6 +184,8 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
         for (double& entry : *entries) entry *= row.sign / row.scale;
     }
   }
+  for (std::size_t row = first_largest; row < first_residual; ++row)
+    result.largest.push_back(std::move(gradients[row]));
   for (std::size_t row = first_residual; row < rows.size(); ++row)
     result.residuals.push_back(std::move(gradients[row]));
   return result;
@@ -191,6 +214,8 @@ std::string Problem<Dim>::component_name(std::size_t response, std::size_t compo
   for (const Squares& squares : squares_)
     if (squares.response == response)
       return "objective_" + std::to_string(squares.term) + "_functional_" + std::to_string(component);
+  if (largest_ && largest_->response == response)
+    return "objective_" + std::to_string(largest_->term) + "_scenario_" + std::to_string(component);
   return "constraint_" + std::to_string(response - terms_.size()) + "_" + std::to_string(component);
 }
 

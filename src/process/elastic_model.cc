@@ -46,11 +46,24 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
 
 template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
+                                                                     const StrainFactors<Dim>& factors,
                                                                      std::size_t number, int layer) const {
-  if (!strains.of_elements.empty()) return load_of(&strains.of_elements[number * voigt_size<Dim>]);
-  if (!strains.of_layers.empty())
-    return load_of(&strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>]);
-  return strain_load;
+  if (strains.uniform()) return material_load(factors);
+  const double* strain = strains.of_layers.empty()
+                             ? &strains.of_elements[number * voigt_size<Dim>]
+                             : &strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>];
+  std::array<double, voigt_size<Dim>> own{};
+  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * strain[c];
+  return load_of(own.data());
+}
+
+template <int Dim>
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::material_load(
+    const StrainFactors<Dim>& factors) const {
+  if (factors == no_change<Dim>() || material.turning_strain) return strain_load;
+  std::array<double, voigt_size<Dim>> own{};
+  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * material.inherent_strain[c];
+  return load_of(own.data());
 }
 
 template <int Dim>

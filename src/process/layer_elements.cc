@@ -15,11 +15,12 @@ LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
 
 template <int Dim>
 template <class Use>
-void LayerElements<Dim>::for_chunks(int first, int lanes, Use&& use) const {
+void LayerElements<Dim>::for_chunks(int first, int lanes, const StrainFactors<Dim>& factors,
+                                    Use&& use) const {
   const std::size_t elements = model_.part_position.size();
   for (std::size_t begin = 0; begin < elements; begin += chunk_size)
     for_lane_chunks(lanes, [&]<int Width>(int lane) {
-      const Chunk chunk{begin, std::min(begin + chunk_size, elements), first + lane};
+      const Chunk chunk{begin, std::min(begin + chunk_size, elements), first + lane, factors};
       use.template operator()<Width>(chunk, lane);
     });
 }
@@ -33,7 +34,7 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     if (model_.part_element[e] < 0)
       std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
-  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(first, lanes, no_change<Dim>(), [&]<int Width>(const Chunk& chunk, int lane) {
     for (int i = 0; i < Width; ++i) {
       const auto& stage = densities.stage[chunk.first_layer + i];
       for (std::size_t e = chunk.begin; e < chunk.end; ++e)
@@ -45,7 +46,8 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
 }
 
 template <int Dim>
-void LayerElements<Dim>::set_load(const LayerDensities& densities, int first, LaneVector& load) const {
+void LayerElements<Dim>::set_load(const LayerDensities& densities, int first,
+                                  const StrainFactors<Dim>& factors, LaneVector& load) const {
   static const LogEvent event("fabseq loads");
   const auto scope = event.enter();
   const Grid<Dim>& grid = model_.part.grid();
@@ -53,7 +55,7 @@ void LayerElements<Dim>::set_load(const LayerDensities& densities, int first, La
   std::vector<double> room;
   std::vector<double>& values = has_all_nodes() ? load.values : room;
   values.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes, 0.0);
-  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(first, lanes, factors, [&]<int Width>(const Chunk& chunk, int lane) {
     add_load<Width>(densities, chunk, &values[lane], lanes);
   });
   if (!has_all_nodes()) grid.exchange(Dim * lanes).add_to_owned(room, load.values);
@@ -72,10 +74,11 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
   // In full elements, one lane per layer: the same for all elements unless they have strains of their own.
+  const auto load_of_material = model_.material_load(chunk.factors);
   std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;
   const auto set_unit_load = [&](std::size_t e) {
     for (int i = 0; i < element_unknowns<Dim>; ++i)
-      unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? model_.strain_load[i] : 0.0);
+      unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? load_of_material[i] : 0.0);
     for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
       const Lanes<Width> component = strain<Width>(chunk, e, c);
       for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
@@ -98,8 +101,9 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
 
 template <int Dim>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int first,
-                                         const LaneVector& increments, const LaneVector& adjoints,
-                                         DensityDerivatives& derivatives, StrainField& d_strains) const {
+                                         const StrainFactors<Dim>& factors, const LaneVector& increments,
+                                         const LaneVector& adjoints, DensityDerivatives& derivatives,
+                                         StrainField& d_strains) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
   const int lanes = increments.lanes;
@@ -110,7 +114,7 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int fi
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);
   const double* lambda = ghosted(adjoints, lambda_room);
-  for_chunks(first, lanes, [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(first, lanes, factors, [&]<int Width>(const Chunk& chunk, int lane) {
     add_derivatives<Width>(densities, chunk, u + lane, lambda + lane, lanes, derivatives, d_strains);
   });
 }
@@ -121,7 +125,7 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
                                          const double* lambda, int lanes, DensityDerivatives& derivatives,
                                          StrainField& d_strains) const {
   std::array<double, chunk_size * Width> mutual, work;
-  const ElementEnergy<Dim, Width> energies(stiffness_, model_.strain_load);
+  const ElementEnergy<Dim, Width> energies(stiffness_, model_.material_load(chunk.factors));
   energies.for_each(std::span(model_.part.first_corners()).subspan(chunk.begin, chunk.end - chunk.begin),
                     model_.part.grid().corner_offsets(), u, lambda, lanes,
                     [&](std::size_t e, const auto& energy) {
@@ -147,16 +151,18 @@ template <int Dim>
 template <int Width>
 Lanes<Width> LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
   if (!strains_.of_elements.empty())
-    return Lanes<Width>::broadcast(strains_.of_elements[element * voigt_size<Dim> + component]);
+    return Lanes<Width>::broadcast(chunk.factors[component] *
+                                   strains_.of_elements[element * voigt_size<Dim> + component]);
   std::array<double, Width> of_layers;
   for (int i = 0; i < Width; ++i)
     of_layers[i] =
+        chunk.factors[component] *
         strains_.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * voigt_size<Dim> + component];
   return Lanes<Width>::load(of_layers.data());
 }
 
-/// With strain eps_c f_c for the unit loads f_c: lambda^T f_0 = sum_c eps_c lambda^T f_c, and
-/// dJ/d(eps_c) = -sum_j drho_j^q lambda_j^T f_c.
+/// With strain a_c eps_c f_c for the unit loads f_c and factors a_c: lambda^T f_0 = sum_c a_c eps_c lambda^T
+/// f_c, and dJ/d(eps_c) = -a_c sum_j drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
 void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk,
@@ -187,7 +193,7 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
     for (int c = 0; c < components; ++c) {
       sum += duals[c] * strain<Width>(chunk, e, c);
       std::array<double, Width> dual{};
-      duals[c].store(dual.data());
+      (duals[c] * chunk.factors[c]).store(dual.data());
       for (int i = 0; i < Width && !d_strains.of_elements.empty(); ++i)
         d_strains.of_elements[e * components + c] -= factors[i] * dual[i];
       for (int i = 0; i < Width && !d_strains.of_layers.empty(); ++i)

@@ -47,6 +47,9 @@ Section<MaterialSettings> material_keys() {
       .key("strain_scale", &Its::strain_scale,
            "Factors on the inherent strain, axis by axis; shear by the root of the product of its two",
            {.default_value = "[1, 1, 1]", .default_2d = "[1, 1]", .range = "[0, inf)"})
+      .key("scenarios", &Its::scenarios,
+           "Strains that are possible, too: for each a list of factors axis by axis, on top of strain_scale",
+           {.type = KeyType::vectors, .default_value = "[]", .range = "[0, inf)"})
       .then([](Its& material, const Json&, const KeyPlace&) {
         if (!material.turning_strain)
           material.inherent_strain = scaled_strain(material.inherent_strain, material.strain_scale);

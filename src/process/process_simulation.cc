@@ -27,24 +27,6 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
     vector = LaneVector(nodes, components, lanes);
 }
 
-/// Load of the adjoint systems of a block: minus dJ/du and minus the block's dJ/d(counted du_j), weighted by
-/// what counts of du_j.
-void set_adjoint_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
-                      LaneVector& load) {
-  for (std::size_t i = 0; i < load.unknowns(); ++i) {
-    const double common = functional.displacement.empty() ? 0.0 : -functional.displacement[i];
-    std::fill_n(&load.values[i * load.lanes], load.lanes, common);
-  }
-  if (!functional.increments.empty()) {
-    const std::vector<double>& own = functional.increments[block].values;
-    for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
-  }
-  if (result.weights.empty()) return;
-  const LaneVector& weights = result.weights[block];
-  for (std::size_t i = 0; i < load.unknowns(); ++i)
-    for (int lane = 0; lane < load.lanes; ++lane) load(i, lane) *= weights(i / load.components, lane);
-}
-
 }  // namespace
 
 template <int Dim>
@@ -55,10 +37,14 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       groups_(groups),
       block_solver_(blocks),
       lanes_(lanes),
+      cases_(strain_cases<Dim>(model.material)),
       elements_(model),
       supports_(model),
+      adjoint_loads_(model, elements_, groups),
       solver_(std::move(solver)) {
   result_.all_layers = groups.world();
+  result_.scenarios = cases_.scenarios;
+  result_.other_cases.resize(cases_.cases.size() - 1);
   if (model.settings.deposition == DepositionModel::nominal)
     deposition_ = std::make_unique<const Deposition<Dim>>(model);
 }
@@ -88,38 +74,49 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   elements_.set_strains(std::move(strains));
   const std::int64_t nodes = model_.part.grid().owned_nodes().count();
   deal_out(densities.count());
-  result_.displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
+  for (std::size_t number = 0; number < cases_.cases.size(); ++number) {
+    of_case(number).displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
+    of_case(number).increments.resize(result_.blocks.size());
+  }
   result_.iterations.assign(densities.count(), 0);
-  result_.increments.resize(result_.blocks.size());
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
   groups_.run([&] {
-    LaneVector load;
+    Room room;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-      solve_block(densities, number, load);
+      solve_block(densities, number, room);
   });
   solver_->give_back_memory();
-  groups_.sum(result_.displacement);
+  for (std::size_t number = 0; number < cases_.cases.size(); ++number)
+    groups_.sum(of_case(number).displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer];
-  if (!release_) return result_;
-  // A single right-hand side cannot be shared out.
-  const std::vector<double> forces = reactions(densities);
-  result_.release.assign(forces.size(), 0.0);
-  groups_.run([&] {
-    if (groups_.index() == 0) result_.release = release_->displacement(forces);
-  });
-  groups_.broadcast(0, result_.release);
+  if (release_) release_cases(densities);
   return result_;
 }
 
+/// A single right-hand side cannot be shared out.
 template <int Dim>
-std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& densities) const {
+void ProcessSimulation<Dim>::release_cases(const LayerDensities& densities) {
+  for (std::size_t number = 0; number < cases_.cases.size(); ++number) {
+    const std::vector<double> forces = reactions(densities, number);
+    std::vector<double>& release = of_case(number).release;
+    release.assign(forces.size(), 0.0);
+    groups_.run([&] {
+      if (groups_.index() == 0) release = release_->displacement(forces);
+    });
+    groups_.broadcast(0, release);
+  }
+}
+
+template <int Dim>
+std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& densities,
+                                                      std::size_t number) const {
   std::vector<double> result(model_.domain.fixed.size(), 0.0);
-  for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-    supports_.add_reactions(densities, elements_.strains(), result_.blocks[number].first,
-                            result_.increments[number], result);
+  for (std::size_t block = 0; block < result_.blocks.size(); ++block)
+    supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], result_.blocks[block].first,
+                            result_.of_case(number).increments[block], result);
   groups_.sum(result);
   return result;
 }
@@ -135,25 +132,47 @@ std::vector<double> ProcessSimulation<Dim>::release_motion(std::span<const doubl
   return motion;
 }
 
+/// All cases, as many at a time as the solver can use.
 template <int Dim>
-void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number,
-                                         LaneVector& load) {
+void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number, Room& room) {
   const LayerBlock& block = result_.blocks[number];
   const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
-  LaneVector& increment = result_.increments[number];
-  resize(load, nodes, Dim, block.lanes);
-  resize(increment, nodes, Dim, block.lanes);
+  const std::size_t all = cases_.cases.size(), at_once = std::min(all, solver_->sets_at_once());
+  room.loads.resize(at_once);
   set_operators(densities, block, true);
-  elements_.set_load(densities, block.first, load);
-  const auto reports = solver_->solve({&load, 1}, {&increment, 1});
-  for (int lane = 0; lane < block.lanes; ++lane) {
-    require_convergence(reports[0][lane], block.first + lane, "forward");
-    result_.iterations[block.first + lane] = reports[0][lane].iterations;
+  for (std::size_t first = 0; first < all; first += at_once) {
+    const std::size_t count = std::min(at_once, all - first);
+    std::vector<LaneVector> increments(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      increments[i] = std::move(of_case(first + i).increments[number]);
+      resize(room.loads[i], nodes, Dim, block.lanes);
+      resize(increments[i], nodes, Dim, block.lanes);
+      elements_.set_load(densities, block.first, cases_.cases[first + i], room.loads[i]);
+    }
+    const auto reports = solver_->solve(std::span(room.loads).first(count), increments);
+    for (std::size_t i = 0; i < count; ++i) {
+      of_case(first + i).increments[number] = std::move(increments[i]);
+      for (int lane = 0; lane < block.lanes; ++lane) {
+        require_convergence(reports[i][lane], block.first + lane, "forward");
+        int& iterations = result_.iterations[block.first + lane];
+        iterations = std::max(iterations, reports[i][lane].iterations);
+      }
+    }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
-  for (std::size_t i = 0; i < increment.unknowns(); ++i)
-    for (int lane = 0; lane < block.lanes; ++lane)
-      result_.displacement[i] += result_.counted(number, i, lane);
+  for (std::size_t i = 0; i < all; ++i) add_to_displacement(number, of_case(i));
+}
+
+/// What counts of the increments of a block.
+template <int Dim>
+void ProcessSimulation<Dim>::add_to_displacement(std::size_t number, CaseDisplacements& displacements) const {
+  const LaneVector& increment = displacements.increments[number];
+  for (std::size_t i = 0; i < increment.unknowns(); ++i) {
+    const double* weights =
+        result_.weights.empty() ? nullptr : &result_.weights[number].values[i / Dim * increment.lanes];
+    for (int lane = 0; lane < increment.lanes; ++lane)
+      displacements.displacement[i] += (weights != nullptr ? weights[lane] : 1.0) * increment(i, lane);
+  }
 }
 
 template <int Dim>
@@ -176,19 +195,24 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
                                        std::span<const ProcessAdjoint> functionals,
                                        std::span<const ProcessDerivatives> derivatives) {
   adjoint_iterations_.assign(densities.count(), 0);
-  std::vector<std::vector<double>> motions;
-  for (const ProcessAdjoint& functional : functionals)
-    motions.push_back(functional.release.empty() ? std::vector<double>()
-                                                 : release_motion(functional.release));
+  std::vector<Functional> all;
+  std::vector<const ProcessAdjoint*> sources;
+  for (std::size_t i = 0; i < functionals.size(); ++i) {
+    const ProcessAdjoint& from = functionals[i];
+    all.push_back({i, &from, &derivatives[i],
+                   from.release.empty() ? std::vector<double>() : release_motion(from.release)});
+    sources.push_back(&from);
+  }
   for (const ProcessDerivatives& own : derivatives)
     if (own.strains != nullptr) {
       own.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
       own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
+  adjoint_loads_.update(densities, result_, sources);
   groups_.run([&] {
-    std::vector<LaneVector> loads, adjoints;
+    Room room;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-      pull_back_block(densities, number, {functionals, derivatives, motions}, loads, adjoints);
+      pull_back_block(densities, number, all, room);
   });
   solver_->give_back_memory();
   groups_.sum(adjoint_iterations_);
@@ -197,59 +221,78 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
 }
 
 /// The block's operators are set up once for all functionals, which come as many at a time as the solver can
-/// use.
+/// use. Functionals with negligible loads have explicit derivatives only.
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
-                                             const Functionals& functionals, std::vector<LaneVector>& loads,
-                                             std::vector<LaneVector>& adjoints) {
-  set_operators(densities, result_.blocks[number], false);
-  const std::size_t all = functionals.from.size();
-  const std::size_t at_once = std::min(all, solver_->sets_at_once());
-  loads.resize(at_once);
-  adjoints.resize(at_once);
-  for (std::size_t first = 0; first < all; first += at_once) {
-    const std::size_t count = std::min(at_once, all - first);
-    pull_back_together(densities, number, functionals.part(first, count), std::span(loads).first(count),
-                       std::span(adjoints).first(count));
+                                             std::span<const Functional> functionals, Room& room) {
+  std::vector<const Functional*> solved;
+  for (std::size_t i = 0; i < functionals.size(); ++i) {
+    if (adjoint_loads_.any(i, result_.blocks[number]))
+      solved.push_back(&functionals[i]);
+    else
+      add_derivatives(densities, number, functionals[i], nullptr);
   }
+  if (solved.empty()) return;
+  set_operators(densities, result_.blocks[number], false);
+  const std::size_t at_once = std::min(solved.size(), solver_->sets_at_once());
+  room.loads.resize(at_once);
+  room.solutions.resize(at_once);
+  for (std::size_t first = 0; first < solved.size(); first += at_once)
+    solve_adjoints(densities, number,
+                   std::span(solved).subspan(first, std::min(at_once, solved.size() - first)), room);
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::pull_back_together(const LayerDensities& densities, std::size_t number,
-                                                const Functionals& functionals, std::span<LaneVector> loads,
-                                                std::span<LaneVector> adjoints) {
+void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std::size_t number,
+                                            std::span<const Functional* const> functionals, Room& room) {
   const LayerBlock& block = result_.blocks[number];
-  const LaneVector& increments = result_.increments[number];
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    const std::vector<double>& motion = functionals.motions[i];
-    resize(loads[i], increments.nodes, Dim, block.lanes);
-    resize(adjoints[i], increments.nodes, Dim, block.lanes);
-    set_adjoint_load(functionals.from[i], result_, number, loads[i]);
-    if (!motion.empty()) supports_.subtract_motion(densities, block.first, motion, loads[i]);
+  const int nodes = result_.increments[number].nodes;
+  const std::span<LaneVector> loads = std::span(room.loads).first(functionals.size());
+  const std::span<LaneVector> adjoints = std::span(room.solutions).first(functionals.size());
+  for (std::size_t i = 0; i < functionals.size(); ++i) {
+    const Functional& functional = *functionals[i];
+    resize(loads[i], nodes, Dim, block.lanes);
+    resize(adjoints[i], nodes, Dim, block.lanes);
+    adjoint_loads_.set(*functional.from, functional.number, result_, number, loads[i]);
+    if (!functional.motion.empty())
+      supports_.subtract_motion(densities, block.first, functional.motion, loads[i]);
   }
   const auto reports = solver_->solve(loads, adjoints);
-  for (std::size_t i = 0; i < loads.size(); ++i) {
+  for (std::size_t i = 0; i < functionals.size(); ++i) {
     for (int lane = 0; lane < block.lanes; ++lane) {
       require_convergence(reports[i][lane], block.first + lane, "adjoint");
       int& iterations = adjoint_iterations_[block.first + lane];
       iterations = std::max(iterations, reports[i][lane].iterations);
     }
-    if (!functionals.motions[i].empty()) supports_.add_motion(functionals.motions[i], adjoints[i]);
-    const ProcessDerivatives& to = functionals.to[i];
-    StrainField not_asked_for;
-    elements_.add_derivatives(densities, block.first, increments, adjoints[i], *to.densities,
-                              to.strains != nullptr ? *to.strains : not_asked_for);
-    if (deposition_) add_deposition_derivatives(densities, number, functionals.from[i], *to.densities);
-    if (to.after_block) to.after_block();
+    if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
+    add_derivatives(densities, number, *functionals[i], &adjoints[i]);
   }
 }
 
-/// Through the weights: dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
+/// By the adjoints of a block, if it has any, and through the weights.
+template <int Dim>
+void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, std::size_t number,
+                                             const Functional& functional, const LaneVector* adjoint) const {
+  const ProcessDerivatives& to = *functional.to;
+  const std::vector<double>& combination = functional.from->combination;
+  LaneVector room;
+  if (!combination.empty()) room = result_.combined_increments(combination, number);
+  const LaneVector& increments = combination.empty() ? result_.increments[number] : room;
+  StrainField not_asked_for;
+  if (adjoint != nullptr)
+    elements_.add_derivatives(densities, result_.blocks[number].first, cases_.factors(combination),
+                              increments, *adjoint, *to.densities,
+                              to.strains != nullptr ? *to.strains : not_asked_for);
+  if (deposition_) add_deposition_derivatives(densities, number, *functional.from, increments, *to.densities);
+  if (to.after_block) to.after_block();
+}
+
+/// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
 template <int Dim>
 void ProcessSimulation<Dim>::add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
                                                         const ProcessAdjoint& functional,
+                                                        const LaneVector& increments,
                                                         DensityDerivatives& derivatives) const {
-  const LaneVector& increments = result_.increments[number];
   LaneVector d_weights(increments.nodes, 1, increments.lanes);
   for (std::size_t i = 0; i < increments.unknowns(); ++i)
     for (int lane = 0; lane < increments.lanes; ++lane) {

@@ -20,7 +20,8 @@ SupportForces<Dim>::SupportForces(const ElasticModel<Dim>& model) : model_(model
 }
 
 template <int Dim>
-void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
+void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains,
+                                       const StrainFactors<Dim>& factors, int first,
                                        const LaneVector& increments, std::span<double> reactions) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
@@ -38,7 +39,7 @@ void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const St
         stretched[i] += factor * u[(node(e, i) * Dim + i % Dim) * lanes + lane];
       const double density = part_element >= 0 ? densities.layer[first + lane][part_element] : 0.0;
       if (!(density > 0.0)) continue;
-      const auto unit_load = model_.unit_load(strains, part_element, first + lane);
+      const auto unit_load = model_.unit_load(strains, factors, part_element, first + lane);
       for (int i = 0; i < unknowns; ++i) load[i] += model_.load(density) * unit_load[i];
     }
     for (int i = 0; i < unknowns; ++i) {

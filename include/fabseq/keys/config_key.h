@@ -27,6 +27,7 @@ enum class KeyType {
   integer_vector,  ///< integers
   bounds,          ///< two ascending numbers
   strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D; or an object with tangential and normal
+  vectors,         ///< list of vectors
   points,          ///< list of pairs of numbers
   list,            ///< list of any number of numbers
   angles,          ///< list of directions: lists of one angle in 2D, of two in 3D

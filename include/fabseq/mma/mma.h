@@ -14,7 +14,8 @@ struct MmaBox;
 
 /// The general form min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), f_i - a_i z - y_i <= 0, y_i, z >= 0.
 /// An ordinary constraint has a = 0, c large, d = 1; a least-squares residual enters as a pair +r, -r with c
-/// = 0, d = 2.
+/// = 0, d = 2; values whose largest is to be made small enter as rows with a = 1, for a0 = 1 and no other use
+/// of z.
 struct MmaRows {
   double a0 = 1.0;
   std::vector<double> a, c, d;  ///< one entry per row
@@ -22,6 +23,8 @@ struct MmaRows {
   static MmaRows constraints(int m);
   /// Adds the pairs of so many least-squares residuals: a = 0, c = 0, d = 2.
   void add_residuals(int count);
+  /// Adds so many values whose largest, z, is part of the objective: a = 1, c = 1000, d = 1.
+  void add_largest_of(int count);
 };
 
 /// What an update found out.

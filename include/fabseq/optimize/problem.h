@@ -7,6 +7,7 @@
 #include "fabseq/optimize/pipeline.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,12 +16,15 @@ namespace fabseq {
 
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  Design objective;                       ///< gradient of the scaled objective less the residuals' squares
+  /// Gradient of the scaled objective less the residuals' squares and the largest of `largest_values`.
+  Design objective;
   std::vector<double> constraint_values;  ///< f_i <= 0, one per row
   std::vector<Design> constraints;        ///< gradient of each row
   std::vector<double>
       residual_values;            ///< s r_k of what counts: their squares are part of the scaled objective
   std::vector<Design> residuals;  ///< gradient of each
+  std::vector<double> largest_values;  ///< the largest of them is part of the scaled objective
+  std::vector<Design> largest;         ///< gradient of each
 };
 
 /// Values of all responses at a design; the same on all ranks.
@@ -28,9 +32,10 @@ struct ProblemValues {
   std::vector<std::vector<double>> objective;    ///< raw value of each term (one component)
   std::vector<std::vector<double>> constraints;  ///< left-hand sides, as the user reads them
   std::vector<std::vector<double>>
-      functionals;             ///< r_k of each term handed over as a sum of squares, else none
-  std::vector<double> scaled;  ///< weight * factor * raw value of each term
-  double merit = 0.0;          ///< what the optimizer descends: comparable between iterations
+      functionals;                ///< r_k of each term handed over as a sum of squares, else none
+  std::vector<double> scenarios;  ///< J(u_s) of the term that is the largest of these; empty: there is none
+  std::vector<double> scaled;     ///< weight * factor * raw value of each term
+  double merit = 0.0;             ///< what the optimizer descends: comparable between iterations
   double worst_constraint =
       0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
 };
@@ -53,7 +58,8 @@ class Problem {
   std::span<const std::unique_ptr<Response<Dim>>> responses() const {
     return std::span(responses_).first(configured_);
   }
-  /// The same and after them, for each term that the optimizer gets as a sum of squares, its functionals.
+  /// The same and after them what the optimizer gets in place of a term: the functionals of a sum of squares,
+  /// the values of which it is the largest.
   std::span<const std::unique_ptr<Response<Dim>>> responses_and_functionals() const { return responses_; }
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
@@ -75,7 +81,7 @@ class Problem {
   /// Every component of responses(), as in evaluation.json: objective_0, constraint_0_0, ...
   std::vector<NamedValue> describe(const std::vector<std::vector<double>>& values) const;
   /// The same name for a component of responses_and_functionals(); functionals are objective_0_functional_0,
-  /// ...
+  /// ..., values of scenarios objective_0_scenario_0, ...
   std::string component_name(std::size_t response, std::size_t component) const;
 
  private:
@@ -87,6 +93,13 @@ class Problem {
     bool always = false;       ///< residuals whatever their share of the term
   };
 
+  /// The term that is the largest of several values.
+  struct Largest {
+    std::size_t term = 0;      ///< index in terms_
+    std::size_t response = 0;  ///< of the values, index in responses_
+  };
+
+  void add_largest();
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
@@ -97,6 +110,7 @@ class Problem {
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
   std::size_t configured_ = 0;                             ///< terms and constraints
   std::vector<Squares> squares_;
+  std::optional<Largest> largest_;
   std::vector<double> first_values_;
 };
 

@@ -6,6 +6,7 @@
 #include "fabseq/part/part.h"
 #include "fabseq/part/supports.h"
 #include "fabseq/process/process_settings.h"
+#include "fabseq/process/strain_cases.h"
 
 #include <algorithm>
 #include <array>
@@ -54,8 +55,11 @@ struct ElasticModel {
   }
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
-  /// Load of the inherent strain of a part element, by its number, in a layer, both full.
-  ElementLoad unit_load(const StrainField& strains, std::size_t number, int layer) const;
+  /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
+  ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,
+                        int layer) const;
+  /// The same for the material's strain; 0 where it turns with the layers.
+  ElementLoad material_load(const StrainFactors<Dim>& factors) const;
   /// Load of a strain, Voigt, in a full element.
   ElementLoad load_of(const double* strain) const;
 

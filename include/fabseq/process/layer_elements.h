@@ -6,6 +6,7 @@
 #include "fabseq/lanes/lanes.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/strain_cases.h"
 
 #include <span>
 #include <utility>
@@ -15,7 +16,7 @@ namespace fabseq {
 
 /// What the elements contribute to the systems of a block of layers, side by side, and to their derivatives
 /// (docs/formulation.md 4.1, 8). Arguments `first` and `lanes`: the block is layers first ... first + lanes -
-/// 1.
+/// 1. `factors`: on the inherent strain.
 template <int Dim>
 class LayerElements {
  public:
@@ -29,26 +30,28 @@ class LayerElements {
   /// Stiffness factor of each element of the model, [element][lane].
   std::vector<double> stiffness(const LayerDensities& densities, int first, int lanes) const;
   /// Sets `load` to f_j, one lane per layer. Collective.
-  void set_load(const LayerDensities& densities, int first, LaneVector& load) const;
+  void set_load(const LayerDensities& densities, int first, const StrainFactors<Dim>& factors,
+                LaneVector& load) const;
   /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments
   /// du of the block and its adjoints lambda. With strains of the elements' or the layers' own also
   /// dJ/d(strain), this rank's part, to `d_strains`, unless that is uniform. Collective.
-  void add_derivatives(const LayerDensities& densities, int first, const LaneVector& increments,
-                       const LaneVector& adjoints, DensityDerivatives& derivatives,
-                       StrainField& d_strains) const;
+  void add_derivatives(const LayerDensities& densities, int first, const StrainFactors<Dim>& factors,
+                       const LaneVector& increments, const LaneVector& adjoints,
+                       DensityDerivatives& derivatives, StrainField& d_strains) const;
 
  private:
-  /// Part elements begin ... end - 1, and the layers of a chunk of lanes.
+  /// Part elements begin ... end - 1, the layers of a chunk of lanes, and factors on their strain.
   struct Chunk {
     std::size_t begin = 0, end = 0;
     int first_layer = 0;
+    const StrainFactors<Dim>& factors;
   };
   /// Elements taken at once: small enough for the cache to hold what a pass leaves to the next.
   static constexpr std::size_t chunk_size = 256;
 
   /// Calls `use.operator()<Width>(chunk, first lane)` for all elements and `lanes` lanes.
   template <class Use>
-  void for_chunks(int first, int lanes, Use&& use) const;
+  void for_chunks(int first, int lanes, const StrainFactors<Dim>& factors, Use&& use) const;
   template <int Width>
   void add_load(const LayerDensities& densities, const Chunk& chunk, double* load, int lanes) const;
   template <int Width>

@@ -24,6 +24,8 @@ struct MaterialSettings {
   std::vector<double> inherent_strain;
   std::optional<TurningStrain> turning_strain = std::nullopt;
   std::vector<double> strain_scale = {};  ///< one factor per axis, for strains that turn
+  std::vector<std::vector<double>> scenarios =
+      {};  ///< [scenario]: one factor per axis, on top of strain_scale
 };
 
 enum class VoidModel { absent, quiet };

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
-#include "fabseq/layers/layers.h"
-#include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/adjoint_loads.h"
 #include "fabseq/process/deposition.h"
-#include "fabseq/process/elastic_model.h"
 #include "fabseq/process/layer_elements.h"
+#include "fabseq/process/process_adjoint.h"
+#include "fabseq/process/process_result.h"
 #include "fabseq/process/release.h"
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,38 +18,6 @@
 #include <vector>
 
 namespace fabseq {
-
-/// Displacements of a simulated process on this rank's nodes.
-struct ProcessResult {
-  MPI_Comm all_layers = MPI_COMM_NULL;  ///< the ranks that together have the increments of all layers
-  std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
-  std::vector<LaneVector> increments;   ///< their increments, block by block: [node][component][lane]
-  std::vector<LaneVector> weights;      ///< share of each that counts (Deposition), [node][lane]; empty: all
-  std::vector<double> displacement;     ///< u, all layers' sum, [owned node][component], length unit
-  std::vector<double> release;          ///< v, what the release adds to u; empty if that is not asked for
-  std::vector<int> iterations;          ///< of each layer's solve, all layers
-
-  /// What counts of the increment of an unknown (node * components + component) in a layer of a block.
-  double counted(std::size_t block, std::size_t unknown, int lane) const {
-    const LaneVector& increment = increments[block];
-    if (weights.empty()) return increment(unknown, lane);
-    return weights[block](unknown / increment.components, lane) * increment(unknown, lane);
-  }
-};
-
-/// The derivative of a functional by the displacements: what an adjoint solve starts from.
-struct ProcessAdjoint {
-  std::vector<double> displacement;    ///< dJ/du, [owned node][component]; empty: zero
-  std::vector<LaneVector> increments;  ///< dJ/d(counted increment) on top, like ProcessResult; empty: zero
-  std::vector<double> release;         ///< dJ/dv, [owned node][component]; empty: zero
-};
-
-/// Where the derivatives of a functional by densities and strains go.
-struct ProcessDerivatives {
-  DensityDerivatives* densities = nullptr;
-  StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
-  std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
-};
 
 /// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8). For each layer
 /// j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
@@ -62,6 +28,9 @@ struct ProcessDerivatives {
 /// du_j)), then dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q
 /// drho^(q-1) lambda^T f_0. For what is measured after the release (Release), lambda_j on the supports is not
 /// 0 but the release's adjoint w.
+///
+/// With scenarios of the strain, one system has several right-hand sides (StrainCases). Under nominal
+/// deposition, adjoints of layers with a negligible load are left out (AdjointLoads).
 ///
 /// Layer groups share the layers; a deal holds from simulate() to the next. All calls are collective on the
 /// world of the groups, and errors are thrown on all of its ranks.
@@ -91,9 +60,9 @@ class ProcessSimulation {
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
                  std::span<const ProcessDerivatives> derivatives);
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
-  /// elsewhere, for unit Young's modulus. They balance themselves.
-  std::vector<double> reactions(const LayerDensities& densities) const;
-  /// Strains of the last simulation.
+  /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
+  std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
+  /// Strains of the last simulation, as given.
   const StrainField& strains() const { return elements_.strains(); }
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
   void start_cold();
@@ -111,34 +80,45 @@ class ProcessSimulation {
   std::string solver_description() const { return solver_->description(); }
 
  private:
-  /// Functionals to pull back, and how the supports move in the adjoints of each (empty: not at all).
-  struct Functionals {
-    std::span<const ProcessAdjoint> from;
-    std::span<const ProcessDerivatives> to;
-    std::span<const std::vector<double>> motions;
-
-    Functionals part(std::size_t first, std::size_t count) const {
-      return {from.subspan(first, count), to.subspan(first, count), motions.subspan(first, count)};
-    }
+  /// A functional on its way back.
+  struct Functional {
+    std::size_t number = 0;
+    const ProcessAdjoint* from = nullptr;
+    const ProcessDerivatives* to = nullptr;
+    std::vector<double> motion;  ///< of the supports in its adjoints, [owned node][component]; empty: none
+  };
+  /// Vectors that one block leaves to the next.
+  struct Room {
+    std::vector<LaneVector> loads, solutions;
   };
   void deal_out(int layers);
-  void solve_block(const LayerDensities& densities, std::size_t number, LaneVector& load);
-  void pull_back_block(const LayerDensities& densities, std::size_t number, const Functionals& functionals,
-                       std::vector<LaneVector>& loads, std::vector<LaneVector>& adjoints);
-  void pull_back_together(const LayerDensities& densities, std::size_t number, const Functionals& functionals,
-                          std::span<LaneVector> loads, std::span<LaneVector> adjoints);
+  void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
+  void add_to_displacement(std::size_t number, CaseDisplacements& displacements) const;
+  void release_cases(const LayerDensities& densities);
+  void pull_back_block(const LayerDensities& densities, std::size_t number,
+                       std::span<const Functional> functionals, Room& room);
+  void solve_adjoints(const LayerDensities& densities, std::size_t number,
+                      std::span<const Functional* const> functionals, Room& room);
+  void add_derivatives(const LayerDensities& densities, std::size_t number, const Functional& functional,
+                       const LaneVector* adjoint) const;
   void add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
-                                  const ProcessAdjoint& functional, DensityDerivatives& derivatives) const;
+                                  const ProcessAdjoint& functional, const LaneVector& increments,
+                                  DensityDerivatives& derivatives) const;
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
+  CaseDisplacements& of_case(std::size_t number) {
+    return number == 0 ? result_ : result_.other_cases[number - 1];
+  }
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
   BlockSolver block_solver_;
   int lanes_;
+  StrainCases<Dim> cases_;
   LayerElements<Dim> elements_;
   SupportForces<Dim> supports_;
   std::unique_ptr<const Deposition<Dim>> deposition_;  ///< nullptr: all of the increments counts
+  AdjointLoads<Dim> adjoint_loads_;
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
   std::unique_ptr<Release<Dim>> release_;  ///< if asked for
   LayerDeal deal_;

@@ -19,9 +19,11 @@ class SupportForces {
   /// Collective. The model must outlive the object.
   explicit SupportForces(const ElasticModel<Dim>& model);
 
-  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component].
-  void add_reactions(const LayerDensities& densities, const StrainField& strains, int first,
-                     const LaneVector& increments, std::span<double> reactions) const;
+  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component]. `factors`: on the
+  /// strains.
+  void add_reactions(const LayerDensities& densities, const StrainField& strains,
+                     const StrainFactors<Dim>& factors, int first, const LaneVector& increments,
+                     std::span<double> reactions) const;
   /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only:
   /// loads of a system whose supports are moved by w.
   void subtract_motion(const LayerDensities& densities, int first, std::span<const double> motion,

@@ -41,7 +41,8 @@ template <int Dim>
 struct PipelineAdjoint {
   explicit PipelineAdjoint(int layers) : densities(layers) {}
 
-  ProcessAdjoint process;        ///< dJ/du, dJ/dv and dJ/d(increments); empty while zero
+  ProcessAdjoint process;  ///< dJ/du, dJ/dv and dJ/d(increments) for the strain as given; empty while zero
+  std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
   DensityDerivatives densities;  ///< explicit dependence on stage and layer densities and on time points
   TimeDerivatives time;          ///< explicit dependence on t and grad t; empty while zero
 };
@@ -86,6 +87,9 @@ class Response {
   /// The sum of squares that the optimizer may be given in place of an objective with that scaling; nullptr
   /// if the objective is no sum of squares or is not to be handed over as one. Collective.
   virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
+  /// The response whose largest component is this one's value, if that is how it is defined: the optimizer is
+  /// given all of them (docs/formulation.md 9); else nullptr. Collective.
+  virtual std::unique_ptr<Response<Dim>> largest_of() const { return nullptr; }
 };
 
 /// Components whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).

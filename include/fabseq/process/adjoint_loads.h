@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/layer_elements.h"
+#include "fabseq/process/process_adjoint.h"
+#include "fabseq/process/process_result.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// Loads of the adjoint systems of a process (docs/formulation.md 8.2), -w_j (dJ/du + dJ/d(w_j du_j)).
+///
+/// Under nominal deposition w_j is 0 where nothing stands yet, and the load of most of the early layers next
+/// to nothing. It is measured as what Jacobi's preconditioner makes of it,
+///
+///     |b_j|^2 = sum over free nodes of |b_j,n|^2 / (sum over the elements at n of E(rho_j,e)),
+///
+/// since small loads on soft material move it far. Layers with less than `least_share` of the largest are
+/// negligible. The threshold is measured (docs/performance.md). Source: fabseq's own.
+template <int Dim>
+class AdjointLoads {
+ public:
+  static constexpr double least_share = 1e-10;
+
+  /// All arguments must outlive the object.
+  AdjointLoads(const ElasticModel<Dim>& model, const LayerElements<Dim>& elements, const LayerGroups& groups)
+      : model_(model), elements_(elements), groups_(groups) {}
+
+  /// Finds out which layers have a load worth solving for; all of them for functionals of the release, which
+  /// load the supports of every layer, and where all of the increments counts. Collective on the world of the
+  /// groups.
+  void update(const LayerDensities& densities, const ProcessResult& result,
+              const std::vector<const ProcessAdjoint*>& functionals);
+  /// Whether a functional, by its number, has such a layer in a block.
+  bool any(std::size_t functional, const LayerBlock& block) const;
+  /// Sets `load` to the load of a block, by its number; 0 in layers that are negligible. Local.
+  void set(const ProcessAdjoint& functional, std::size_t number, const ProcessResult& result,
+           std::size_t block, LaneVector& load) const;
+
+ private:
+  /// Adds |b_j|^2 of this rank's layers and nodes to `squares`, by layer.
+  void add_squares(const LayerBlock& block, const LaneVector& load, const LaneVector& stiffness,
+                   std::vector<double>& squares) const;
+  /// Stiffness factors of the elements at each owned node, summed up.
+  LaneVector nodal_stiffness(const LayerDensities& densities, const LayerBlock& block) const;
+
+  const ElasticModel<Dim>& model_;
+  const LayerElements<Dim>& elements_;
+  const LayerGroups& groups_;
+  std::vector<std::vector<char>> counts_;  ///< [functional][layer]
+};
+
+}  // namespace fabseq

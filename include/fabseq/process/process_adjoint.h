@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What the adjoint of the process starts from and where it leads.
+#pragma once
+
+#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/layers/layers.h"
+#include "fabseq/process/elastic_model.h"
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// The derivative of a functional by the displacements of a combination of strain cases.
+struct ProcessAdjoint {
+  std::vector<double> displacement;      ///< dJ/du, [owned node][component]; empty: zero
+  std::vector<LaneVector> increments;    ///< dJ/d(counted increment) on top, like ProcessResult; empty: zero
+  std::vector<double> release;           ///< dJ/dv, [owned node][component]; empty: zero
+  std::vector<double> combination = {};  ///< factor of each case in u; empty: the first case alone
+
+  /// Local: ranks without nodes have nothing either way.
+  bool is_zero() const { return displacement.empty() && increments.empty() && release.empty(); }
+};
+
+/// The same sum of functionals with one of them for each case, if that makes them fewer: each costs an
+/// adjoint solve. Local; ranks with the same numbers of functionals get the same number.
+std::vector<ProcessAdjoint> reduced(std::vector<ProcessAdjoint> functionals, std::size_t cases);
+
+/// Where the derivatives of a functional by densities and strains go.
+struct ProcessDerivatives {
+  DensityDerivatives* densities = nullptr;
+  StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
+  std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
+};
+
+}  // namespace fabseq

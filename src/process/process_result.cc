@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/process/process_result.h"
+
+namespace fabseq {
+
+namespace {
+
+/// Adds factor * from to a vector that may still be empty.
+void add(std::vector<double>& to, double factor, const std::vector<double>& from) {
+  to.resize(from.size(), 0.0);
+  for (std::size_t i = 0; i < from.size(); ++i) to[i] += factor * from[i];
+}
+
+}  // namespace
+
+ProcessResult ProcessResult::combined(std::span<const double> combination, bool with_increments) const {
+  ProcessResult result;
+  result.all_layers = all_layers;
+  result.iterations = iterations;
+  for (std::size_t k = 0; k < combination.size(); ++k) {
+    add(result.displacement, combination[k], of_case(k).displacement);
+    add(result.release, combination[k], of_case(k).release);
+  }
+  if (!with_increments) return result;
+  result.blocks = blocks;
+  result.weights = weights;
+  for (std::size_t block = 0; block < blocks.size(); ++block)
+    result.increments.push_back(combined_increments(combination, block));
+  return result;
+}
+
+LaneVector ProcessResult::combined_increments(std::span<const double> combination, std::size_t block) const {
+  LaneVector result(increments[block].nodes, increments[block].components, increments[block].lanes);
+  for (std::size_t k = 0; k < combination.size(); ++k)
+    if (combination[k] != 0.0) add(result.values, combination[k], of_case(k).increments[block].values);
+  return result;
+}
+
+}  // namespace fabseq
