@@ -145,7 +145,9 @@ TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
   EXPECT_EQ(layerwise(R"("auto")"), "no error");
   EXPECT_EQ(layerwise("true"),
             "/objective/0/least_squares: found true with measure layerwise; allowed: true only with measures "
-            "displacement and flatness; \"auto\" or false");
+            "displacement, flatness and shape; \"auto\" or false");
+  const std::string shape = R"("type": "distortion", "measure": "shape", "nodes": "top")";
+  EXPECT_EQ(solid_error("objective.0", "{" + shape + R"(, "least_squares": true})"), "no error");
 }
 
 /// `keys` are those of the layers beside their type.
