@@ -17,7 +17,7 @@ std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
     case Measure::shape:
       return make_shape_deviation(set, settings);
     default:
-      return make_displacement(set, settings);
+      return settings.norm ? make_displacement_norm(set, settings) : make_displacement(set, settings);
   }
 }
 

@@ -44,12 +44,17 @@ void DistortionSettings::check(const TermPlace& place) const {
     refuse(at("axis"), shown(std::string(1, static_cast<char>('x' + axis))), "only with measure flatness");
   if (mean && measure != Measure::displacement)
     refuse(at("mean"), "true" + with_measure(), "true only with measure displacement");
+  if (norm && measure != Measure::displacement)
+    refuse(at("norm"), shown(*norm) + with_measure(), "only with measure displacement");
+  if (norm && mean) refuse(at("mean"), "true with a norm", "false with a norm, which is a mean");
   if (layerwise && after_release)
     refuse(at("after_release"), "true" + with_measure(),
            "true only with measures displacement, flatness and shape");
   if (layerwise && least_squares.value_or(false))
     refuse(at("least_squares"), "true" + with_measure(),
            "true only with measures displacement, flatness and shape; \"auto\" or false");
+  if (norm && least_squares.value_or(false))
+    refuse(at("least_squares"), "true with a norm", "\"auto\" or false with a norm");
   if (!fits("translation"))
     refuse(at("fit"), shown(fit), "a list with \"translation\", and with \"rotation\" and \"scale\" or not");
 }
@@ -69,6 +74,10 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
             .words = "translation rotation scale"},
            [](Its& settings, const Json& value, const KeyPlace&) { value.get_to(settings.fit); })
       .key("mean", &Its::mean, "Divide displacement by the number of nodes")
+      .key("norm", &Its::norm,
+           "Power p of displacement, ((1/n) sum of |u|^p)^(2/p), which comes near the square of the largest "
+           "displacement for p = 8 or so; left out: the sum or mean of squares",
+           {.range = "[2, inf)"})
       .key("after_release", &Its::after_release,
            "Measure displacement, flatness or shape after the release from plate or clamps");
 }

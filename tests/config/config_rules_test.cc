@@ -150,6 +150,21 @@ TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
   EXPECT_EQ(solid_error("objective.0", "{" + shape + R"(, "least_squares": true})"), "no error");
 }
 
+TEST(ConfigRulesTest, NormsAreOfDisplacement) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("objective.0", R"({"type": "distortion", "nodes": "top", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("norm": 2)"), "no error");
+  EXPECT_EQ(error(R"("norm": 8.5, "least_squares": "auto")"), "no error");
+  EXPECT_EQ(error(R"("norm": 1.9)"), "/objective/0/norm: found 1.9; allowed: a number >= 2");
+  EXPECT_EQ(error(R"("norm": 8, "mean": true)"),
+            "/objective/0/mean: found true with a norm; allowed: false with a norm, which is a mean");
+  EXPECT_EQ(error(R"("norm": 8, "least_squares": true)"),
+            "/objective/0/least_squares: found true with a norm; allowed: \"auto\" or false with a norm");
+  EXPECT_EQ(error(R"("norm": 8.0, "measure": "shape")"),
+            "/objective/0/norm: found 8.0 with measure shape; allowed: only with measure displacement");
+}
+
 /// `keys` are those of the layers beside their type.
 std::string multi_planar_error(const char* text, const std::string& keys, const Settings& more = {}) {
   Settings settings = {{"layers", "{\"type\": \"multi_planar\"" + keys + "}"},

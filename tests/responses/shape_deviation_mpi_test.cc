@@ -112,9 +112,9 @@ TYPED_TEST(ShapeDeviationTest, FunctionalsHoldWhatIsLeftOfLinearDisplacements) {
     return u;
   });
   const int strains = Dim * (Dim + 1) / 2;
-  for (const auto& [fit, count] : {std::pair(R"(["translation"])", Dim * Dim),
-                                   std::pair(R"(["translation", "rotation"])", strains),
-                                   std::pair(R"(["translation", "rotation", "scale"])", strains - 1)}) {
+  for (const auto& [fit, count] :
+       {std::pair(R"(["translation"])", Dim * Dim), std::pair(R"(["translation", "rotation"])", strains),
+        std::pair(R"(["translation", "rotation", "scale"])", strains - 1)}) {
     const auto response = this->shape(pipeline, fit);
     const auto functionals = response->squares(TermScaling::current);
     ASSERT_TRUE(functionals);

@@ -23,6 +23,7 @@ struct DistortionSettings {
   std::string nodes;  ///< name of a node set
   int axis = -1;      ///< of flatness; -1: not given
   bool mean = false;
+  std::optional<double> norm;  ///< power p of displacement; none: a sum or mean of squares
   bool after_release = false;
   std::vector<std::string> fit = {"translation", "rotation"};  ///< of shape
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it

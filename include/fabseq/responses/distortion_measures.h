@@ -16,6 +16,13 @@ template <int Dim>
 std::unique_ptr<Response<Dim>> make_displacement(const SetDisplacement<Dim>& set,
                                                  const DistortionSettings& settings);
 
+/// ((1/n) sum of |u|^p)^(2/p) over the set's n nodes, p the norm, which must be given: from the mean square
+/// (p = 2) to the square of the largest displacement (p towards infinity). 0, and so is its derivative, where
+/// nothing moves. Source: ours.
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_displacement_norm(const SetDisplacement<Dim>& set,
+                                                      const DistortionSettings& settings);
+
 /// Mean over the set's nodes of (u_a - mean of u_a)^2, a the axis. Sources: W23 eq. 31, D24 eq. 32.
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_flatness(const SetDisplacement<Dim>& set,
