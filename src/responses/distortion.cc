@@ -10,12 +10,17 @@ template <int Dim>
 std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
                                             const DistortionSettings& settings) {
   if (settings.measure == Measure::layerwise) return make_layerwise<Dim>();
-  const SetDisplacement<Dim> set(context.part, context.node_sets.at(settings.nodes), settings.after_release);
+  const auto set_of = [&](const std::string& nodes) {
+    return SetDisplacement<Dim>(context.part, context.node_sets.at(nodes), settings.after_release);
+  };
+  const SetDisplacement<Dim> set = set_of(settings.nodes);
   switch (settings.measure) {
     case Measure::flatness:
       return make_flatness(set, settings);
     case Measure::shape:
       return make_shape_deviation(set, settings);
+    case Measure::angle:
+      return make_angle_change(set, set_of(settings.to));
     default:
       return settings.norm ? make_displacement_norm(set, settings) : make_displacement(set, settings);
   }

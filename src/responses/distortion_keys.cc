@@ -9,7 +9,18 @@ namespace fabseq {
 
 namespace {
 
-constexpr const char* measure_names = "displacement flatness layerwise shape";
+constexpr const char* measure_names = "displacement flatness layerwise shape angle";
+
+void check_node_set(const TermPlace& place, const char* key, const std::string& name) {
+  const std::string pointer = pointer_to(place.pointer, key);
+  const std::vector<std::string>& known = place.node_sets;
+  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
+  if (name.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  const std::string nearest = nearest_word(name, known);
+  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
+  refuse(pointer, "unknown node set " + shown(name) + hint, list);
+}
 
 }  // namespace
 
@@ -21,23 +32,24 @@ std::string DistortionSettings::with_measure() const {
   return " with measure " + split(measure_names, ' ')[static_cast<std::size_t>(measure)];
 }
 
-void DistortionSettings::check_node_set(const TermPlace& place) const {
-  const std::string pointer = pointer_to(place.pointer, "nodes");
-  const std::vector<std::string>& known = place.node_sets;
-  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
-  if (nodes.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
-  if (std::find(known.begin(), known.end(), nodes) != known.end()) return;
-  const std::string nearest = nearest_word(nodes, known);
-  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
-  refuse(pointer, "unknown node set " + shown(nodes) + hint, list);
+void DistortionSettings::check_node_sets(const TermPlace& place) const {
+  const std::string pointer = pointer_to(place.pointer, "to");
+  check_node_set(place, "nodes", nodes);
+  if (measure == Measure::angle) {
+    check_node_set(place, "to", to);
+    if (to == nodes) refuse(pointer, shown(to) + ", the node set of nodes", "name of another node set");
+  } else if (!to.empty()) {
+    refuse(pointer, shown(to) + with_measure(), "only with measure angle");
+  }
 }
 
 void DistortionSettings::check(const TermPlace& place) const {
   const auto at = [&](const char* key) { return pointer_to(place.pointer, key); };
   const bool layerwise = measure == Measure::layerwise;
-  if (!layerwise) check_node_set(place);
-  if (layerwise && !nodes.empty())
-    refuse(at("nodes"), shown(nodes), "no node set with measure layerwise, which takes all nodes");
+  if (!layerwise) check_node_sets(place);
+  for (const auto& [key, name] : {std::pair("nodes", nodes), std::pair("to", to)})
+    if (layerwise && !name.empty())
+      refuse(at(key), shown(name), "no node set with measure layerwise, which takes all nodes");
   if (measure == Measure::flatness && axis < 0)
     throw InputError(at("axis") + ": missing; allowed: " + (place.dimension == 2 ? "x, y" : "x, y, z"));
   if (measure != Measure::flatness && axis >= 0)
@@ -49,8 +61,8 @@ void DistortionSettings::check(const TermPlace& place) const {
   if (norm && mean) refuse(at("mean"), "true with a norm", "false with a norm, which is a mean");
   if (layerwise && after_release)
     refuse(at("after_release"), "true" + with_measure(),
-           "true only with measures displacement, flatness and shape");
-  if (layerwise && least_squares.value_or(false))
+           "true only with measures displacement, flatness, shape and angle");
+  if ((layerwise || measure == Measure::angle) && least_squares.value_or(false))
     refuse(at("least_squares"), "true" + with_measure(),
            "true only with measures displacement, flatness and shape; \"auto\" or false");
   if (norm && least_squares.value_or(false))
@@ -64,9 +76,11 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
   return Section<Its>(section)
       .key("measure", &Its::measure,
            "Squared displacement over a node set, its flatness along an axis, the squared displacement of "
-           "every layer over all nodes, or the mean squared deviation of a node set's shape from a best fit",
+           "every layer over all nodes, the mean squared deviation of a node set's shape from a best fit, or "
+           "the squared change of the angle between the planes fitted to two node sets, in degrees",
            {.words = measure_names})
-      .key("nodes", &Its::nodes, "Node set of displacement, flatness and shape (required)")
+      .key("nodes", &Its::nodes, "Node set of displacement, flatness, shape and angle (required)")
+      .key("to", &Its::to, "Node set whose plane angle compares with that of nodes (required)")
       .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
       .key("fit", "What the best fit of shape may move: translation, always, rotation and scale",
            {.type = KeyType::word_list,
@@ -79,7 +93,7 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
            "displacement for p = 8 or so; left out: the sum or mean of squares",
            {.range = "[2, inf)"})
       .key("after_release", &Its::after_release,
-           "Measure displacement, flatness or shape after the release from plate or clamps");
+           "Measure displacement, flatness, shape or angle after the release from plate or clamps");
 }
 
 }  // namespace fabseq

@@ -129,7 +129,7 @@ TEST(ConfigRulesTest, SubstrateClampsAndRelease) {
   EXPECT_EQ(
       solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise", "after_release": true})"),
       "/objective/0/after_release: found true with measure layerwise; allowed: true only with measures "
-      "displacement, flatness and shape");
+      "displacement, flatness, shape and angle");
 }
 
 TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
@@ -148,6 +148,24 @@ TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
             "displacement, flatness and shape; \"auto\" or false");
   const std::string shape = R"("type": "distortion", "measure": "shape", "nodes": "top")";
   EXPECT_EQ(solid_error("objective.0", "{" + shape + R"(, "least_squares": true})"), "no error");
+}
+
+TEST(ConfigRulesTest, AnglesAreBetweenTwoNodeSets) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("objective.0", R"({"type": "distortion", "nodes": "top", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("measure": "angle", "to": "edge", "after_release": true)"), "no error");
+  EXPECT_EQ(error(R"("measure": "angle")"),
+            "/objective/0/to: missing; allowed: name of a node set (edge, top)");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "egde")"),
+            "/objective/0/to: found unknown node set \"egde\", did you mean \"edge\"?; allowed: edge, top");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "top")"),
+            "/objective/0/to: found \"top\", the node set of nodes; allowed: name of another node set");
+  EXPECT_EQ(error(R"("to": "edge")"),
+            "/objective/0/to: found \"edge\" with measure displacement; allowed: only with measure angle");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "edge", "least_squares": true)"),
+            "/objective/0/least_squares: found true with measure angle; allowed: true only with measures "
+            "displacement, flatness and shape; \"auto\" or false");
 }
 
 TEST(ConfigRulesTest, NormsAreOfDisplacement) {

@@ -15,12 +15,13 @@
 namespace fabseq {
 
 /// What is measured, in the order of the words of the key.
-enum class Measure { displacement, flatness, layerwise, shape };
+enum class Measure { displacement, flatness, layerwise, shape, angle };
 
 /// The settings of a distortion term.
 struct DistortionSettings {
   Measure measure = Measure::displacement;
   std::string nodes;  ///< name of a node set
+  std::string to;     ///< name of the other node set of angle
   int axis = -1;      ///< of flatness; -1: not given
   bool mean = false;
   std::optional<double> norm;  ///< power p of displacement; none: a sum or mean of squares
@@ -40,15 +41,16 @@ struct DistortionSettings {
   }
 
  private:
-  void check_node_set(const TermPlace& place) const;
+  void check_node_sets(const TermPlace& place) const;
   std::string with_measure() const;
 };
 
 /// The keys of a distortion term in a section, "objective" or "constraints".
 Section<DistortionSettings> distortion_keys(const std::string& section);
 
-/// The measure that the settings ask for, with one component: J, in the length unit squared. Collective on
-/// the grid's communicator. Throws InputError for a node set that the measure is not defined for.
+/// The measure that the settings ask for, with one component: J, in the length unit squared; of angle in
+/// degrees squared. Collective on the grid's communicator. Throws InputError for a node set that the measure
+/// is not defined for.
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
                                             const DistortionSettings& settings);

@@ -39,4 +39,11 @@ template <int Dim>
 std::unique_ptr<Response<Dim>> make_shape_deviation(const SetDisplacement<Dim>& set,
                                                     const DistortionSettings& settings);
 
+/// The squared change of the angle between the planes (in 2D the lines) fitted to two node sets, in degrees
+/// squared. Throws InputError naming the node set that determines no plane. Sources: W23 section 3.1 for
+/// perpendicular edges; ours for planes and any angle.
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_angle_change(const SetDisplacement<Dim>& nodes,
+                                                 const SetDisplacement<Dim>& to);
+
 }  // namespace fabseq
