@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// Objective: distortion (docs/formulation.md 5).
+/// Objective and constraint: distortion (docs/formulation.md 5 and 7).
 #include "fabseq/responses/distortion.h"
 
 #include "fabseq/responses/distortion_measures.h"
+
+#include <cmath>
 
 namespace fabseq {
 
@@ -30,12 +32,45 @@ FABSEQ_INSTANTIATE_FUNCTION(make_measure);
 
 namespace {
 
+/// The objective, J.
 template <int Dim>
 struct Distortion {
   static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
                                              const DistortionSettings& settings) {
     return make_measure(context, settings);
   }
+};
+
+struct DistortionLimitSettings : DistortionSettings {
+  double limit = 0.0;  ///< of the square root: length unit; of angle in degrees
+};
+
+/// The constraint: one component, sqrt(J), at most `limit`. Where J is 0, the root has a kink, and its
+/// derivative counts as 0, one of its subgradients.
+template <int Dim>
+class DistortionLimit : public Response<Dim> {
+ public:
+  DistortionLimit(const ResponseContext<Dim>& context, const DistortionLimitSettings& settings)
+      : measure_(make_measure(context, settings)), limit_(settings.limit) {}
+
+  std::string type() const override { return measure_->type(); }
+  bool uses_displacements() const override { return measure_->uses_displacements(); }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    return {std::sqrt(measure_->values(state)[0])};
+  }
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    const double root = values(state)[0];
+    measure_->add_derivative(component, root > 0.0 ? weight / (2.0 * root) : 0.0, state, adjoint);
+  }
+  std::vector<ConstraintRow> rows(int, double margin) const override {
+    return {{0, 1.0, margin * limit_, limit_}};
+  }
+
+ private:
+  std::unique_ptr<Response<Dim>> measure_;
+  double limit_;
 };
 
 Section<DistortionSettings> objective_keys() {
@@ -46,9 +81,21 @@ Section<DistortionSettings> objective_keys() {
            {.words = "auto"});
 }
 
-const Registered<Distortion, DistortionSettings> registered({.name = "distortion",
-                                                             .scaling = TermScaling::current},
-                                                            objective_keys());
+Section<DistortionLimitSettings> constraint_keys() {
+  return Section<DistortionLimitSettings>("constraints")
+      .keys([](DistortionLimitSettings& its) -> DistortionSettings& { return its; },
+            distortion_keys("constraints"))
+      .key("limit", &DistortionLimitSettings::limit,
+           "Largest root of the measure, in the length unit; of angle in degrees",
+           {.required = true, .range = "(0, inf)"});
+}
+
+const Registered<Distortion, DistortionSettings> objective({.name = "distortion",
+                                                            .scaling = TermScaling::current},
+                                                           objective_keys());
+const Registered<DistortionLimit, DistortionLimitSettings> constraint({.list = TermList::constraints,
+                                                                       .name = "distortion"},
+                                                                      constraint_keys());
 
 }  // namespace
 
