@@ -183,6 +183,20 @@ TEST(ConfigRulesTest, NormsAreOfDisplacement) {
             "/objective/0/norm: found 8.0 with measure shape; allowed: only with measure displacement");
 }
 
+TEST(ConfigRulesTest, LimitsOfDistortion) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("constraints.0", R"({"type": "distortion", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 0.3, "norm": 8, "after_release": true)"), "no error");
+  EXPECT_EQ(error(R"("measure": "layerwise", "limit": 0.3)"), "no error");
+  EXPECT_EQ(error(R"("nodes": "top")"), "/constraints/0/limit: missing; allowed: a number > 0");
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 0)"), "/constraints/0/limit: found 0; allowed: a number > 0");
+  EXPECT_EQ(error(R"("limit": 1)"), "/constraints/0/nodes: missing; allowed: name of a node set (edge, top)");
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 1, "least_squares": true)")
+                .rfind("/constraints/0/least_squares: unknown key for type \"distortion\"", 0),
+            0U);
+}
+
 /// `keys` are those of the layers beside their type.
 std::string multi_planar_error(const char* text, const std::string& keys, const Settings& more = {}) {
   Settings settings = {{"layers", "{\"type\": \"multi_planar\"" + keys + "}"},
