@@ -23,13 +23,17 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
 /// Refuses terms after a release that there cannot be.
 template <int Dim>
 void Setup<Dim>::require_release() const {
-  for (std::size_t i = 0; i < config.objective.size(); ++i) {
-    if (!config.objective[i].type->measures_release(config.objective[i])) continue;
-    const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
-    if (!reason.empty())
-      refuse("/objective/" + std::to_string(i) + "/after_release", "true, but " + reason,
-             "false for this part");
-  }
+  const auto require_for = [&](const std::string& list, const std::vector<Term>& terms) {
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      if (!terms[i].type->measures_release(terms[i])) continue;
+      const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
+      if (!reason.empty())
+        refuse("/" + list + "/" + std::to_string(i) + "/after_release", "true, but " + reason,
+               "false for this part");
+    }
+  };
+  require_for("objective", config.objective);
+  require_for("constraints", config.constraints);
 }
 
 /// The solvers themselves say nothing: there are many of them.

@@ -129,7 +129,7 @@ TEST(ConfigRulesTest, SubstrateClampsAndRelease) {
   EXPECT_EQ(
       solid_error("objective.0", R"({"type": "distortion", "measure": "layerwise", "after_release": true})"),
       "/objective/0/after_release: found true with measure layerwise; allowed: true only with measures "
-      "displacement, flatness and shape");
+      "displacement, flatness, shape and angle");
 }
 
 TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
@@ -145,7 +145,56 @@ TEST(ConfigRulesTest, LeastSquaresNeedAMeasureWithFunctionals) {
   EXPECT_EQ(layerwise(R"("auto")"), "no error");
   EXPECT_EQ(layerwise("true"),
             "/objective/0/least_squares: found true with measure layerwise; allowed: true only with measures "
-            "displacement and flatness; \"auto\" or false");
+            "displacement, flatness and shape; \"auto\" or false");
+  const std::string shape = R"("type": "distortion", "measure": "shape", "nodes": "top")";
+  EXPECT_EQ(solid_error("objective.0", "{" + shape + R"(, "least_squares": true})"), "no error");
+}
+
+TEST(ConfigRulesTest, AnglesAreBetweenTwoNodeSets) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("objective.0", R"({"type": "distortion", "nodes": "top", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("measure": "angle", "to": "edge", "after_release": true)"), "no error");
+  EXPECT_EQ(error(R"("measure": "angle")"),
+            "/objective/0/to: missing; allowed: name of a node set (edge, top)");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "egde")"),
+            "/objective/0/to: found unknown node set \"egde\", did you mean \"edge\"?; allowed: edge, top");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "top")"),
+            "/objective/0/to: found \"top\", the node set of nodes; allowed: name of another node set");
+  EXPECT_EQ(error(R"("to": "edge")"),
+            "/objective/0/to: found \"edge\" with measure displacement; allowed: only with measure angle");
+  EXPECT_EQ(error(R"("measure": "angle", "to": "edge", "least_squares": true)"),
+            "/objective/0/least_squares: found true with measure angle; allowed: true only with measures "
+            "displacement, flatness and shape; \"auto\" or false");
+}
+
+TEST(ConfigRulesTest, NormsAreOfDisplacement) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("objective.0", R"({"type": "distortion", "nodes": "top", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("norm": 2)"), "no error");
+  EXPECT_EQ(error(R"("norm": 8.5, "least_squares": "auto")"), "no error");
+  EXPECT_EQ(error(R"("norm": 1.9)"), "/objective/0/norm: found 1.9; allowed: a number >= 2");
+  EXPECT_EQ(error(R"("norm": 8, "mean": true)"),
+            "/objective/0/mean: found true with a norm; allowed: false with a norm, which is a mean");
+  EXPECT_EQ(error(R"("norm": 8, "least_squares": true)"),
+            "/objective/0/least_squares: found true with a norm; allowed: \"auto\" or false with a norm");
+  EXPECT_EQ(error(R"("norm": 8.0, "measure": "shape")"),
+            "/objective/0/norm: found 8.0 with measure shape; allowed: only with measure displacement");
+}
+
+TEST(ConfigRulesTest, LimitsOfDistortion) {
+  const auto error = [](const std::string& keys) {
+    return solid_error("constraints.0", R"({"type": "distortion", )" + keys + "}");
+  };
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 0.3, "norm": 8, "after_release": true)"), "no error");
+  EXPECT_EQ(error(R"("measure": "layerwise", "limit": 0.3)"), "no error");
+  EXPECT_EQ(error(R"("nodes": "top")"), "/constraints/0/limit: missing; allowed: a number > 0");
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 0)"), "/constraints/0/limit: found 0; allowed: a number > 0");
+  EXPECT_EQ(error(R"("limit": 1)"), "/constraints/0/nodes: missing; allowed: name of a node set (edge, top)");
+  EXPECT_EQ(error(R"("nodes": "top", "limit": 1, "least_squares": true)")
+                .rfind("/constraints/0/least_squares: unknown key for type \"distortion\"", 0),
+            0U);
 }
 
 /// `keys` are those of the layers beside their type.

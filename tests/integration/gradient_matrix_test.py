@@ -35,6 +35,7 @@ def part(dimension):
         "part": {"difference": [{"union": [box([0, 0, 0], [0.8, 0.6, 1.2]), box([0, 0, 0.6], [1.6, 0.6, 1.2])]},
                                 box([0.81, 0.41, 0.61], [1.6, 0.6, 0.99])]},
         "node_sets": {"tip": box([1.6, 0, 0.6], [1.6, 0.6, 1.2]), "top": box([0, 0, 1.2], [1.6, 0.6, 1.2]),
+                      "back": box([0, 0, 0], [0, 0.6, 1.2]),
                       "skin": {"all": True, "surface": True}}}
 
 
@@ -43,8 +44,21 @@ def distortions(up):
     for released in (False, True):
         terms.append({"type": "distortion", "nodes": "tip", "mean": released, "after_release": released, "least_squares": True})
         terms.append({"type": "distortion", "measure": "flatness", "axis": up, "nodes": "top", "after_release": released})
-        terms.append({"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": released})
+        terms.append({"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": released,
+                      "least_squares": not released})
+        terms.append({"type": "distortion", "nodes": "tip", "norm": 6, "after_release": released})
+        terms.append({"type": "distortion", "measure": "angle", "nodes": "tip", "to": "back" if released else "top",
+                      "after_release": released})
     return terms
+
+
+def limits(up):
+    """Distortion as a constraint."""
+    terms = [{"measure": "layerwise"}, {"nodes": "tip", "norm": 6},
+             {"measure": "flatness", "axis": up, "nodes": "top"},
+             {"measure": "shape", "nodes": "skin", "after_release": True},
+             {"measure": "angle", "nodes": "tip", "to": "top", "after_release": True}]
+    return [{"type": "distortion", "limit": 1.0, **term} for term in terms]
 
 
 def problem(dimension, design, void, turning):
@@ -58,7 +72,7 @@ def problem(dimension, design, void, turning):
         config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "sharpness": {"time": 30, "slab": 8},
                             "angles": [[1.2], [0.5]] if dimension == 2 else [[1.2, 0.4], [0.6, 0.3]]}
         config["objective"].append({"type": "segmentation_alignment"})
-        config["constraints"] = [{"type": "subpart_volume"}]
+        config["constraints"] = [{"type": "subpart_volume"}] + limits(up)
         return config
     # As many layers as leave the last ones so small that there is a last layer to bound.
     count, least_volume = (7, 0.9) if design == "diffusivity" else (5, 0.99)
@@ -68,7 +82,7 @@ def problem(dimension, design, void, turning):
     if design != "diffusivity":
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
-                             {"type": "last_layer", "least_volume": least_volume}]
+                             {"type": "last_layer", "least_volume": least_volume}] + limits(up)
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
         config["constraints"].append({"type": "layer_thickness", "target": 0.25})
@@ -77,14 +91,15 @@ def problem(dimension, design, void, turning):
 
 def label(config, entry):
     """Of a component's response, such as "distortion, flatness, after release"."""
-    words = [entry["type"]]
     kind, index = entry["name"].split("_")[:2]
-    if kind == "objective":
-        term = config["objective"][int(index)]
-        words += [str(term[key]) for key in ("measure", "form") if key in term]
-        words += ["displacement"] if entry["type"] == "distortion" and "measure" not in term else []
-        words += ["after release"] if term.get("after_release") else []
-        words += ["a functional"] if len(entry["name"].split("_")) > 2 else []
+    bounded = kind == "constraint"
+    term = config["constraints" if bounded else "objective"][int(index)]
+    words = ["limit of distortion" if bounded and term["type"] == "distortion" else entry["type"]]
+    words += [str(term[key]) for key in ("measure", "form") if key in term]
+    words += ["displacement"] if term["type"] == "distortion" and "measure" not in term else []
+    words += ["norm"] if "norm" in term else []
+    words += ["after release"] if term.get("after_release") else []
+    words += ["a functional"] if not bounded and len(entry["name"].split("_")) > 2 else []
     return ", ".join(words)
 
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/pipeline_case.h"
+#include "support/refusal.h"
 #include "support/response.h"
 #include <vector>
 
@@ -16,15 +17,21 @@ class ShapeDeviationTest : public testing::Test {
   static constexpr int dim = T::value;
   using Case = test::PipelineCase<dim>;
 
-  /// Of the nodes at the top, with these entries of fit.
-  static double value(Case& pipeline, const PipelineState<dim>& state,
-                      const std::vector<double>& displacement, const std::string& fit) {
+  /// The shape of the skin, with these entries of fit.
+  static std::unique_ptr<Response<dim>> shape(const Case& pipeline, const std::string& fit) {
     const std::string term =
         R"({"type": "distortion", "measure": "shape", "nodes": "skin", "fit": )" + fit + "}";
-    const auto response = test::make_response<dim>(TermList::objective, term, pipeline.setup.context());
+    return test::make_response<dim>(TermList::objective, term, pipeline.setup.context());
+  }
+  static std::vector<double> values(const Response<dim>& response, const PipelineState<dim>& state,
+                                    const std::vector<double>& displacement) {
     ProcessResult result;
     result.displacement = displacement;
-    return response->values({state.time, state.layers, result})[0];
+    return response.values({state.time, state.layers, result});
+  }
+  static double value(Case& pipeline, const PipelineState<dim>& state,
+                      const std::vector<double>& displacement, const std::string& fit) {
+    return values(*shape(pipeline, fit), state, displacement)[0];
   }
   /// A displacement by place, [owned node][component].
   template <class Field>
@@ -92,6 +99,56 @@ TYPED_TEST(ShapeDeviationTest, IsTheLeastOverAllMotions) {
     sum_in_place(grid.comm(), sums);
     EXPECT_LT(least, (sums[0] - sums[1] * sums[1] / sums[2]) / static_cast<double>(skin.count) + 1e-12);
   }
+}
+
+/// What a fit leaves of linear displacements is uniform strain, and without rotations in the fit these, too.
+TYPED_TEST(ShapeDeviationTest, FunctionalsHoldWhatIsLeftOfLinearDisplacements) {
+  constexpr int Dim = TypeParam::value;
+  typename TestFixture::Case pipeline(with_skin<Dim>());
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const auto linear = this->displacement_of(pipeline.setup.grid, [](int a, const auto& x) {
+    double u = 0.3 - 0.7 * a;
+    for (int b = 0; b < Dim; ++b) u += (0.2 + 0.5 * a - 0.4 * b * b) * x[b];
+    return u;
+  });
+  const int strains = Dim * (Dim + 1) / 2;
+  for (const auto& [fit, count] :
+       {std::pair(R"(["translation"])", Dim * Dim), std::pair(R"(["translation", "rotation"])", strains),
+        std::pair(R"(["translation", "rotation", "scale"])", strains - 1)}) {
+    const auto response = this->shape(pipeline, fit);
+    const auto functionals = response->squares(TermScaling::current);
+    ASSERT_TRUE(functionals);
+    EXPECT_EQ(functionals->count(), count);
+    EXPECT_FALSE(functionals->complete());
+    const double whole = this->values(*response, state, linear)[0];
+    EXPECT_GT(whole, 1e-3);
+    double squares = 0.0;
+    for (const double r : this->values(*functionals, state, linear)) squares += r * r;
+    EXPECT_NEAR(squares, whole, 1e-12 * whole);
+    EXPECT_FALSE(response->squares(TermScaling::first));
+  }
+}
+
+/// A single node turns and grows by nothing.
+TYPED_TEST(ShapeDeviationTest, NodesThatDoNotDetermineTheFitAreRefused) {
+  constexpr int Dim = TypeParam::value;
+  const std::string corner = Dim == 2 ? "[0, 1.5]" : "[0, 0, 2.5]";
+  Settings settings = with_skin<Dim>();
+  settings.emplace_back("node_sets.corner", R"({"box": {"min": )" + corner + R"(, "max": )" + corner + "}}");
+  typename TestFixture::Case pipeline(settings);
+  const auto refusal = [&](const std::string& fit) {
+    return test::refusal([&] {
+      (void)test::make_response<Dim>(
+          TermList::objective,
+          R"({"type": "distortion", "measure": "shape", "nodes": "corner", "fit": )" + fit + "}",
+          pipeline.setup.context());
+    });
+  };
+  EXPECT_EQ(refusal(R"(["translation"])"), "no error");
+  for (const char* fit : {R"(["translation", "rotation"])", R"(["translation", "scale"])"})
+    EXPECT_EQ(refusal(fit),
+              "/node_sets/corner: its 1 nodes do not determine the fit of measure shape; allowed: nodes that "
+              "no motion of the fit leaves in place, or fewer entries in fit");
 }
 
 TYPED_TEST(ShapeDeviationTest, GradientsAgreeWithDifferences) {

@@ -64,7 +64,7 @@ class SumOfSquares;
 
 /// A functional of a sequence with one or several components. All calls are collective on the grid's
 /// communicator unless they say otherwise, and values are the same on all ranks. Each layer group makes its
-/// calls for itself; only values() of responses that use displacements must be called by all groups.
+/// calls for itself; values() and add_derivative() of those that use displacements are called by all groups.
 template <int Dim>
 class Response {
  public:

@@ -9,6 +9,10 @@
 
 namespace fabseq {
 
+/// Values at this rank's nodes of a set: [owned node of the set], or [owned node of the set][component] of a
+/// displacement or of its derivative.
+using SetFunction = std::vector<double>;
+
 /// Displacements of a set of nodes, either while the part is on the plate or after the release. Nodes are
 /// given as offsets in Grid::owned_nodes(). Nothing here is collective.
 template <int Dim>
@@ -29,6 +33,13 @@ class SetDisplacement {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
   }
+  /// The displacement of all owned nodes of the set, length unit.
+  SetFunction all(const PipelineState<Dim>& state) const {
+    SetFunction result;
+    for (const int node : nodes_.owned)
+      for (int axis = 0; axis < Dim; ++axis) result.push_back(at(state, node, axis));
+    return result;
+  }
   /// Adds `value` times the derivative of at() to `adjoint`. The displacement after the release is u + v, so
   /// the derivative goes to both.
   void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
@@ -36,6 +47,14 @@ class SetDisplacement {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     touch(adjoint.process.displacement, state)[i] += value;
     if (after_release_) touch(adjoint.process.release, state)[i] += value;
+  }
+  /// Adds a functional's derivative, `factor` times the function's products with all(), to `adjoint`.
+  void add_derivative(const SetFunction& function, double factor, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const {
+    prepare(state, adjoint);
+    for (std::size_t i = 0; i < nodes_.owned.size(); ++i)
+      for (int axis = 0; axis < Dim; ++axis)
+        add_derivative(nodes_.owned[i], axis, factor * function[i * Dim + axis], state, adjoint);
   }
   /// Makes room for derivatives. All ranks must call it, also those without a node of the set.
   void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {

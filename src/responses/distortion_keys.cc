@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+/// The keys of distortion terms, and what they allow of each other.
+#include "fabseq/base/error.h"
+#include "fabseq/responses/distortion.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+constexpr const char* measure_names = "displacement flatness layerwise shape angle";
+
+void check_node_set(const TermPlace& place, const char* key, const std::string& name) {
+  const std::string pointer = pointer_to(place.pointer, key);
+  const std::vector<std::string>& known = place.node_sets;
+  const std::string list = known.empty() ? "none, as node_sets is empty" : join(known, ", ");
+  if (name.empty()) throw InputError(pointer + ": missing; allowed: name of a node set (" + list + ")");
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  const std::string nearest = nearest_word(name, known);
+  const std::string hint = nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?";
+  refuse(pointer, "unknown node set " + shown(name) + hint, list);
+}
+
+}  // namespace
+
+bool DistortionSettings::fits(const std::string& motion) const {
+  return std::find(fit.begin(), fit.end(), motion) != fit.end();
+}
+
+std::string DistortionSettings::with_measure() const {
+  return " with measure " + split(measure_names, ' ')[static_cast<std::size_t>(measure)];
+}
+
+void DistortionSettings::check_node_sets(const TermPlace& place) const {
+  const std::string pointer = pointer_to(place.pointer, "to");
+  check_node_set(place, "nodes", nodes);
+  if (measure == Measure::angle) {
+    check_node_set(place, "to", to);
+    if (to == nodes) refuse(pointer, shown(to) + ", the node set of nodes", "name of another node set");
+  } else if (!to.empty()) {
+    refuse(pointer, shown(to) + with_measure(), "only with measure angle");
+  }
+}
+
+void DistortionSettings::check(const TermPlace& place) const {
+  const auto at = [&](const char* key) { return pointer_to(place.pointer, key); };
+  const bool layerwise = measure == Measure::layerwise;
+  if (!layerwise) check_node_sets(place);
+  for (const auto& [key, name] : {std::pair("nodes", nodes), std::pair("to", to)})
+    if (layerwise && !name.empty())
+      refuse(at(key), shown(name), "no node set with measure layerwise, which takes all nodes");
+  if (measure == Measure::flatness && axis < 0)
+    throw InputError(at("axis") + ": missing; allowed: " + (place.dimension == 2 ? "x, y" : "x, y, z"));
+  if (measure != Measure::flatness && axis >= 0)
+    refuse(at("axis"), shown(std::string(1, static_cast<char>('x' + axis))), "only with measure flatness");
+  if (mean && measure != Measure::displacement)
+    refuse(at("mean"), "true" + with_measure(), "true only with measure displacement");
+  if (norm && measure != Measure::displacement)
+    refuse(at("norm"), shown(*norm) + with_measure(), "only with measure displacement");
+  if (norm && mean) refuse(at("mean"), "true with a norm", "false with a norm, which is a mean");
+  if (layerwise && after_release)
+    refuse(at("after_release"), "true" + with_measure(),
+           "true only with measures displacement, flatness, shape and angle");
+  if ((layerwise || measure == Measure::angle) && least_squares.value_or(false))
+    refuse(at("least_squares"), "true" + with_measure(),
+           "true only with measures displacement, flatness and shape; \"auto\" or false");
+  if (norm && least_squares.value_or(false))
+    refuse(at("least_squares"), "true with a norm", "\"auto\" or false with a norm");
+  if (!fits("translation"))
+    refuse(at("fit"), shown(fit), "a list with \"translation\", and with \"rotation\" and \"scale\" or not");
+}
+
+Section<DistortionSettings> distortion_keys(const std::string& section) {
+  using Its = DistortionSettings;
+  return Section<Its>(section)
+      .key("measure", &Its::measure,
+           "Squared displacement over a node set, its flatness along an axis, the squared displacement of "
+           "every layer over all nodes, the mean squared deviation of a node set's shape from a best fit, or "
+           "the squared change of the angle between the planes fitted to two node sets, in degrees",
+           {.words = measure_names})
+      .key("nodes", &Its::nodes, "Node set of displacement, flatness, shape and angle (required)")
+      .key("to", &Its::to, "Node set whose plane angle compares with that of nodes (required)")
+      .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
+      .key("fit", "What the best fit of shape may move: translation, always, rotation and scale",
+           {.type = KeyType::word_list,
+            .default_value = to_text(Its{}.fit),
+            .words = "translation rotation scale"},
+           [](Its& settings, const Json& value, const KeyPlace&) { value.get_to(settings.fit); })
+      .key("mean", &Its::mean, "Divide displacement by the number of nodes")
+      .key("norm", &Its::norm,
+           "Power p of displacement, ((1/n) sum of |u|^p)^(2/p), which comes near the square of the largest "
+           "displacement for p = 8 or so; left out: the sum or mean of squares",
+           {.range = "[2, inf)"})
+      .key("after_release", &Its::after_release,
+           "Measure displacement, flatness, shape or angle after the release from plate or clamps");
+}
+
+}  // namespace fabseq
