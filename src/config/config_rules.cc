@@ -83,12 +83,32 @@ void check_needs(const Config& config, const ResponseType& type, const std::stri
 }
 
 void check_terms(const Config& config, const std::vector<Term>& terms, const std::string& list) {
-  TermPlace place{"", config.dimension(), {}, config.layers};
+  TermPlace place{"", config.dimension(), {}, config.layers, config.material.scenarios.size()};
   for (const auto& member : config.node_sets) place.node_sets.push_back(member.first);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     place.pointer = pointer_to(pointer_to("", list), i);
     check_needs(config, *terms[i].type, pointer_to(place.pointer, "type"));
     terms[i].type->check(terms[i], place);
+  }
+}
+
+/// The optimizer has one z: a single objective term may be the largest of several values, and residuals of
+/// least squares beside it would compete with it.
+void check_largest(const Config& config) {
+  const std::vector<Term>& terms = config.objective;
+  const auto is_largest = [](const Term& term) { return term.type->is_largest(term); };
+  const auto first = std::find_if(terms.begin(), terms.end(), is_largest);
+  if (first == terms.end()) return;
+  const auto pointer = [&](const Term& term, const char* key) {
+    return pointer_to(pointer_to("/objective", static_cast<std::size_t>(&term - terms.data())), key);
+  };
+  const auto second = std::find_if(first + 1, terms.end(), is_largest);
+  if (second != terms.end())
+    refuse(pointer(*second, "aggregate"), "\"worst\" a second time", "one objective term with it");
+  for (const Term& term : terms) {
+    const Json* least_squares = find_member(term.keys, "least_squares");
+    if (least_squares != nullptr && *least_squares == true)
+      refuse(pointer(term, "least_squares"), "true beside a term with aggregate worst", "\"auto\" or false");
   }
 }
 
@@ -167,6 +187,7 @@ void check_rules(const Config& config) {
   check_strain(config);
   check_terms(config, config.objective, "objective");
   check_terms(config, config.constraints, "constraints");
+  check_largest(config);
   check_layers(config);
   check_projection(config);
   check_optimizer(config);

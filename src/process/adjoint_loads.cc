@@ -9,6 +9,9 @@ namespace fabseq {
 
 namespace {
 
+/// Layers whose load has less than this share of the largest are left out.
+constexpr double least_share = 1e-10;
+
 void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
                    LaneVector& load) {
   for (std::size_t i = 0; i < load.unknowns(); ++i) {

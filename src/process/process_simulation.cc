@@ -137,9 +137,9 @@ template <int Dim>
 void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number, Room& room) {
   const LayerBlock& block = result_.blocks[number];
   const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
+  set_operators(densities, block, true);
   const std::size_t all = cases_.cases.size(), at_once = std::min(all, solver_->sets_at_once());
   room.loads.resize(at_once);
-  set_operators(densities, block, true);
   for (std::size_t first = 0; first < all; first += at_once) {
     const std::size_t count = std::min(at_once, all - first);
     std::vector<LaneVector> increments(count);

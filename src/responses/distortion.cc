@@ -5,12 +5,17 @@
 #include "fabseq/responses/distortion_measures.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace fabseq {
 
+namespace {
+
+/// The measure for a strain.
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
-                                            const DistortionSettings& settings) {
+std::unique_ptr<Response<Dim>> make_plain_measure(const ResponseContext<Dim>& context,
+                                                  const DistortionSettings& settings) {
   if (settings.measure == Measure::layerwise) return make_layerwise<Dim>();
   const auto set_of = [&](const std::string& nodes) {
     return SetDisplacement<Dim>(context.part, context.node_sets.at(nodes), settings.after_release);
@@ -26,6 +31,15 @@ std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
     default:
       return settings.norm ? make_displacement_norm(set, settings) : make_displacement(set, settings);
   }
+}
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
+                                            const DistortionSettings& settings) {
+  return aggregated(make_plain_measure(context, settings), settings.aggregate,
+                    settings.measure == Measure::layerwise);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_measure);
@@ -45,27 +59,33 @@ struct DistortionLimitSettings : DistortionSettings {
   double limit = 0.0;  ///< of the square root: length unit; of angle in degrees
 };
 
-/// The constraint: one component, sqrt(J), at most `limit`. Where J is 0, the root has a kink, and its
-/// derivative counts as 0, one of its subgradients.
+/// The constraint: sqrt(J), at most `limit`; of the worst scenario a component for each. Where J is 0, the
+/// root has a kink, and its derivative counts as 0, one of its subgradients.
 template <int Dim>
 class DistortionLimit : public Response<Dim> {
  public:
   DistortionLimit(const ResponseContext<Dim>& context, const DistortionLimitSettings& settings)
-      : measure_(make_measure(context, settings)), limit_(settings.limit) {}
+      : measure_(make_measure(context, settings)), limit_(settings.limit) {
+    if (auto each = measure_->largest_of()) measure_ = std::move(each);
+  }
 
   std::string type() const override { return measure_->type(); }
   bool uses_displacements() const override { return measure_->uses_displacements(); }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
-    return {std::sqrt(measure_->values(state)[0])};
+    std::vector<double> result = measure_->values(state);
+    for (double& value : result) value = std::sqrt(value);
+    return result;
   }
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    const double root = values(state)[0];
+    const double root = values(state)[component];
     measure_->add_derivative(component, root > 0.0 ? weight / (2.0 * root) : 0.0, state, adjoint);
   }
-  std::vector<ConstraintRow> rows(int, double margin) const override {
-    return {{0, 1.0, margin * limit_, limit_}};
+  std::vector<ConstraintRow> rows(int components, double margin) const override {
+    std::vector<ConstraintRow> result;
+    for (int c = 0; c < components; ++c) result.push_back({c, 1.0, margin * limit_, limit_});
+    return result;
   }
 
  private:

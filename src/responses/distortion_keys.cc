@@ -32,6 +32,10 @@ std::string DistortionSettings::with_measure() const {
   return " with measure " + split(measure_names, ' ')[static_cast<std::size_t>(measure)];
 }
 
+std::string DistortionSettings::aggregate_name() const {
+  return split(aggregate_names, ' ')[static_cast<std::size_t>(aggregate)];
+}
+
 void DistortionSettings::check_node_sets(const TermPlace& place) const {
   const std::string pointer = pointer_to(place.pointer, "to");
   check_node_set(place, "nodes", nodes);
@@ -67,6 +71,12 @@ void DistortionSettings::check(const TermPlace& place) const {
            "true only with measures displacement, flatness and shape; \"auto\" or false");
   if (norm && least_squares.value_or(false))
     refuse(at("least_squares"), "true with a norm", "\"auto\" or false with a norm");
+  if (aggregate != Aggregate::nominal && least_squares.value_or(false))
+    refuse(at("least_squares"), "true with aggregate " + aggregate_name(),
+           "\"auto\" or false, or aggregate nominal");
+  if (aggregate != Aggregate::nominal && place.scenarios == 0)
+    refuse(at("aggregate"), shown(aggregate_name()) + " without material.scenarios",
+           "nominal, or any with a list of scenarios");
   if (!fits("translation"))
     refuse(at("fit"), shown(fit), "a list with \"translation\", and with \"rotation\" and \"scale\" or not");
 }
@@ -92,6 +102,10 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
            "Power p of displacement, ((1/n) sum of |u|^p)^(2/p), which comes near the square of the largest "
            "displacement for p = 8 or so; left out: the sum or mean of squares",
            {.range = "[2, inf)"})
+      .key("aggregate", &Its::aggregate,
+           "Strain that counts: as given, or of material.scenarios the mean of the measures, that of the "
+           "deviations from the mean displacement, or the worst",
+           {.words = aggregate_names})
       .key("after_release", &Its::after_release,
            "Measure displacement, flatness, shape or angle after the release from plate or clamps");
 }

@@ -17,13 +17,11 @@ namespace fabseq {
 ///
 ///     |b_j|^2 = sum over free nodes of |b_j,n|^2 / (sum over the elements at n of E(rho_j,e)),
 ///
-/// since small loads on soft material move it far. Layers with less than `least_share` of the largest are
-/// negligible. The threshold is measured (docs/performance.md). Source: fabseq's own.
+/// since small loads on soft material move it far. Layers with less than 1e-10 of the largest are negligible
+/// (docs/performance.md). Source: fabseq's own.
 template <int Dim>
 class AdjointLoads {
  public:
-  static constexpr double least_share = 1e-10;
-
   /// All arguments must outlive the object.
   AdjointLoads(const ElasticModel<Dim>& model, const LayerElements<Dim>& elements, const LayerGroups& groups)
       : model_(model), elements_(elements), groups_(groups) {}

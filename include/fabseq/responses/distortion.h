@@ -6,6 +6,7 @@
 #pragma once
 
 #include "fabseq/responses/response_type.h"
+#include "fabseq/responses/scenario_aggregate.h"
 
 #include <memory>
 #include <optional>
@@ -27,9 +28,11 @@ struct DistortionSettings {
   std::optional<double> norm;  ///< power p of displacement; none: a sum or mean of squares
   bool after_release = false;
   std::vector<std::string> fit = {"translation", "rotation"};  ///< of shape
+  Aggregate aggregate = Aggregate::nominal;
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
   bool measures_release() const { return after_release; }
+  bool is_largest() const { return aggregate == Aggregate::worst; }
   /// Checks relations of the keys. Throws InputError.
   void check(const TermPlace& place) const;
   /// Whether the best fit of shape may move this, such as "rotation".
@@ -43,14 +46,15 @@ struct DistortionSettings {
  private:
   void check_node_sets(const TermPlace& place) const;
   std::string with_measure() const;
+  std::string aggregate_name() const;
 };
 
 /// The keys of a distortion term in a section, "objective" or "constraints".
 Section<DistortionSettings> distortion_keys(const std::string& section);
 
-/// The measure that the settings ask for, with one component: J, in the length unit squared; of angle in
-/// degrees squared. Collective on the grid's communicator. Throws InputError for a node set that the measure
-/// is not defined for.
+/// The measure that the settings ask for, aggregated over the scenarios, with one component: J, in the length
+/// unit squared; of angle in degrees squared. Collective on the grid's communicator. Throws InputError for a
+/// node set that the measure is not defined for.
 template <int Dim>
 std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
                                             const DistortionSettings& settings);

@@ -27,6 +27,7 @@ struct TermPlace {
   int dimension;
   std::vector<std::string> node_sets;  ///< names of all node sets
   const LayerSettings& layers;
+  std::size_t scenarios = 0;  ///< number of scenarios of the strain
 };
 
 /// What is known of a response before there is a part: its name and what it needs.
@@ -53,6 +54,8 @@ class ResponseType : public ResponseTraits {
   virtual void check(const Term& term, const TermPlace& place) const = 0;
   /// Whether the term measures displacements after the release from plate or clamps.
   virtual bool measures_release(const Term& term) const = 0;
+  /// Whether the optimizer gets the term as the largest of several values (Response::largest_of()).
+  virtual bool is_largest(const Term& term) const = 0;
   /// Layer thickness that the term aims at, length unit; none if it aims at none.
   virtual std::optional<double> target_thickness(const Term& term) const = 0;
   virtual std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const = 0;
@@ -74,7 +77,7 @@ void register_type(const ResponseType* type);
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
 ///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),
-///     measures_release() or target_thickness(), these are the type's.
+///     measures_release(), is_largest() or target_thickness(), these are the type's.
 template <template <int> class Kind, class Settings>
 class Registered : public ResponseType {
  public:
@@ -90,6 +93,11 @@ class Registered : public ResponseType {
   bool measures_release(const Term& term) const override {
     if constexpr (requires(const Settings& settings) { settings.measures_release(); })
       return read(term).measures_release();
+    return false;
+  }
+  bool is_largest(const Term& term) const override {
+    if constexpr (requires(const Settings& settings) { settings.is_largest(); })
+      return read(term).is_largest();
     return false;
   }
   std::optional<double> target_thickness(const Term& term) const override {

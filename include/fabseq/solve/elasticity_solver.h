@@ -29,7 +29,8 @@ class ElasticitySolver {
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
 
-  /// The number of sets of loads that a call makes the most of: further ones would only wait and take memory.
+  /// The number of sets of loads of the current block that a call makes the most of: further ones would only
+  /// wait and take memory.
   /// The same on all ranks.
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
