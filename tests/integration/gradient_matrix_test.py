@@ -46,7 +46,7 @@ def distortions(up):
         terms.append({"type": "distortion", "measure": "flatness", "axis": up, "nodes": "top", "after_release": released})
         terms.append({"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": released,
                       "least_squares": not released})
-        terms.append({"type": "distortion", "nodes": "tip", "norm": 6, "after_release": released})
+        terms.append({"type": "distortion", "nodes": "top", "norm": 6, "after_release": released})
         terms.append({"type": "distortion", "measure": "angle", "nodes": "tip", "to": "back" if released else "top",
                       "after_release": released})
     return terms
@@ -54,7 +54,7 @@ def distortions(up):
 
 def limits(up):
     """Distortion as a constraint."""
-    terms = [{"measure": "layerwise"}, {"nodes": "tip", "norm": 6},
+    terms = [{"measure": "layerwise"}, {"nodes": "top", "norm": 6},
              {"measure": "flatness", "axis": up, "nodes": "top"},
              {"measure": "shape", "nodes": "skin", "after_release": True},
              {"measure": "angle", "nodes": "tip", "to": "top", "after_release": True}]

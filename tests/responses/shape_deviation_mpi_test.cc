@@ -157,7 +157,8 @@ TYPED_TEST(ShapeDeviationTest, GradientsAgreeWithDifferences) {
     Settings settings = with_skin<Dim>();
     settings.emplace_back("process.deposition", deposition);
     settings.emplace_back("objective", R"([
-      {"type": "distortion", "measure": "shape", "nodes": "skin", "fit": ["translation", "rotation", "scale"]},
+      {"type": "distortion", "measure": "shape", "nodes": "skin",
+       "fit": ["translation", "rotation", "scale"]},
       {"type": "distortion", "measure": "shape", "nodes": "skin"},
       {"type": "distortion", "measure": "layerwise"}, {"type": "distortion", "nodes": "tip"}])");
     typename TestFixture::Case pipeline(settings);
