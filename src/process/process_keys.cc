@@ -37,9 +37,8 @@ Section<MaterialSettings> material_keys() {
            {.range = "(0, inf)", .unit = "stress", .option = "-young"})
       .key("poisson", &Its::poisson, "Poisson's ratio", {.range = "(-1, 0.5)", .option = "-poisson"})
       .key("inherent_strain",
-           "Inherent strain: a Voigt vector, engineering shear, or values along and across the layers, with "
-           "which "
-           "it turns",
+           "Inherent strain: a Voigt vector, engineering shear, "
+           "or values along and across the layers, with which it turns",
            {.type = KeyType::strain,
             .default_value = "[-0.01, -0.01, -0.01, 0, 0, 0]",
             .default_2d = "[-0.01, -0.01, 0]"},

@@ -8,7 +8,6 @@
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/responses/response.h"
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
