@@ -84,8 +84,9 @@ BlockSolver block_solver(SolverPath path) {
 }
 
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
-  // Each group has the heat problem and all densities; displacements and derivatives are shared out.
-  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * size.dimension * size.layers);
+  // Each group has the heat problem and all densities; displacements, what counts of them, and derivatives
+  // are shared out.
+  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * (size.dimension + 1) * size.layers);
   const double of_elements =
       size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
   const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;

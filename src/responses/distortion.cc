@@ -28,6 +28,9 @@ struct DistortionSettings {
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
   bool measures_release() const { return after_release; }
+  std::vector<std::string> node_sets() const {
+    return nodes.empty() ? std::vector<std::string>{} : std::vector<std::string>{nodes};
+  }
   void check(const TermPlace& place) const;
   bool fits(const char* motion) const { return std::find(fit.begin(), fit.end(), motion) != fit.end(); }
 

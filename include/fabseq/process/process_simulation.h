@@ -93,6 +93,8 @@ class ProcessSimulation {
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves.
   std::vector<double> reactions(const LayerDensities& densities) const;
+  /// That of the last simulation, for CountedAs.
+  ProcessResult& result() { return result_; }
   /// Strains of the last simulation.
   const StrainField& strains() const { return elements_.strains(); }
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).

@@ -52,6 +52,8 @@ class ResponseType : public ResponseTraits {
   virtual void check(const Term& term, const TermPlace& place) const = 0;
   /// Whether the term measures displacements after the release from plate or clamps.
   virtual bool measures_release(const Term& term) const = 0;
+  /// Names of the node sets that the term measures.
+  virtual std::vector<std::string> node_sets(const Term& term) const = 0;
   /// Layer thickness that the term aims at, length unit; none if it aims at none.
   virtual std::optional<double> target_thickness(const Term& term) const = 0;
   virtual std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const = 0;
@@ -73,7 +75,7 @@ void register_type(const ResponseType* type);
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
 ///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),
-///     measures_release() or target_thickness(), these are the type's.
+///     measures_release(), node_sets() or target_thickness(), these are the type's.
 template <template <int> class Kind, class Settings>
 class Registered : public ResponseType {
  public:
@@ -90,6 +92,10 @@ class Registered : public ResponseType {
     if constexpr (requires(const Settings& settings) { settings.measures_release(); })
       return read(term).measures_release();
     return false;
+  }
+  std::vector<std::string> node_sets(const Term& term) const override {
+    if constexpr (requires(const Settings& settings) { settings.node_sets(); }) return read(term).node_sets();
+    return {};
   }
   std::optional<double> target_thickness(const Term& term) const override {
     if constexpr (requires(const Settings& settings) { settings.target_thickness(); })
