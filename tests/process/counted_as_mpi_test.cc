@@ -26,10 +26,12 @@ struct Simulated {
     (void)process.simulation.simulate(densities);
   }
   ProcessResult& result() { return process.simulation.result(); }
+  /// On all nodes.
+  std::vector<double> displacement() { return process.whole(result().displacement); }
   std::vector<double> increments() const {
     std::vector<double> result;
     for (int j = 0; j < layers; ++j)
-      for (const double value : process.simulation.increment(j, true)) result.push_back(value);
+      for (const double value : process.whole(process.simulation.increment(j, true))) result.push_back(value);
     return result;
   }
 
@@ -45,16 +47,15 @@ TYPED_TEST(CountedAsTest, IsTheOtherModelForAsLongAsItLives) {
   for (const auto& settings : cases) {
     for (const auto& [own, other] : {std::pair{follow, nominal}, std::pair{nominal, follow}}) {
       Simulated<Dim> simulated(settings, own), expected(settings, other);
-      const auto displacement = simulated.result().displacement, increments = simulated.increments();
+      const auto displacement = simulated.displacement(), increments = simulated.increments();
       {
         const CountedAs<Dim> counted(other, simulated.process.model, simulated.process.groups,
                                      simulated.densities, simulated.result());
-        EXPECT_LT(test::relative_difference(simulated.result().displacement, expected.result().displacement),
-                  1e-12);
-        EXPECT_LT(test::relative_difference(simulated.increments(), expected.increments()), 1e-12);
-        EXPECT_GT(test::relative_difference(simulated.result().displacement, displacement), 1e-2);
+        EXPECT_LT(test::relative_difference(simulated.displacement(), expected.displacement()), 1e-7);
+        EXPECT_LT(test::relative_difference(simulated.increments(), expected.increments()), 1e-7);
+        EXPECT_GT(test::relative_difference(simulated.displacement(), displacement), 1e-2);
       }
-      EXPECT_EQ(simulated.result().displacement, displacement);
+      EXPECT_EQ(simulated.displacement(), displacement);
       EXPECT_EQ(simulated.increments(), increments);
     }
   }
