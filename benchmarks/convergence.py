@@ -27,16 +27,19 @@ def main():
     figure, all_axes = plt.subplots(2, -(-len(cases) // 2), figsize=(11, 7), sharey=True, squeeze=False)
     for case, axes in zip(cases, all_axes.flat):
         printed = program_run.run_command([program, "-scale", 0.5, "-history", ITERATIONS, "-only", case]).stdout
-        lines = [{key: float(line[key]) for key in ("iteration", *CURVES)} for line in csv.DictReader(printed.splitlines())]
+        lines = [{key: float(line[key]) for key in ("iteration", *CURVES)}
+                 for line in csv.DictReader(printed.splitlines())]
+        iterations = [line["iteration"] for line in lines]
         for key, (label, color) in CURVES.items():
-            axes.semilogy([line["iteration"] for line in lines], [line[key] for line in lines], color=color, label=label)
+            axes.semilogy(iterations, [line[key] for line in lines], color=color, label=label)
         axes.set_ylim(1e-9, 1e3)
         axes.set_title(case)
         axes.set_xlabel("iteration")
         axes.grid(alpha=0.3)
         # How far the error lies from what the solver judges by, where there are digits left.
         ratios = [line["error"] / line["preconditioned_residual"] for line in lines if line["error"] > 1e-9]
-        print(f"{case}: error / preconditioned residual {min(ratios):.2g} to {max(ratios):.2g}, in the end {ratios[-1]:.2g}")
+        print(f"{case}: error / preconditioned residual {min(ratios):.2g} to {max(ratios):.2g}, "
+              f"in the end {ratios[-1]:.2g}")
     all_axes[0][0].legend()
     figure.tight_layout()
     figure.savefig(picture, dpi=100)

@@ -106,7 +106,8 @@ def print_parts(seconds):
 
 def print_prediction(case, rows, staged):
     print(f"\n{case.title}" + ("; if coarse levels were held by ever fewer ranks" if staged else "; as the program is"))
-    print(f"{'cores':>7s}{'split':>10s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>11s}   share of {', '.join(KINDS)}")
+    print(f"{'cores':>7s}{'split':>10s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>11s}"
+          f"   share of {', '.join(KINDS)}")
     for count, groups, ranks, seconds in rows:
         speed_up = total(rows[0][3]) / total(seconds)
         print(f"{count:7d}{split_text((groups, ranks)):>10s}{total(seconds):10.4f}{speed_up:10.1f}"
@@ -127,7 +128,8 @@ def plot(path, predictions, measured):
             for rows, line, color, label in (
                     (curves[False], "o-", "tab:blue", "model"),
                     (curves[True], "o--", "tab:gray", "model, coarse levels on ever fewer ranks (not built)")):
-                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], line, color=color, label=label, ms=4)
+                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], line,
+                            color=color, label=label, ms=4)
             rows = curves[False]
             ideal = [total(rows[0][3]) * rows[0][0] / row[0] for row in rows]
             axes.loglog([row[0] for row in rows], ideal, ":", color="tab:blue", label="ideal")
@@ -168,7 +170,8 @@ def parse_arguments():
     commands = parser.add_subparsers(dest="command", required=True)
     checks = commands.add_parser("check", help="counts of small runs beside the model's")
     program_run.add_program_option(checks)
-    checks.add_argument("--cases", nargs="+", default=list(check.CASES), choices=list(check.CASES), help="default: both")
+    checks.add_argument("--cases", nargs="+", default=list(check.CASES), choices=list(check.CASES),
+                        help="default: both")
     checks.add_argument("--splits", nargs="+", type=parse_split,
                         default=[(1, 4), (2, 4), (1, 16)], metavar="GxD", help="default: 1x4 2x4 1x16")
     checks.set_defaults(rest=[])
@@ -194,7 +197,8 @@ def main():
     if options.command == "check":  # status 1 if not all messages are as many and as large as the model says
         with tempfile.TemporaryDirectory() as directory:
             library = check.build_library(directory)
-            sys.exit(any([check.compare(options, case, *split, library) for case in options.cases for split in options.splits]))
+            sys.exit(any([check.compare(options, case, *split, library)
+                          for case in options.cases for split in options.splits]))
     on = Machine(**{field.name: getattr(options, field.name) for field in dataclasses.fields(Machine)})
     (run_predict if options.command == "predict" else run_parts)(options, on)
 

@@ -53,8 +53,8 @@ def print_table(seconds, rows, baseline):
 
 def plot(path, title, seconds, baseline):
     ranks, start = sorted({math.prod(split) for split in seconds}), math.prod(baseline)
-    fastest = [min((of_split for split, of_split in seconds.items() if math.prod(split) == count), key=lambda s: s["total"])
-               for count in ranks]
+    fastest = [min((of_split for split, of_split in seconds.items() if math.prod(split) == count),
+                   key=lambda of_split: of_split["total"]) for count in ranks]
     with program_run.figure(path, title, 2, figsize=(11, 4.5)) as (left, right):
         program_run.draw_phases(left, ranks, fastest)
         for groups in sorted({split[0] for split in seconds}):
@@ -62,7 +62,8 @@ def plot(path, title, seconds, baseline):
                             for split, of_split in seconds.items() if split[0] == groups)
             right.loglog(*zip(*points), "-o", label=f"{groups} group{'s' * (groups > 1)}", markersize=4)
         right.loglog(ranks, [count / start for count in ranks], "k:", label="ideal")
-        for axes, label in ((left, "seconds per iteration, fastest split"), (right, f"speed-up over {split_text(baseline)}")):
+        for axes, label in ((left, "seconds per iteration, fastest split"),
+                            (right, f"speed-up over {split_text(baseline)}")):
             axes.set(xlabel="ranks", ylabel=label)
             axes.set_xticks(ranks, [str(count) for count in ranks])
             axes.minorticks_off()
@@ -89,7 +90,8 @@ def main():
         splits = options.splits or [split for ranks in options.ranks for split in splits_of(ranks, layers)]
         baseline = options.baseline or splits[0]
         if baseline not in splits:
-            raise RunError(f"--baseline {split_text(baseline)} is not among the splits: {' '.join(map(split_text, splits))}")
+            among = " ".join(map(split_text, splits))
+            raise RunError(f"--baseline {split_text(baseline)} is not among the splits: {among}")
         samples, triad = program_run.by_turns(options, splits, lambda split: program_run.time_iterations(
             options, math.prod(split), os.path.join(directory, "optimize"), ["-layer_groups", split[0]]))
     seconds = {split: program_run.medians(of_split) for split, of_split in samples.items()}

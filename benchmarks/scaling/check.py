@@ -27,13 +27,15 @@ BLOCK = {
     "constraints": [{"type": "layer_thickness", "target": 0.18}]}
 V_SHAPE = {**BLOCK, "name": "v_shape", "part": {"difference": [
     {"union": [{"box": {"min": [0, 0, 0], "max": [2, 1, 0.6]}}, {"box": {"min": [1.2, 0, 0], "max": [2, 1, 2]}}]},
-    {"half_space": {"point": [1, 0, 0], "normal": [-1, 0, 1]}}]}, "constraints": [{"type": "layer_thickness", "target": 0.22}]}
+    {"half_space": {"point": [1, 0, 0], "normal": [-1, 0, 1]}}]},
+    "constraints": [{"type": "layer_thickness", "target": 0.22}]}
 CASES = {case["name"]: case for case in (BLOCK, V_SHAPE)}
 
 
 def build_library(directory):
     """The preloaded library; it needs MPI's compiler only."""
-    library, source = os.path.join(directory, "message_count.so"), os.path.join(os.path.dirname(__file__), "message_count.cc")
+    library = os.path.join(directory, "message_count.so")
+    source = os.path.join(os.path.dirname(__file__), "message_count.cc")
     program_run.run_command(["mpicxx", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library, source, "-ldl"])
     return library
 
@@ -68,7 +70,8 @@ def read_log(path):
             stage = re.match(r"\s*\d+:\s+fabseq (\w+):((?:\s+\S+){10})", line)
             if stage and "%" in line:
                 values = [float(v.rstrip("%")) for v in stage[2].split()]
-                result[stage[1]] = {"messages": values[4], "message_bytes": values[4] * values[6], "reductions": values[8]}
+                result[stage[1]] = {"messages": values[4], "message_bytes": values[4] * values[6],
+                                    "reductions": values[8]}
     return result
 
 
@@ -149,6 +152,7 @@ def print_comparison(title, counted, model, log):
             agree &= here["collective_bytes"] < there["collective_bytes"] + 1e-6
             continue
         for figure in FIGURES:
-            agree &= abs(here[figure] - there[figure]) <= (1e-3 * there[figure] if figure == "collective_bytes" else 1e-6)
+            tolerance = 1e-3 * there[figure] if figure == "collective_bytes" else 1e-6
+            agree &= abs(here[figure] - there[figure]) <= tolerance
     print("as the model says" if agree else "NOT as the model says")
     return not agree

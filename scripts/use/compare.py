@@ -26,7 +26,8 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
 from read_run import Run, read_json
 
-BLOCKS = {"optimized": ("smooth layers", OPTIMIZED), "binary": ("binary layers", INK), "baseline": ("planar layers", PLANAR)}
+BLOCKS = {"optimized": ("smooth layers", OPTIMIZED), "binary": ("binary layers", INK),
+          "baseline": ("planar layers", PLANAR)}
 NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
 SPAN_FOR_LOG = 20.0
 
@@ -79,7 +80,8 @@ def row_of(result, keys):
         row[key] = result.summary.get(key)
     for block in BLOCKS if result.run else ():
         row |= {f"{block}/{name}": value for name, value in block_columns(result, block).items()}
-    row |= {"ranks": result.config.get("run", {}).get("ranks"), "seconds": result.summary.get("seconds", {}).get("total"),
+    row |= {"ranks": result.config.get("run", {}).get("ranks"),
+            "seconds": result.summary.get("seconds", {}).get("total"),
             "peak_memory_bytes": result.summary.get("peak_memory_bytes")}
     return row
 
@@ -92,7 +94,8 @@ def block_columns(result, block):
     thickness = [layer["thickness"] for layer in layers if layer["thickness"] is not None]
     columns["layers"] = len(layers)
     if thickness:
-        columns |= {"thickness_min": min(thickness), "thickness_mean": float(np.mean(thickness)), "thickness_max": max(thickness)}
+        columns |= {"thickness_min": min(thickness), "thickness_mean": float(np.mean(thickness)),
+                    "thickness_max": max(thickness)}
     columns["cv"] = result.evenness(block)
     columns |= {f"displacement_{key}": content["displacement"][key] for key in ("max", "rms")}
     return columns
@@ -185,7 +188,8 @@ def main():
     abscissa = Abscissa(finished, keys, arguments.against) if finished else None
     rows = [row_of(result, keys) for result in results]
     # Columns of the run itself last, also where the first line has no results.
-    columns = sorted(dict.fromkeys(itertools.chain(*rows)), key=lambda name: name in ("ranks", "seconds", "peak_memory_bytes"))
+    of_the_run = ("ranks", "seconds", "peak_memory_bytes")
+    columns = sorted(dict.fromkeys(itertools.chain(*rows)), key=lambda name: name in of_the_run)
     write_rows(arguments.table, rows, columns)
     print(arguments.table)
     if not finished:

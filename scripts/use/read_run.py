@@ -22,7 +22,8 @@ class Run:
         self.config = read_json(directory, "config.json")
         self.summary = read_json(directory, "summary.json")
         if "optimized" not in self.summary:
-            raise RunError(f"{directory}: holds no finished optimization (status: {self.summary.get('status', 'none')})")
+            status = self.summary.get("status", "none")
+            raise RunError(f"{directory}: holds no finished optimization (status: {status})")
         self.history = read_history(directory)
         self.iterations = np.array([line["iteration"] for line in self.history])
         self.fields = read_fields(os.path.join(directory, "result.h5")) if with_fields else {}
@@ -33,7 +34,8 @@ class Run:
 
     def distortion(self, block):
         """The first distortion term, or else the first objective, of `optimized`, `binary` or `baseline`."""
-        return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == f"objective_{self.distortion_term}")
+        name = f"objective_{self.distortion_term}"
+        return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == name)
 
     def measure(self):
         """What the distortion is, in words."""
@@ -96,14 +98,17 @@ def read_fields(path):
     fields = {}
     try:
         with h5py.File(path, "r") as file:
-            file.visititems(lambda name, item: fields.update({name: item[()]} if isinstance(item, h5py.Dataset) else {}))
+            file.visititems(lambda name, item: fields.update(
+                {name: item[()]} if isinstance(item, h5py.Dataset) else {}))
     except OSError as error:
         raise RunError(f"{path} cannot be read: {error}") from error
     return fields
 
 
 def duration(seconds):
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
 def node_positions(size, elements):

@@ -34,7 +34,8 @@ def measure(directory, warm_up):
         raise RunError(f"{directory}: no iteration after the first {warm_up}")
     problem = {key: value for key, value in config.items() if key not in ("name", "run", "output")}
     seconds = {key: statistics.median(line["seconds"][key] for line in lines) for key in ["total", *PHASES]}
-    return problem, {"ranks": config["run"]["ranks"], "iterations": len(lines), "seconds": seconds.pop("total"), **seconds}
+    return problem, {"ranks": config["run"]["ranks"], "iterations": len(lines),
+                     "seconds": seconds.pop("total"), **seconds}
 
 
 def compared(run, baseline):
@@ -51,8 +52,10 @@ def draw(rows):
     figure, (time, speed) = plt.subplots(1, 2, figsize=(11.0, 4.6), constrained_layout=True)
     ranks = [row["ranks"] for row in rows]
     ideal = [rank / ranks[0] for rank in ranks]
-    for axis, key, values, label in ((time, "seconds", [rows[0]["seconds"] / q for q in ideal], "seconds per iteration, median"),
-                                     (speed, "speed_up", ideal, f"speed-up over {ranks[0]} rank" + "s" * (ranks[0] > 1))):
+    ideal_seconds = [rows[0]["seconds"] / q for q in ideal]
+    speed_label = f"speed-up over {ranks[0]} rank" + "s" * (ranks[0] > 1)
+    for axis, key, values, label in ((time, "seconds", ideal_seconds, "seconds per iteration, median"),
+                                     (speed, "speed_up", ideal, speed_label)):
         axis.plot(ranks, [row[key] for row in rows], "o-", color=INK, lw=2.0, label="iteration")
         axis.plot(ranks, values, "--", color=SOFT_INK, lw=1.0, label="ideal")
         axis.set_ylabel(label)
@@ -77,7 +80,8 @@ def main():
     parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIRECTORY")
     parser.add_argument("--table", default="scaling.csv", help="table to write (default: %(default)s)")
     parser.add_argument("--picture", default="scaling.png", help="picture to write (default: %(default)s)")
-    parser.add_argument("--warm_up", type=int, default=2, metavar="N", help="iterations left out (default: %(default)s)")
+    parser.add_argument("--warm_up", type=int, default=2, metavar="N",
+                        help="iterations left out (default: %(default)s)")
     arguments = parser.parse_args()
     runs = [measure(directory, arguments.warm_up) for directory in arguments.directories]
     if any(problem != runs[0][0] for problem, _ in runs):

@@ -37,12 +37,11 @@ constexpr std::string_view solver_prefixes = "elasticity heat release";
 
 /// First words of PETSc's options: the prefixes of its classes and of its sub-solvers.
 constexpr std::string_view petsc_words =
-    "ao blas check_pointer_intensity checkstack citations cuda da debugger default_device_type device "
-    "display "
-    "dll dm draw error_output esteig fieldsplit fp_trap gamg get_total_flops hip history info is ksp log "
-    "malloc mat memory mg mpi no_signal_handler nox objects_dump on_error options pc pf prefix python random "
-    "redundant saws sf skip_petscrc snes splitreduction_async start_in_debugger stop_for_debugger sub tao ts "
-    "use_gpu_aware_mpi vec vecscatter viewer x_virtual";
+    "ao blas check_pointer_intensity checkstack citations cuda da debugger default_device_type "
+    "device display dll dm draw error_output esteig fieldsplit fp_trap gamg get_total_flops hip "
+    "history info is ksp log malloc mat memory mg mpi no_signal_handler nox objects_dump on_error "
+    "options pc pf prefix python random redundant saws sf skip_petscrc snes splitreduction_async "
+    "start_in_debugger stop_for_debugger sub tao ts use_gpu_aware_mpi vec vecscatter viewer x_virtual";
 
 /// Whether PETSc or one of our solvers may know an option. PETSc keeps no list of its options, so this goes
 /// by their first words.

@@ -167,15 +167,14 @@ class Completion {
     return result;
   }
 
-  /// Completes an object with exactly one shape (or voxels) and the further keys of the section `extra`.
+  /// Completes an object with exactly one of its sources (a shape, voxels, ...) and the further keys of the
+  /// section `extra`.
   Json shape(const Json& value, const std::string& pointer, const std::string& extra) const {
     Keys keys = keys_of("shape", ""), sources, given;
     if (!extra.empty()) {
       for (const ConfigKey* key : keys_of(extra, "")) keys.push_back(key);
     }
-    const auto is_source = [](const ConfigKey* key) {
-      return key->type == KeyType::section || key->type == KeyType::shapes || key->name == "all";
-    };
+    const auto is_source = [](const ConfigKey* key) { return key->source; };
     std::copy_if(keys.begin(), keys.end(), std::back_inserter(sources), is_source);
     if (!value.is_object()) refuse(pointer, shown(value), "an object with one of " + name_list(sources));
     refuse_strangers(value, pointer, "shape", "", keys);

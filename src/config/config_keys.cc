@@ -46,18 +46,16 @@ void add_part(Section<Config>& keys) {
              config.plate = make_plate(value.get<std::string>());
            })
       .key("substrate",
-           "What stands from the start, such as a base plate: elements whose centre is in the shape; they "
-           "are no "
-           "part",
+           "What stands from the start, such as a base plate: "
+           "elements whose centre is in the shape; they are no part",
            {.type = KeyType::shape}, shape_of(&PartDescription::substrate))
       .key("clamps",
-           "Nodes inside or on the shape are held in place of the plate's; with a substrate and without "
-           "clamps: its "
-           "lowest nodes along the plate's normal",
+           "Nodes inside or on the shape are held in place of the plate's; "
+           "with a substrate and without clamps: its lowest nodes along the plate's normal",
            {.type = KeyType::shape}, shape_of(&PartDescription::clamps))
       .key("node_sets",
-           "Named sets of nodes for distortion terms: nodes inside or on a shape that touch the part or the "
-           "substrate",
+           "Named sets of nodes for distortion terms: "
+           "nodes inside or on a shape that touch the part or the substrate",
            {.type = KeyType::node_sets, .default_value = "{}"},
            [set_keys](Its& config, const Json& value, const KeyPlace& place) {
              for (const auto& [name, set] : value.items())

@@ -58,22 +58,20 @@ Section<MultiPlanarSettings> multi_planar_keys() {
       .key("thickness", &Its::thickness, "Thickness of the layers",
            {.range = "(0, inf)", .unit = "length", .option = "-layer_thickness"})
       .key("angles",
-           "Print directions to start from, a list per sub-part: in 2D the angle to the x axis, in 3D "
-           "elevation "
-           "above the xy plane and azimuth in it; auto: the plate's normal",
+           "Print directions to start from, a list per sub-part: in 2D the angle to the x axis, "
+           "in 3D elevation above the xy plane and azimuth in it; auto: the plate's normal",
            {.type = KeyType::angles, .default_value = to_text("auto"), .words = "auto", .unit = "radians"},
            read_angles)
       .key("angle_bounds",
-           "Bounds of the angles: a pair for all, a pair for each angle of a direction, or one for each "
-           "angle of "
-           "each sub-part",
+           "Bounds of the angles: a pair for all, "
+           "a pair for each angle of a direction, or one for each angle of each sub-part",
            {.type = KeyType::angle_bounds, .default_value = "[0, 1.5708]", .unit = "radians"},
            read_angle_bounds)
       .section("sharpness", [](Its& layers) -> Its& { return layers; }, "Sharpness", sharpness_keys(),
                {.default_value = "{}"})
       .key("fixed",
-           "What the optimizer leaves as it is at the start: angles (segmentation only) or time (orientation "
-           "only)",
+           "What the optimizer leaves as it is at the start: "
+           "angles (segmentation only) or time (orientation only)",
            {.type = KeyType::word_list, .default_value = "[]", .words = "angles time"}, read_fixed);
 }
 
@@ -83,18 +81,16 @@ Section<LayerSettings> layer_keys() {
   using Its = LayerSettings;
   Section<Its> keys("layers", "Layers");
   keys.key("type",
-           "Layers between isosurfaces of the pseudo-time (curved), or planar ones in sub-parts, each with a "
-           "print "
-           "direction of its own (multi_planar)",
+           "Layers between isosurfaces of the pseudo-time (curved), "
+           "or planar ones in sub-parts, each with a print direction of its own (multi_planar)",
            {.type = KeyType::choice, .default_value = to_text("curved"), .words = "curved multi_planar"},
            [](Its& layers, const Json& value, const KeyPlace&) {
              if (value == "multi_planar") layers.multi_planar.emplace();
            });
   keys.only_for("curved")
       .key("count", &Its::count,
-           "Number of layers; auto: largest distance to the plate inside the part divided by the target "
-           "thickness, "
-           "rounded up",
+           "Number of layers; auto: "
+           "largest distance to the plate inside the part divided by the target thickness, rounded up",
            {.required = true,
             .range = "[1, " + std::to_string(most_layers) + "]",
             .words = "auto",

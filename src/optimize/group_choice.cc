@@ -117,8 +117,9 @@ GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings) {
   description.announce = false;
   const Grid<Dim> grid = make_balanced_grid(world, settings.domain<Dim>(), description);
   const Part<Dim> part(grid, description, settings.plate);
+  const auto layers = make_layer_model(settings.layers, settings.projection, part);
   const RunSize size =
-      run_size(settings, part, make_layer_model(settings.layers, settings.projection, part)->count(), ranks);
+      run_size(settings, part, make_node_sets(part, settings.node_sets), layers->count(), ranks);
   return choose_automatically<Dim>(settings, size, static_cast<double>(available_memory_bytes(world)));
 }
 

@@ -43,14 +43,13 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       supports(part, settings.part),
       start(start_region(part, settings.sequence)),
       design_support(make_design_support(part, settings.sequence, start)),
+      node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
       baseline(make_uniform_layer_model(baseline_count(settings.baseline, *layers, part), part)),
-      lanes(resolved_lanes(world, settings.solver, run_size(settings, part, layers->count(), size_of(world)),
+      lanes(resolved_lanes(world, settings.solver,
+                           run_size(settings, part, node_sets, layers->count(), size_of(world)),
                            groups.count())),
-      characteristic_length(settings.sequence.characteristic_length.value_or(part.longest_edge())) {
-  for (const auto& [name, description] : settings.node_sets)
-    node_sets.emplace(name, make_node_set(part, name, description));
-}
+      characteristic_length(settings.sequence.characteristic_length.value_or(part.longest_edge())) {}
 
 template <int Dim>
 DesignLayout<Dim> Model<Dim>::design_layout() const {

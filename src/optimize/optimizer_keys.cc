@@ -34,14 +34,12 @@ void add_ends(Section<OptimizerSettings>& keys) {
   keys.key("max_iterations", &Its::max_iterations, "Iterations at most",
            {.range = "[1, inf)", .option = "-max_iterations"})
       .key("change_tolerance", &Its::change_tolerance,
-           "Converged when no variable moves by as much, relative to its range, in `window` iterations at "
-           "the last "
-           "sharpness; 0: never",
+           "Converged when no variable moves by as much, relative to its range, "
+           "in `window` iterations at the last sharpness; 0: never",
            {.range = "[0, inf)", .option = "-change_tolerance"})
       .key("objective_tolerance", &Its::objective_tolerance,
-           "Converged when there is a feasible iterate and the objective varies by less, relative to what "
-           "its terms "
-           "are scaled to, in `window` iterations at the last sharpness; 0: never",
+           "Converged when there is a feasible iterate and the objective varies by less, "
+           "relative to what its terms are scaled to, in `window` iterations at the last sharpness; 0: never",
            {.range = "[0, inf)", .option = "-objective_tolerance"})
       .key("window", &Its::window, "Iterations over which the two tolerances are looked at",
            {.range = "[1, 10000]", .unit = "iterations", .option = "-window"});
@@ -50,9 +48,8 @@ void add_ends(Section<OptimizerSettings>& keys) {
 void add_steps(Section<OptimizerSettings>& keys) {
   using Its = OptimizerSettings;
   keys.key("move_limit", &Its::given_move_limit,
-           "Largest step of a variable, relative to its range; auto: 0.05 on the log, 0.2 on the linear "
-           "scale, 0.02 "
-           "for times (direct)",
+           "Largest step of a variable, relative to its range; auto: "
+           "0.05 on the log, 0.2 on the linear scale, 0.02 for times (direct)",
            {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
       .key("final_move_limit", &Its::given_final_move_limit,
            "The same at the end of the run; auto: 0.004 on the log scale, else move_limit",
@@ -66,19 +63,16 @@ void add_steps(Section<OptimizerSettings>& keys) {
 void add_phases(Section<OptimizerSettings>& keys) {
   using Its = OptimizerSettings;
   keys.key("binary_iterations", &Its::binary_iterations,
-           "The last so many iterates are judged by their binary layers, for one more simulation each; the "
-           "best of "
-           "them is the result",
+           "The last so many iterates are judged by their binary layers, "
+           "for one more simulation each; the best of them is the result",
            {.range = "[0, inf)", .option = "-binary_iterations"})
       .key("coarse_iterations", &Its::coarse_iterations,
-           "Iterations at half the resolution before the others; the schedules of sharpness and move limit "
-           "go over "
-           "all of them",
+           "Iterations at half the resolution before the others; "
+           "the schedules of sharpness and move limit go over all of them",
            {.range = "[0, inf)", .option = "-coarse_iterations"})
       .key("coarse_grids", &Its::coarse_grids,
-           "Grids that share the coarse iterations in equal parts, each of half the resolution of the next: "
-           "2 begins "
-           "at a quarter",
+           "Grids that share the coarse iterations in equal parts, "
+           "each of half the resolution of the next: 2 begins at a quarter",
            {.range = "[1, 4]", .option = "-coarse_grids"})
       .key("earlier_iterations", &Its::earlier_iterations,
            "Iterations by which the schedules are ahead, where -design comes from an earlier run",

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <vector>
 
 namespace fabseq {
@@ -48,10 +47,8 @@ double overhead(int domain_ranks) {
 
 /// Counts the functionals of all terms that may be handed over as sums of squares.
 template <int Dim>
-int functional_count(const ModelSettings& settings, const Part<Dim>& part) {
-  std::map<std::string, NodeSet> node_sets;
-  for (const auto& [name, description] : settings.node_sets)
-    node_sets.emplace(name, make_node_set(part, name, description));
+int functional_count(const ModelSettings& settings, const Part<Dim>& part,
+                     const std::map<std::string, NodeSet>& node_sets) {
   const ResponseContext<Dim> context{part, node_sets, 1.0};
   int result = 0;
   for (const Term& term : settings.objective) {
@@ -64,7 +61,8 @@ int functional_count(const ModelSettings& settings, const Part<Dim>& part) {
 }  // namespace
 
 template <int Dim>
-RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, int layers, int ranks) {
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
+                 const std::map<std::string, NodeSet>& node_sets, int layers, int ranks) {
   std::int64_t nodes = 0;
   for (std::size_t node = 0; node < part.touched_nodes().size(); ++node)
     nodes += part.touched_nodes()[node] != 0 || part.substrate().nodes()[node] != 0 ? 1 : 0;
@@ -77,7 +75,7 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, int layer
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
-  size.functionals = functional_count(settings, part);
+  size.functionals = functional_count(settings, part, node_sets);
   return size;
 }
 
@@ -86,8 +84,9 @@ BlockSolver block_solver(SolverPath path) {
 }
 
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
-  // Each group has the heat problem and all densities; displacements and derivatives are shared out.
-  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * size.dimension * size.layers);
+  // Each group has the heat problem and all densities; displacements, what counts of them, and derivatives
+  // are shared out.
+  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * (size.dimension + 1) * size.layers);
   const double of_elements =
       size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
   const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
@@ -133,7 +132,6 @@ double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
          size.ranks;
 }
 
-template RunSize run_size<2>(const ModelSettings&, const Part<2>&, int, int);
-template RunSize run_size<3>(const ModelSettings&, const Part<3>&, int, int);
+FABSEQ_INSTANTIATE_FUNCTION(run_size);
 
 }  // namespace fabseq

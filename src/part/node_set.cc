@@ -17,9 +17,7 @@ namespace {
 template <int Dim>
 std::vector<char> surface_nodes(const Part<Dim>& part) {
   const Grid<Dim>& grid = part.grid();
-  Index<Dim> width;
-  width.fill(1);
-  const ElementHalo<Dim> halo(grid, width);
+  const ElementHalo<Dim> halo(grid, 1);
   std::vector<double> solid(part.density().size());
   for (std::size_t e = 0; e < solid.size(); ++e)
     solid[e] = part.density()[e] > 0.0 || part.substrate().elements()[e] != 0 ? 1.0 : 0.0;
@@ -126,6 +124,16 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   return set;
 }
 
+template <int Dim>
+std::map<std::string, NodeSet> make_node_sets(const Part<Dim>& part,
+                                              const std::map<std::string, NodeSetDescription>& descriptions) {
+  std::map<std::string, NodeSet> result;
+  for (const auto& [name, description] : descriptions)
+    result.emplace(name, make_node_set(part, name, description));
+  return result;
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(make_node_set);
+FABSEQ_INSTANTIATE_FUNCTION(make_node_sets);
 
 }  // namespace fabseq

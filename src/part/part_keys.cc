@@ -21,18 +21,16 @@ Section<PartDescription> part_keys() {
   using Its = PartDescription;
   Section<Its> result("part", "The part: one shape or `voxels`, and");
   result
-      .section(
-          "voxels", [](Its& part) -> VoxelFile& { return part.source.emplace<VoxelFile>(); },
-          "In place of a shape: density from a file", voxel_keys())
+      .section("voxels", [](Its& part) -> VoxelFile& { return part.source.emplace<VoxelFile>(); },
+               "In place of a shape: density from a file", voxel_keys(), {.source = true})
       .key("stl", "In place of a shape: surface from a file", {.type = KeyType::unavailable}, {})
       .key("keep", &Its::keep_connected,
-           "Pieces without a path of element faces to the plate are refused (all) or dropped with a warning "
-           "(connected)",
+           "Pieces without a path of element faces to the plate are refused (all) "
+           "or dropped with a warning (connected)",
            {.words = "all connected"})
       .key("sampling", &Its::sampling,
-           "An element's density is the mean over so many points along each axis; voxel files are as many "
-           "times "
-           "finer",
+           "An element's density is the mean over so many points along each axis; "
+           "voxel files are as many times finer",
            {.range = "[1, 16]"})
       .then([](Its& part, const Json& value, const KeyPlace& place) {
         if (find_member(value, "voxels") == nullptr) part.source = make_shape(value, place);
@@ -46,16 +44,14 @@ Section<NodeSetDescription> node_set_keys() {
   return Section<Its>("node_sets.NAME", "A named set of nodes: one shape, and")
       .key("within", &Its::within, "Nodes up to so far outside the shape count, too",
            {.range = "[0, inf)", .unit = "length"})
-      .key(
-          "samples", &Its::samples,
-          "Only so many nodes (at least 2), equally spaced along the longest edge of the set's bounding box; "
-          "0: all",
-          {.range = "[0, inf)"})
+      .key("samples", &Its::samples,
+           "Only so many nodes (at least 2), "
+           "equally spaced along the longest edge of the set's bounding box; 0: all",
+           {.range = "[0, inf)"})
       .key("surface", &Its::surface,
-           "Only nodes on the surface: those with fewer elements of part and substrate around them than an "
-           "inner "
-           "node has; samples are taken of these")
-      .key("all", &Its::all, "In place of a shape: every node of the part")
+           "Only nodes on the surface: those with fewer elements of part and "
+           "substrate around them than an inner node has; samples are taken of these")
+      .key("all", &Its::all, "In place of a shape: every node of the part", {.source = true})
       .then([](Its& set, const Json& value, const KeyPlace& place) {
         if (!set.all) set.shape = make_shape(value, place);
       });

@@ -83,9 +83,7 @@ std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const IndexBox<Dim>& 
 template <int Dim>
 std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents<Dim>& components) {
   constexpr double nothing = -1.0;
-  Index<Dim> width;
-  width.fill(1);
-  const ElementHalo<Dim> halo(grid, width);
+  const ElementHalo<Dim> halo(grid, 1);
   const std::vector<Contact> contacts = contacts_of<Dim>(grid.owned_elements(), halo.box(), components);
   std::vector<std::int64_t> labels = components.first;
   std::vector<double> field(components.of_element.size(), nothing);

@@ -104,11 +104,11 @@ Section<Shape> shape_keys() {
       return shape;
     };
     result.section(primitive.name, of_kind, primitive.meaning, primitive.keys,
-                   {.dimension = primitive.dimension});
+                   {.dimension = primitive.dimension, .source = true});
   }
   for (const Combination& combination : combinations)
     result.key(
-        combination.name, combination.meaning, {.type = KeyType::shapes},
+        combination.name, combination.meaning, {.type = KeyType::shapes, .source = true},
         [kind = combination.kind](Its& shape, const Json& value, const KeyPlace& place) {
           shape.kind = kind;
           for (std::size_t i = 0; i < value.size(); ++i)

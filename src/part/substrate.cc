@@ -61,9 +61,7 @@ template <int Dim>
 std::vector<double> Substrate<Dim>::contact_distance() const {
   std::vector<double> distance(elements_.size(), std::numeric_limits<double>::infinity());
   if (count_ == 0) return distance;
-  Index<Dim> width{};
-  width.fill(1);
-  const ElementHalo<Dim> halo(grid_, width);
+  const ElementHalo<Dim> halo(grid_, 1);
   const std::vector<double> there = halo.gather(std::vector<double>(elements_.begin(), elements_.end()));
   grid_.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
     for (int face = 0; face < 2 * Dim; ++face) {

@@ -3,23 +3,11 @@
 
 namespace fabseq {
 
-namespace {
+template <int Dim>
+Deposition<Dim>::Deposition(const ElasticModel<Dim>& model) : model_(model), halo_(model.part.grid(), 1) {}
 
 template <int Dim>
-Index<Dim> ones() {
-  Index<Dim> result;
-  result.fill(1);
-  return result;
-}
-
-}  // namespace
-
-template <int Dim>
-Deposition<Dim>::Deposition(const ElasticModel<Dim>& model)
-    : model_(model), halo_(model.part.grid(), ones<Dim>()) {}
-
-template <int Dim>
-std::vector<double> Deposition<Dim>::missing(const std::vector<double>& stage) const {
+typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<double>& stage) const {
   std::vector<double> owned(static_cast<std::size_t>(model_.part.grid().owned_elements().count()), 1.0);
   for (std::size_t k = 0; k < model_.elements.size(); ++k) {
     const int number = model_.part_element[k];
@@ -30,7 +18,7 @@ std::vector<double> Deposition<Dim>::missing(const std::vector<double>& stage) c
 }
 
 template <int Dim>
-double Deposition<Dim>::product(const std::vector<double>& missing, const Index<Dim>& node,
+double Deposition<Dim>::product(const Missing& missing, const Index<Dim>& node,
                                 const Index<Dim>* excluded) const {
   double result = 1.0;
   for (int number = 0; number < 1 << Dim; ++number) {
@@ -46,7 +34,7 @@ LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, 
   const auto& nodes = model_.part.grid().owned_nodes();
   LaneVector result(static_cast<int>(nodes.count()), 1, lanes);
   for (int lane = 0; lane < lanes; ++lane) {
-    const std::vector<double> missing = this->missing(densities.stage[first + lane]);
+    const Missing missing = this->missing(densities.stage[first + lane]);
     nodes.for_each([&](const Index<Dim>& node, std::int64_t number) {
       result(static_cast<std::size_t>(number), lane) = 1.0 - product(missing, node);
     });
@@ -55,22 +43,28 @@ LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, 
 }
 
 template <int Dim>
-void Deposition<Dim>::add_derivatives(const LayerDensities& densities, int first, const LaneVector& d_weights,
-                                      DensityDerivatives& derivatives) const {
+std::vector<typename Deposition<Dim>::Missing> Deposition<Dim>::missing(const LayerDensities& densities,
+                                                                        int first, int lanes) const {
+  std::vector<Missing> result;
+  for (int lane = 0; lane < lanes; ++lane) result.push_back(missing(densities.stage[first + lane]));
+  return result;
+}
+
+template <int Dim>
+void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int first,
+                                      const LaneVector& d_weights, DensityDerivatives& derivatives) const {
   const Part<Dim>& part = model_.part;
   const Grid<Dim>& grid = part.grid();
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()));
   for (int lane = 0; lane < d_weights.lanes; ++lane) {
-    const std::vector<double> missing = this->missing(densities.stage[first + lane]);
     grid.exchange(1).to_ghosted(d_weights.lane(lane), of_nodes);
-    auto& d_stage =
-        DensityDerivatives::touch(derivatives.stage[first + lane], densities.stage[first + lane].size());
+    auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
     for (std::size_t e = 0; e < d_stage.size(); ++e) {
       const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
       double total = 0.0;
       for (int corner = 0; corner < 1 << Dim; ++corner) {
         const Index<Dim> node = stepped<Dim>(element, corner, 1);
-        total += of_nodes[grid.ghosted_nodes().offset(node)] * product(missing, node, &element);
+        total += of_nodes[grid.ghosted_nodes().offset(node)] * product(missing[lane], node, &element);
       }
       d_stage[e] += total / part.part_density()[e];
     }

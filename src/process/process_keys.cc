@@ -37,9 +37,8 @@ Section<MaterialSettings> material_keys() {
            {.range = "(0, inf)", .unit = "stress", .option = "-young"})
       .key("poisson", &Its::poisson, "Poisson's ratio", {.range = "(-1, 0.5)", .option = "-poisson"})
       .key("inherent_strain",
-           "Inherent strain: a Voigt vector, engineering shear, or values along and across the layers, with "
-           "which "
-           "it turns",
+           "Inherent strain: a Voigt vector, engineering shear, "
+           "or values along and across the layers, with which it turns",
            {.type = KeyType::strain,
             .default_value = "[-0.01, -0.01, -0.01, 0, 0, 0]",
             .default_2d = "[-0.01, -0.01, 0]"},
@@ -69,10 +68,11 @@ Section<ProcessSettings> process_keys() {
       .key("void", &Its::void_model,
            "Elements outside the part are left out (absent) or carry the least stiffness (quiet)",
            {.words = "absent quiet", .option = "-void"})
-      .key("deposition", &Its::deposition,
-           "Where a layer goes: with the deformed part, so that a place counts all motion before it is built "
-           "(follow), or to nominal positions, so that it counts motion from then on (nominal)",
-           {.words = "follow nominal", .option = "-deposition"});
+      .key(
+          "deposition", &Its::deposition,
+          "Where a layer goes: to nominal positions, so that a place counts motion from the layer on that "
+          "builds it (nominal), or with the deformed part, so that it counts all motion before, too (follow)",
+          {.words = "nominal follow", .option = "-deposition"});
 }
 
 }  // namespace fabseq

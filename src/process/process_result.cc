@@ -13,6 +13,15 @@ void add(std::vector<double>& to, double factor, const std::vector<double>& from
 
 }  // namespace
 
+void ProcessResult::add_counted(std::size_t block, CaseDisplacements& of) const {
+  const LaneVector& own = of.increments[block];
+  for (std::size_t i = 0; i < own.unknowns(); ++i) {
+    const double* share = weights.empty() ? nullptr : &weights[block].values[i / own.components * own.lanes];
+    for (int lane = 0; lane < own.lanes; ++lane)
+      of.displacement[i] += (share != nullptr ? share[lane] : 1.0) * own(i, lane);
+  }
+}
+
 ProcessResult ProcessResult::combined(std::span<const double> combination, bool with_increments) const {
   ProcessResult result;
   result.all_layers = all_layers;

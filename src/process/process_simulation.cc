@@ -27,6 +27,19 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
     vector = LaneVector(nodes, components, lanes);
 }
 
+/// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
+LaneVector weight_derivatives(const ProcessAdjoint& functional, std::size_t block,
+                              const LaneVector& increments) {
+  LaneVector result(increments.nodes, 1, increments.lanes);
+  for (std::size_t i = 0; i < increments.unknowns(); ++i)
+    for (int lane = 0; lane < increments.lanes; ++lane) {
+      const double common = functional.displacement.empty() ? 0.0 : functional.displacement[i];
+      const double own = functional.increments.empty() ? 0.0 : functional.increments[block](i, lane);
+      result(i / increments.components, lane) += (common + own) * increments(i, lane);
+    }
+  return result;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -74,9 +87,9 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   elements_.set_strains(std::move(strains));
   const std::int64_t nodes = model_.part.grid().owned_nodes().count();
   deal_out(densities.count());
-  for (std::size_t number = 0; number < cases_.cases.size(); ++number) {
-    of_case(number).displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
-    of_case(number).increments.resize(result_.blocks.size());
+  for (std::size_t number = 0; number < result_.case_count(); ++number) {
+    result_.of_case(number).displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
+    result_.of_case(number).increments.resize(result_.blocks.size());
   }
   result_.iterations.assign(densities.count(), 0);
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
@@ -86,8 +99,8 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
       solve_block(densities, number, room);
   });
   solver_->give_back_memory();
-  for (std::size_t number = 0; number < cases_.cases.size(); ++number)
-    groups_.sum(of_case(number).displacement);
+  for (std::size_t number = 0; number < result_.case_count(); ++number)
+    groups_.sum(result_.of_case(number).displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
   for (int layer = 0; layer < densities.count(); ++layer)
@@ -99,9 +112,9 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
 /// A single right-hand side cannot be shared out.
 template <int Dim>
 void ProcessSimulation<Dim>::release_cases(const LayerDensities& densities) {
-  for (std::size_t number = 0; number < cases_.cases.size(); ++number) {
+  for (std::size_t number = 0; number < result_.case_count(); ++number) {
     const std::vector<double> forces = reactions(densities, number);
-    std::vector<double>& release = of_case(number).release;
+    std::vector<double>& release = result_.of_case(number).release;
     release.assign(forces.size(), 0.0);
     groups_.run([&] {
       if (groups_.index() == 0) release = release_->displacement(forces);
@@ -138,20 +151,20 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
   const LayerBlock& block = result_.blocks[number];
   const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
   set_operators(densities, block, true);
-  const std::size_t all = cases_.cases.size(), at_once = std::min(all, solver_->sets_at_once());
+  const std::size_t all = result_.case_count(), at_once = std::min(all, solver_->sets_at_once());
   room.loads.resize(at_once);
   for (std::size_t first = 0; first < all; first += at_once) {
     const std::size_t count = std::min(at_once, all - first);
     std::vector<LaneVector> increments(count);
     for (std::size_t i = 0; i < count; ++i) {
-      increments[i] = std::move(of_case(first + i).increments[number]);
+      increments[i] = std::move(result_.of_case(first + i).increments[number]);
       resize(room.loads[i], nodes, Dim, block.lanes);
       resize(increments[i], nodes, Dim, block.lanes);
       elements_.set_load(densities, block.first, cases_.cases[first + i], room.loads[i]);
     }
     const auto reports = solver_->solve(std::span(room.loads).first(count), increments);
     for (std::size_t i = 0; i < count; ++i) {
-      of_case(first + i).increments[number] = std::move(increments[i]);
+      result_.of_case(first + i).increments[number] = std::move(increments[i]);
       for (int lane = 0; lane < block.lanes; ++lane) {
         require_convergence(reports[i][lane], block.first + lane, "forward");
         int& iterations = result_.iterations[block.first + lane];
@@ -160,19 +173,7 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
     }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
-  for (std::size_t i = 0; i < all; ++i) add_to_displacement(number, of_case(i));
-}
-
-/// What counts of the increments of a block.
-template <int Dim>
-void ProcessSimulation<Dim>::add_to_displacement(std::size_t number, CaseDisplacements& displacements) const {
-  const LaneVector& increment = displacements.increments[number];
-  for (std::size_t i = 0; i < increment.unknowns(); ++i) {
-    const double* weights =
-        result_.weights.empty() ? nullptr : &result_.weights[number].values[i / Dim * increment.lanes];
-    for (int lane = 0; lane < increment.lanes; ++lane)
-      displacements.displacement[i] += (weights != nullptr ? weights[lane] : 1.0) * increment(i, lane);
-  }
+  for (std::size_t i = 0; i < all; ++i) result_.add_counted(number, result_.of_case(i));
 }
 
 template <int Dim>
@@ -225,12 +226,16 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
                                              std::span<const Functional> functionals, Room& room) {
+  if (deposition_) {
+    const LayerBlock& block = result_.blocks[number];
+    room.missing = deposition_->missing(densities, block.first, block.lanes);
+  }
   std::vector<const Functional*> solved;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
     if (adjoint_loads_.any(i, result_.blocks[number]))
       solved.push_back(&functionals[i]);
     else
-      add_derivatives(densities, number, functionals[i], nullptr);
+      add_derivatives(densities, number, functionals[i], nullptr, room);
   }
   if (solved.empty()) return;
   set_operators(densities, result_.blocks[number], false);
@@ -265,42 +270,29 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
       iterations = std::max(iterations, reports[i][lane].iterations);
     }
     if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
-    add_derivatives(densities, number, *functionals[i], &adjoints[i]);
+    add_derivatives(densities, number, *functionals[i], &adjoints[i], room);
   }
 }
 
 /// By the adjoints of a block, if it has any, and through the weights.
 template <int Dim>
 void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, std::size_t number,
-                                             const Functional& functional, const LaneVector* adjoint) const {
+                                             const Functional& functional, const LaneVector* adjoint,
+                                             const Room& room) const {
   const ProcessDerivatives& to = *functional.to;
   const std::vector<double>& combination = functional.from->combination;
-  LaneVector room;
-  if (!combination.empty()) room = result_.combined_increments(combination, number);
-  const LaneVector& increments = combination.empty() ? result_.increments[number] : room;
+  LaneVector combined;
+  if (!combination.empty()) combined = result_.combined_increments(combination, number);
+  const LaneVector& increments = combination.empty() ? result_.increments[number] : combined;
   StrainField not_asked_for;
   if (adjoint != nullptr)
     elements_.add_derivatives(densities, result_.blocks[number].first, cases_.factors(combination),
                               increments, *adjoint, *to.densities,
                               to.strains != nullptr ? *to.strains : not_asked_for);
-  if (deposition_) add_deposition_derivatives(densities, number, *functional.from, increments, *to.densities);
+  if (deposition_)
+    deposition_->add_derivatives(room.missing, result_.blocks[number].first,
+                                 weight_derivatives(*functional.from, number, increments), *to.densities);
   if (to.after_block) to.after_block();
-}
-
-/// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
-template <int Dim>
-void ProcessSimulation<Dim>::add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
-                                                        const ProcessAdjoint& functional,
-                                                        const LaneVector& increments,
-                                                        DensityDerivatives& derivatives) const {
-  LaneVector d_weights(increments.nodes, 1, increments.lanes);
-  for (std::size_t i = 0; i < increments.unknowns(); ++i)
-    for (int lane = 0; lane < increments.lanes; ++lane) {
-      const double common = functional.displacement.empty() ? 0.0 : functional.displacement[i];
-      const double own = functional.increments.empty() ? 0.0 : functional.increments[number](i, lane);
-      d_weights(i / Dim, lane) += (common + own) * increments(i, lane);
-    }
-  deposition_->add_derivatives(densities, result_.blocks[number].first, d_weights, derivatives);
 }
 
 FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);

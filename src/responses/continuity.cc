@@ -30,7 +30,7 @@ template <int Dim>
 class Continuity : public Response<Dim> {
  public:
   Continuity(const ResponseContext<Dim>& context, const ContinuitySettings& settings)
-      : part_(context.part), limit_(settings.limit), halo_(context.part.grid(), ones()) {
+      : part_(context.part), limit_(settings.limit), halo_(context.part.grid(), 1) {
     const std::size_t elements = part_.elements().size();
     const std::vector<double> in_part = halo_.gather(part_.expand(std::vector<double>(elements, 1.0)));
     std::int64_t counted = 0;
@@ -71,12 +71,6 @@ class Continuity : public Response<Dim> {
   }
 
  private:
-  static Index<Dim> ones() {
-    Index<Dim> result;
-    result.fill(1);
-    return result;
-  }
-
   Neighbours<Dim> find_neighbours(const Index<Dim>& element, const std::vector<double>& in_part) const {
     Neighbours<Dim> result{};
     for (int face = 0; face < 2 * Dim; ++face) {

@@ -22,7 +22,7 @@ template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
-  const RunSize size = run_size(setup.config, setup.part, setup.layers->count(), ranks);
+  const RunSize size = run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), ranks);
   print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
              2 + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);

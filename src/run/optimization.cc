@@ -16,6 +16,20 @@ std::string iterations_on(const Setup<Dim>& setup) {
          to_text<Dim>(setup.grid.domain().elements) + " elements";
 }
 
+/// Binary layers of the design that the config starts from, whatever file this run starts from. The optimized
+/// sequence shall not be lost because these solves fail.
+template <int Dim>
+std::optional<SequenceReport<Dim>> start_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                                Pipeline<Dim>& pipeline, double beta) {
+  const Design start = starting_design(setup, pipeline.sequence(), CommandLine());
+  try {
+    return report_sequence(setup, problem, pipeline, pipeline.run(start, beta, true));
+  } catch (const NumericalError& error) {
+    warn(std::string("no block start in summary.json: ") + error.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -81,6 +95,7 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
     (binary ? reports.binary : reports.optimized) = report_sequence(setup, problem, pipeline, state);
     reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
   }
+  reports.start = start_report(setup, problem, pipeline, best.beta());
   return reports;
 }
 

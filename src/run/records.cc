@@ -2,6 +2,7 @@
 #include "fabseq/run/records.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace fabseq {
@@ -27,6 +28,15 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
     table.push_back(entry);
   }
   return table;
+}
+
+Json deposition_record(const DepositionNumbers& numbers) {
+  Json terms = Json::array();
+  for (const auto& [name, type, value] : numbers.distortions)
+    terms.push_back(Json::object({{"name", name}, {"value", value}, {"length", std::sqrt(value)}}));
+  return Json::object({{"displacement", to_record(numbers.part)},
+                       {"nodes", numbers.nodes ? to_record(*numbers.nodes) : Json()},
+                       {"distortion", terms}});
 }
 
 /// Terms of an objective have one.
@@ -63,6 +73,8 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["responses"] = response_table(numbers.responses);
   record["layers"] = layer_table(numbers.layers);
   record["displacement"] = to_record(numbers.displacement_size);
+  record["deposition"] = Json::object({{"follow", deposition_record(numbers.depositions.follow)},
+                                       {"nominal", deposition_record(numbers.depositions.nominal)}});
 }
 
 Json to_record(const SequenceNumbers& numbers) {
@@ -116,6 +128,7 @@ Json to_record(const Summary& summary) {
     record["worst_constraint"] = finish->best.worst_constraint();
     record["optimized"] = to_record(finish->optimized);
     record["binary"] = to_record(finish->binary);
+    if (finish->start != nullptr) record["start"] = to_record(*finish->start);
   }
   if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
   if (const auto& finish = summary.finish) {

@@ -22,6 +22,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   reports.optimized.add_fields(fields, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   baseline.add_fields(fields, "planar/");
+  if (reports.start) reports.start->add_fields(fields, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", best.design());
@@ -30,10 +31,15 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   file.write_attribute("beta", best.beta());
   file.write_attribute("layers", static_cast<int>(reports.optimized.layers.size()));
   const std::pair<const char*, const SequenceNumbers*> sequences[] = {
-      {"optimized/", &reports.optimized}, {"binary/", &reports.binary}, {"baseline/", &baseline}};
-  for (const auto& [prefix, numbers] : sequences)
+      {"optimized/", &reports.optimized},
+      {"binary/", &reports.binary},
+      {"baseline/", &baseline},
+      {"start/", reports.start ? &*reports.start : nullptr}};
+  for (const auto& [prefix, numbers] : sequences) {
+    if (numbers == nullptr) continue;
     for (const NamedValue& response : numbers->responses)
       file.write_attribute(prefix + response.name, response.value);
+  }
   file.close();
   directory.write("result.xdmf", hdf5_xdmf<Dim>(fields, "result.h5"));
 }

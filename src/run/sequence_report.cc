@@ -3,6 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
+#include "fabseq/run/deposition_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,10 +29,12 @@ std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineS
 }  // namespace
 
 template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement) {
+DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
+                                   const std::optional<std::vector<char>>& nodes) {
+  const std::vector<char>& counts = nodes ? *nodes : part.touched_nodes();
   double largest = 0.0, total = 0.0, count = 0.0;
-  for (std::size_t node = 0; node < part.touched_nodes().size(); ++node) {
-    if (part.touched_nodes()[node] == 0) continue;
+  for (std::size_t node = 0; node < counts.size(); ++node) {
+    if (counts[node] == 0) continue;
     double square = 0.0;
     for (int axis = 0; axis < Dim; ++axis) square += std::pow(displacement[node * Dim + axis], 2);
     largest = std::max(largest, std::sqrt(square));
@@ -66,6 +69,7 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   report.responses = problem.describe(report.values);
   report.layers = layer_numbers(model, state);
   report.displacement_size = displacement_size(model.part, state.process.displacement);
+  report.depositions = report_depositions(model, problem, pipeline, state);
   report.time = model.part.expand(state.time.time);
   report.layer = model.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;

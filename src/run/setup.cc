@@ -51,7 +51,7 @@ void Setup<Dim>::require_memory_of_layers() const {
   const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
   const double bytes = layer_count * sizeof(double) *
                        (2.0 * group_count * static_cast<double>(this->part.count()) +
-                        Dim * static_cast<double>(this->grid.all_nodes().count()));
+                        (Dim + 1) * static_cast<double>(this->grid.all_nodes().count()));
   const LayerTraits& traits = this->layers->traits();
   const bool planar = layer_count > traits.count;
   require_memory(

@@ -128,16 +128,20 @@ void Terminal::iteration(const Iterate& iterate, double seconds) {
 }
 
 void Terminal::table(const Summary& summary, const std::string& directory) const {
+  const bool has_length = summary.baseline->first_is_distortion();
   print("");
-  print("sequence              first objective   planar / this   max displacement   layers");
+  print(std::string("sequence              first objective") + (has_length ? "      length" : "") +
+        "   planar / this   max displacement   layers");
   const auto print_sequence = [&](const char* name, const SequenceNumbers& numbers) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%-20s %16.4e %15.1f %18.4e %8d", name, numbers.first_objective(),
-                  planar_objective_ / numbers.first_objective(), numbers.displacement_size.largest,
+    char length[40] = "", line[200];
+    if (has_length) std::snprintf(length, sizeof length, " %11.4e", std::sqrt(numbers.first_objective()));
+    std::snprintf(line, sizeof line, "%-20s %16.4e%s %15.1f %18.4e %8d", name, numbers.first_objective(),
+                  length, planar_objective_ / numbers.first_objective(), numbers.displacement_size.largest,
                   numbers.used_layers());
     print(line);
   };
   print_sequence("planar", *summary.baseline);
+  if (summary.finish->start != nullptr) print_sequence("start, binary", *summary.finish->start);
   print_sequence("optimized", summary.finish->optimized);
   print_sequence("optimized, binary", summary.finish->binary);
   char line[160];

@@ -155,9 +155,7 @@ std::vector<double> sweep_until_settled(MPI_Comm comm, const Network<Dim>& netwo
 template <int Dim>
 std::vector<double> distance_of_elements(const Part<Dim>& part, std::span<const double> given) {
   const Grid<Dim>& grid = part.grid();
-  Index<Dim> width{};
-  width.fill(1);
-  const ElementHalo<Dim> halo(grid, width);
+  const ElementHalo<Dim> halo(grid, 1);
   Network<Dim> network{
       grid.spacing(), grid.owned_elements(), halo.box(), part.expand(given, far_away), {}, {}};
   network.links.assign(network.distance.size(), 0U);

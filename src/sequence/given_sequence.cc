@@ -89,9 +89,7 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
 template <int Dim>
 std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time) {
   const Grid<Dim>& grid = part.grid();
-  Index<Dim> width{};
-  width.fill(1);
-  const ElementHalo<Dim> halo(grid, width);
+  const ElementHalo<Dim> halo(grid, 1);
   // The void gets a time larger than any other, so that it is no earlier neighbour.
   const std::vector<double> times = halo.gather(part.expand(time, 2.0));
   std::int64_t minima = 0;

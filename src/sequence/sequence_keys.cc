@@ -14,8 +14,8 @@ void add_heat(Section<Its>& keys) {
       .key("scale", &Its::scale, "Scale on which the optimizer moves the diffusivity",
            {.words = "log linear", .option = "-scale"})
       .key("mass", &Its::mass,
-           "Mass matrix of the drain; auto: lumped where the consistent one would leave the range of "
-           "temperatures",
+           "Mass matrix of the drain; auto: "
+           "lumped where the consistent one would leave the range of temperatures",
            {.words = "auto consistent lumped", .option = "-mass"})
       .key("initial", &Its::initial,
            "Initial diffusivity, uniform or from the distance to the plate inside the part",
@@ -44,9 +44,8 @@ void add_direct(Section<Its>& keys) {
            "Where the pseudo-time is a design variable; thickness and uniformity of layers need nodes",
            {.words = "elements nodes"})
       .key("start",
-           "Where the pseudo-time is 0: elements by their centres or else by their nodes, or nodes; plate: "
-           "what "
-           "touches the build plate or the substrate",
+           "Where the pseudo-time is 0: elements by their centres or else by their nodes, "
+           "or nodes; plate: what touches the build plate or the substrate",
            {.type = KeyType::shape, .default_value = to_text("plate"), .words = "plate"},
            [](Its& sequence, const Json& value, const KeyPlace& place) {
              if (value.is_object()) sequence.start = make_shape(value, place);

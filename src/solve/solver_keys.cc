@@ -10,13 +10,12 @@ Section<SolverSettings> solver_keys() {
       .key("tolerance", &Its::tolerance, "Preconditioned residual of every solve, relative to a zero start",
            {.range = "(0, 1)", .option = "-tolerance"})
       .key("path", &Its::path,
-           "Solver: all layers of a batch at once (lanes), or PETSc's own parts, one layer at a time "
-           "(reference)",
+           "Solver: all layers of a batch at once (lanes), "
+           "or PETSc's own parts, one layer at a time (reference)",
            {.words = "lanes reference", .option = "-solver_path"})
       .key("cycle", &Its::cycle,
-           "Multigrid cycle of the lanes: conjugate gradients on the coarse levels (k), several visits (w: "
-           "fewer "
-           "reductions, for many ranks) or one (v)",
+           "Multigrid cycle of the lanes: conjugate gradients on the coarse levels (k), "
+           "several visits (w: fewer reductions, for many ranks) or one (v)",
            {.words = "k w v", .option = "-solver_cycle"})
       .key("smoother_degree", &Its::smoother_degree,
            "Degree of the lanes' Chebyshev smoother, before and after",
@@ -29,9 +28,8 @@ Section<SolverSettings> solver_keys() {
           "auto: by ranks, layers and memory",
           {.range = "[1, inf)", .words = "auto", .option = "-layer_groups"})
       .key("lanes", &Its::lanes,
-           "Layers solved side by side at most. Fewer than 8 take less memory and more time; auto: 8, or as "
-           "many as "
-           "the memory holds",
+           "Layers solved side by side at most. Fewer than 8 take less memory and more time; "
+           "auto: 8, or as many as the memory holds",
            {.range = "[1, 8]", .words = "auto", .option = "-lanes"});
 }
 

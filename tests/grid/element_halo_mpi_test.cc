@@ -56,5 +56,12 @@ TEST(ElementHalo, GathersAcrossSeveralRanksIn2D) {
   for (const int width : {0, 1, 2, 3, 5, 8, 50}) check_halo<2>(grid, {width, width});
 }
 
+TEST(ElementHalo, TakesOneWidthForAllAxes) {
+  const Grid<3> grid(PETSC_COMM_WORLD, {{1.4, 0.9, 2.5}, {7, 3, 5}, 1.0}, nullptr);
+  const ElementHalo<3> one(grid, 2), each(grid, Index<3>{2, 2, 2});
+  EXPECT_EQ(one.box().start, each.box().start);
+  EXPECT_EQ(one.box().size, each.box().size);
+}
+
 }  // namespace
 }  // namespace fabseq

@@ -78,7 +78,7 @@ class OutputsOfOneRankTest(FabseqTest):
         self.assertGreater(summary["peak_memory_bytes"], 1e6)
         names = ["objective_0", "objective_1"] + [f"constraint_0_{j}" for j in range(4)]
         types = ["distortion", "layer_uniformity"] + ["layer_thickness"] * 4
-        for name in ("optimized", "binary", "baseline"):
+        for name in ("optimized", "binary", "baseline", "start"):
             block = summary[name]
             self.assertEqual([entry["name"] for entry in block["responses"]], names)
             self.assertEqual([entry["type"] for entry in block["responses"]], types)
@@ -97,16 +97,17 @@ class OutputsOfOneRankTest(FabseqTest):
 
     def test_result(self):
         elements, nodes = (12, 20), (13, 21)
-        shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer")}
-        shapes["temperature"] = nodes
-        for name in ("displacement", "binary/displacement", "planar/displacement"):
+        shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer",
+                                              "start/time", "start/layer")}
+        shapes["temperature"] = shapes["start/temperature"] = nodes
+        for name in ("displacement", "binary/displacement", "planar/displacement", "start/displacement"):
             shapes[name] = nodes + (2,)
         run = RUNS[self.ranks]
         data = read_result(run)
         self.assertEqual({name: values.shape for name, values in data.items()}, shapes)
         part = DENSITY > 0
         np.testing.assert_array_equal(data["density"], DENSITY)
-        for prefix in ("", "planar/"):
+        for prefix in ("", "planar/", "start/"):
             time, layer = data[prefix + "time"], data[prefix + "layer"]
             self.assertTrue(np.all(layer[~part] == 0) and np.all(time[~part] == 0))
             np.testing.assert_array_equal(layer[part], np.clip(np.ceil(4 * time[part] - 1e-9), 1, 4))
@@ -115,7 +116,7 @@ class OutputsOfOneRankTest(FabseqTest):
         design = data["design"]
         self.assertTrue(np.all((design[part] >= 1e-3 * (1 - 1e-12)) & (design[part] <= 1 + 1e-12)))
         self.assertTrue(np.all(design[~part] == 0))
-        for name in ("displacement", "binary/displacement", "planar/displacement"):
+        for name in ("displacement", "binary/displacement", "planar/displacement", "start/displacement"):
             self.assertTrue(np.all(data[name][0] == 0), "the plate does not move")
             self.assertTrue(np.all(data[name][~TOUCHED] == 0), "nothing outside the part moves")
         self.assertTrue(np.all((data["temperature"] > 0) & (data["temperature"] <= 1 + 1e-9)))
@@ -125,7 +126,7 @@ class OutputsOfOneRankTest(FabseqTest):
         summary, data = run.json("summary.json"), read_result(run)
         with h5py.File(run.path("result.h5"), "r") as file:
             attributes = dict(file.attrs)
-        for block, prefix in (("optimized", ""), ("binary", "binary/"), ("baseline", "planar/")):
+        for block, prefix in (("optimized", ""), ("binary", "binary/"), ("baseline", "planar/"), ("start", "start/")):
             displacement = data[prefix + "displacement"]
             norms = np.sqrt((displacement**2).sum(-1))
             size, responses = summary[block]["displacement"], summary[block]["responses"]
@@ -134,7 +135,7 @@ class OutputsOfOneRankTest(FabseqTest):
             self.assertAlmostEqual(responses[0]["value"] / (norms[-1]**2).sum(), 1)  # the node set is the whole top
             for response in responses:
                 self.assertEqual(attributes[f"{block}/{response['name']}"], response["value"])
-        for block, prefix in (("binary", ""), ("baseline", "planar/")):
+        for block, prefix in (("binary", ""), ("baseline", "planar/"), ("start", "start/")):
             volumes = [layer["volume"] for layer in summary[block]["layers"]]
             counts = [np.sum(data[prefix + "layer"] == j) for j in range(1, 5)]
             np.testing.assert_allclose(volumes, np.array(counts) * 0.005, rtol=1e-6, atol=1e-7)

@@ -40,9 +40,12 @@ class ReferenceTest(FabseqTest):
         with open(os.path.join(REFERENCE_DATA, "expected", name + ".json"), encoding="utf-8") as file:
             expected = json.load(file)
         case = os.path.join(REFERENCE_DATA, "cases", name)
-        design = ["-design", case + ".design.h5"] if os.path.exists(case + ".design.h5") else []
+        options = ["-design", case + ".design.h5"] if os.path.exists(case + ".design.h5") else []
+        with open(case + ".json", encoding="utf-8") as file:
+            if "deposition" not in json.load(file).get("process", {}):
+                options += ["-deposition", "follow"]  # older than the choice
         run = self.run_program(ranks, "-config", case + ".json", "-task", expected["task"], "-tolerance", "1e-10",
-                               *design)
+                               *options)
         self.assert_done(run)
         return run, expected
 

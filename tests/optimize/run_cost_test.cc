@@ -73,12 +73,17 @@ TEST(RunCostTest, MemoryGrowsWithAllThatIsHeld) {
   EXPECT_GT(memory_estimate(large(), SolverPath::reference, 1, 1), one);
 }
 
+template <int Dim>
+RunSize size_of_run(const Config& config, const Part<Dim>& part, int layers, int ranks) {
+  return run_size(config, part, make_node_sets(part, config.node_sets), layers, ranks);
+}
+
 TEST(RunCostTest, TheSizeIsThePartsUnlessTheVoidIsQuiet) {
   const Config config = configure(solid, {{"objective.0.least_squares", "false"}});
   const test::PartOnGrid<3> half(test::odd_domain<3>(), test::gallows<3>());
   std::int64_t touched = 0;
   for (const char node : half.part.touched_nodes()) touched += node != 0 ? 1 : 0;
-  const RunSize size = run_size(config, half.part, 7, 2);
+  const RunSize size = size_of_run(config, half.part, 7, 2);
   EXPECT_EQ(size.unknowns, 3.0 * static_cast<double>(touched));
   EXPECT_EQ(size.nodes, 6.0 * 4.0 * 6.0);
   EXPECT_LT(size.unknowns, 3.0 * size.nodes);
@@ -87,7 +92,7 @@ TEST(RunCostTest, TheSizeIsThePartsUnlessTheVoidIsQuiet) {
   EXPECT_EQ(size.ranks, 2);
   EXPECT_EQ(size.functionals, 0);
   const Config quiet = configure(solid, {{"process.void", "quiet"}});
-  EXPECT_EQ(run_size(quiet, half.part, 7, 2).unknowns, 3.0 * size.nodes);
+  EXPECT_EQ(size_of_run(quiet, half.part, 7, 2).unknowns, 3.0 * size.nodes);
 }
 
 /// One for each component of each of the nodes sampled.
@@ -95,9 +100,9 @@ TEST(RunCostTest, FunctionalsOfSumsOfSquaresAreCounted) {
   const test::PartOnGrid<2> whole({{2.0, 1.0}, {8, 4}, 1.0}, test::box({0, 0}, {2, 1}));
   const Config config =
       configure(plane, {{"objective.0.least_squares", "true"}, {"node_sets.top.samples", "2"}});
-  EXPECT_EQ(run_size(config, whole.part, 4, 1).functionals, 4);
+  EXPECT_EQ(size_of_run(config, whole.part, 4, 1).functionals, 4);
   const Config alone = configure(plane, {{"objective.0.least_squares", "false"}});
-  EXPECT_EQ(run_size(alone, whole.part, 4, 1).functionals, 0);
+  EXPECT_EQ(size_of_run(alone, whole.part, 4, 1).functionals, 0);
 }
 
 TEST(RunCostTest, LayersFollowFromHeightAndTarget) {

@@ -209,7 +209,7 @@ TYPED_TEST(LayerGroupsPipelineTest, GroupsChangeNothingWithTimePointsAndTimesOfN
   expect_same<TypeParam::value>(direct, 1e-9);
 }
 
-/// Increments of all layers can be had everywhere, and sum up to the displacement.
+/// Increments of all layers can be had everywhere, and what counts of them sums up to the displacement.
 TYPED_TEST(LayerGroupsPipelineTest, IncrementsAddUp) {
   constexpr int Dim = TypeParam::value;
   for (const int count : group_counts()) {
@@ -218,7 +218,7 @@ TYPED_TEST(LayerGroupsPipelineTest, IncrementsAddUp) {
     const auto state = pipeline.run(pipeline.setup.groups.share(pipeline.wavy_design()));
     std::vector<double> total(state.process.displacement.size(), 0.0);
     for (int layer = 0; layer < 11; ++layer) {
-      const std::vector<double> increment = pipeline.pipeline.process().increment(layer);
+      const std::vector<double> increment = pipeline.pipeline.process().increment(layer, true);
       ASSERT_EQ(increment.size(), total.size());
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += increment[i];
     }

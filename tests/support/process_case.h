@@ -32,7 +32,7 @@ struct CaseSettings {
   BuildPlate plate{Dim - 1, false};
   std::optional<Shape> substrate = std::nullopt, clamps = std::nullopt;
   MaterialSettings material{1.0, 0.3, some_strain<Dim>()};
-  ProcessSettings process{};
+  ProcessSettings process{.deposition = DepositionModel::follow};
 };
 
 template <int Dim>

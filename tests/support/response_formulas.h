@@ -24,9 +24,12 @@ struct Formulas {
     const auto inside = whole_part_field(part, std::vector<double>(part.elements().size(), 1.0));
     density = whole_element_field<Dim>(grid, part.density());
     displacement = whole_node_field<Dim>(grid, state.process.displacement, Dim);
-    for (const LaneVector& batch : state.process.increments)
-      for (int lane = 0; lane < batch.lanes; ++lane)
-        increments.push_back(whole_node_field<Dim>(grid, batch.lane(lane), Dim));
+    for (std::size_t block = 0; block < state.process.increments.size(); ++block)
+      for (int lane = 0; lane < state.process.increments[block].lanes; ++lane) {
+        std::vector<double> counted(state.process.displacement.size());
+        for (std::size_t i = 0; i < counted.size(); ++i) counted[i] = state.process.counted(block, i, lane);
+        increments.push_back(whole_node_field<Dim>(grid, counted, Dim));
+      }
     for (const auto& stage : state.layers.stage) stages.push_back(whole_part_field(part, stage));
     for (const auto& layer : state.layers.layer) {
       weights.push_back(whole_part_field(part, layer));

@@ -24,6 +24,8 @@ template <int Dim>
 class ElementHalo {
  public:
   ElementHalo(const Grid<Dim>& grid, const Index<Dim>& width);
+  /// The same width along all axes.
+  ElementHalo(const Grid<Dim>& grid, int width);
 
   /// Box of the gathered elements.
   const IndexBox<Dim>& box() const { return box_; }

@@ -54,6 +54,7 @@ struct ConfigKey {
   int dimension = 0;               ///< 2 or 3: exists only in domains of that dimension; 0: in all
   std::string unit = "";           ///< "" if it has none
   std::string option = "";         ///< flat command line option, with its '-'; "" if it has none
+  bool source = false;             ///< among the keys of which a shape has exactly one
   std::string name = "", meaning = "";
   std::string section = "";  ///< dotted path of the object that holds the key; top level: empty
   std::string variant = "";  ///< the object's "type" for which the key exists; empty: any

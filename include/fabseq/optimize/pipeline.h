@@ -53,6 +53,7 @@ class Pipeline {
 
   Sequence<Dim>& sequence() { return *sequence_; }
   const ProcessSimulation<Dim>& process() const { return process_; }
+  ProcessSimulation<Dim>& process() { return process_; }
 
   /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
   /// to results that stay valid until the next run.

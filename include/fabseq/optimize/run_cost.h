@@ -8,6 +8,9 @@
 
 #include <mpi.h>
 
+#include <map>
+#include <string>
+
 namespace fabseq {
 
 /// What memory and time of a run follow from.
@@ -21,9 +24,10 @@ struct RunSize {
   int functionals = 0;  ///< residuals of least squares: each costs an elastic adjoint
 };
 
-/// Size of a run with this part and so many layers. Collective on the grid's communicator.
+/// Size of a run with this part, its node sets and so many layers. Collective on the grid's communicator.
 template <int Dim>
-RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, int layers, int ranks);
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
+                 const std::map<std::string, NodeSet>& node_sets, int layers, int ranks);
 
 /// How a solver path goes through a block of layers.
 BlockSolver block_solver(SolverPath path);
@@ -41,8 +45,5 @@ int wanted_lanes(const SolverSettings& settings);
 /// What `solver.lanes` says, or the most, 8, 4, 2 or 1, with which a run fits the memory now available.
 /// Collective on `world`.
 int resolved_lanes(MPI_Comm world, const SolverSettings& settings, const RunSize& size, int groups);
-
-extern template RunSize run_size<2>(const ModelSettings&, const Part<2>&, int, int);
-extern template RunSize run_size<3>(const ModelSettings&, const Part<3>&, int, int);
 
 }  // namespace fabseq

@@ -4,6 +4,7 @@
 #include "fabseq/part/part.h"
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,9 @@ struct NodeSet {
 /// nodes than samples.
 template <int Dim>
 NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description);
+/// All of them, by name.
+template <int Dim>
+std::map<std::string, NodeSet> make_node_sets(const Part<Dim>& part,
+                                              const std::map<std::string, NodeSetDescription>& descriptions);
 
 }  // namespace fabseq

@@ -36,6 +36,10 @@ struct ProcessResult : CaseDisplacements {
     if (weights.empty()) return increment(unknown, lane);
     return weights[block](unknown / increment.components, lane) * increment(unknown, lane);
   }
+  /// Adds what counts of the increments of a block to the displacement, both of one case.
+  void add_counted(std::size_t block, CaseDisplacements& of) const;
+  std::size_t case_count() const { return other_cases.size() + 1; }
+  CaseDisplacements& of_case(std::size_t number) { return number == 0 ? *this : other_cases[number - 1]; }
   const CaseDisplacements& of_case(std::size_t number) const {
     return number == 0 ? *this : other_cases[number - 1];
   }

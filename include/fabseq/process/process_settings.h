@@ -30,8 +30,8 @@ struct MaterialSettings {
 
 enum class VoidModel { absent, quiet };
 
-/// Where new material goes: with what stands already, or where the drawing says (docs/formulation.md 4.6).
-enum class DepositionModel { follow, nominal };
+/// Where new material goes: where the drawing says, or with what stands already (docs/formulation.md 4.6).
+enum class DepositionModel { nominal, follow };
 
 /// The material model, docs/formulation.md 4.1.
 struct ProcessSettings {
@@ -39,7 +39,7 @@ struct ProcessSettings {
   double strain_penalty = 3.0;
   double min_stiffness = 1e-9;
   VoidModel void_model = VoidModel::absent;
-  DepositionModel deposition = DepositionModel::follow;
+  DepositionModel deposition = DepositionModel::nominal;
 };
 
 /// Sections "material" and "process".

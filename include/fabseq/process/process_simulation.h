@@ -62,6 +62,8 @@ class ProcessSimulation {
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
+  /// That of the last simulation, for CountedAs.
+  ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
   const StrainField& strains() const { return elements_.strains(); }
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
@@ -90,25 +92,19 @@ class ProcessSimulation {
   /// Vectors that one block leaves to the next.
   struct Room {
     std::vector<LaneVector> loads, solutions;
+    std::vector<typename Deposition<Dim>::Missing> missing;
   };
   void deal_out(int layers);
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
-  void add_to_displacement(std::size_t number, CaseDisplacements& displacements) const;
   void release_cases(const LayerDensities& densities);
   void pull_back_block(const LayerDensities& densities, std::size_t number,
                        std::span<const Functional> functionals, Room& room);
   void solve_adjoints(const LayerDensities& densities, std::size_t number,
                       std::span<const Functional* const> functionals, Room& room);
   void add_derivatives(const LayerDensities& densities, std::size_t number, const Functional& functional,
-                       const LaneVector* adjoint) const;
-  void add_deposition_derivatives(const LayerDensities& densities, std::size_t number,
-                                  const ProcessAdjoint& functional, const LaneVector& increments,
-                                  DensityDerivatives& derivatives) const;
+                       const LaneVector* adjoint, const Room& room) const;
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
-  CaseDisplacements& of_case(std::size_t number) {
-    return number == 0 ? result_ : result_.other_cases[number - 1];
-  }
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;

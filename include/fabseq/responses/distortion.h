@@ -32,6 +32,12 @@ struct DistortionSettings {
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
   bool measures_release() const { return after_release; }
+  std::vector<std::string> node_sets() const {
+    std::vector<std::string> result;
+    for (const std::string& name : {nodes, to})
+      if (!name.empty()) result.push_back(name);
+    return result;
+  }
   bool is_largest() const { return aggregate == Aggregate::worst; }
   /// Checks relations of the keys. Throws InputError.
   void check(const TermPlace& place) const;

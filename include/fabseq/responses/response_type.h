@@ -8,7 +8,6 @@
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/responses/response.h"
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,6 +55,8 @@ class ResponseType : public ResponseTraits {
   virtual bool measures_release(const Term& term) const = 0;
   /// Whether the optimizer gets the term as the largest of several values (Response::largest_of()).
   virtual bool is_largest(const Term& term) const = 0;
+  /// Names of the node sets that the term measures.
+  virtual std::vector<std::string> node_sets(const Term& term) const = 0;
   /// Layer thickness that the term aims at, length unit; none if it aims at none.
   virtual std::optional<double> target_thickness(const Term& term) const = 0;
   virtual std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const = 0;
@@ -77,7 +78,7 @@ void register_type(const ResponseType* type);
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
 ///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),
-///     measures_release(), is_largest() or target_thickness(), these are the type's.
+///     measures_release(), is_largest(), node_sets() or target_thickness(), these are the type's.
 template <template <int> class Kind, class Settings>
 class Registered : public ResponseType {
  public:
@@ -99,6 +100,10 @@ class Registered : public ResponseType {
     if constexpr (requires(const Settings& settings) { settings.is_largest(); })
       return read(term).is_largest();
     return false;
+  }
+  std::vector<std::string> node_sets(const Term& term) const override {
+    if constexpr (requires(const Settings& settings) { settings.node_sets(); }) return read(term).node_sets();
+    return {};
   }
   std::optional<double> target_thickness(const Term& term) const override {
     if constexpr (requires(const Settings& settings) { settings.target_thickness(); })

@@ -34,6 +34,7 @@ SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>&
 /// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
 template <int Dim>
 std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration);
+/// What the best design comes to, and the one that the config starts from, at the same sharpness.
 template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                 const BestIterate& best);

@@ -44,6 +44,7 @@ struct Finish {
   const BestIterate& best;
   const SequenceNumbers& optimized;
   const SequenceNumbers& binary;
+  const SequenceNumbers* start;  ///< nullptr: its solves failed
   std::int64_t interior_minima;
   const LayerVariables& layer_variables;
 };

@@ -8,20 +8,23 @@
 #include "fabseq/run/setup.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace fabseq {
 
-/// The best design's sequence, with the layers it was optimized with and with binary ones.
+/// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
+/// measured by beside the planar baseline, the binary layers of the design that the config starts from.
 template <int Dim>
 struct FinalReports {
   SequenceReport<Dim> optimized, binary;
+  std::optional<SequenceReport<Dim>> start;  ///< none if its solves failed
   std::int64_t interior_minima = 0;
 };
 
-/// Fields of the best design, beside those of the planar baseline: result.h5 and result.xdmf.
+/// Fields of the best design, beside those of start and planar baseline: result.h5 and result.xdmf.
 /// Collective; throws OutputError on all ranks.
 template <int Dim>
 void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,

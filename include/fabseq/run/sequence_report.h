@@ -4,6 +4,7 @@
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,19 +16,33 @@ struct LayerNumbers {
   int sub_part = 0, slab = 0;  ///< of multi-planar layers, sub-parts from 1; 0: layers without sub-parts
 };
 
-/// Length of the displacement of the part's nodes.
+/// Length of the displacement of some nodes, length unit.
 struct DisplacementSize {
   double largest = 0.0, rms = 0.0;
 };
 
-/// What is reported of one evaluated sequence, be it optimized, binary or planar. The same on all ranks.
+/// What a deposition model (docs/formulation.md 4.6) makes of a sequence, before the release.
+struct DepositionNumbers {
+  DisplacementSize part;
+  std::optional<DisplacementSize> nodes;  ///< of all node sets that the objective measures; none without them
+  std::vector<NamedValue> distortions;    ///< values of the objective's terms of that type
+};
+struct BothDepositions {
+  DepositionNumbers follow, nominal;
+};
+
+/// What is reported of one evaluated sequence, be it optimized, binary, planar or the start. The same on all
+/// ranks.
 struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
-  DisplacementSize displacement_size;
+  DisplacementSize displacement_size;  ///< of the part's nodes
+  BothDepositions depositions;
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
+  /// Whether its root is a length.
+  bool first_is_distortion() const { return !responses.empty() && responses[0].type == "distortion"; }
   /// Number of layers that hold more than a trace of the part's volume.
   int used_layers() const;
 };
@@ -49,8 +64,10 @@ template <int Dim>
 SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
-/// Size of a displacement, [owned node][component]. Collective.
+/// Size of a displacement, [owned node][component], on the part's nodes, or on the owned nodes that `nodes`
+/// marks. Collective.
 template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement);
+DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
+                                   const std::optional<std::vector<char>>& nodes = std::nullopt);
 
 }  // namespace fabseq
