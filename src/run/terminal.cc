@@ -144,11 +144,11 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
   if (summary.finish->start != nullptr) print_sequence("start, binary", *summary.finish->start);
   print_sequence("optimized", summary.finish->optimized);
   print_sequence("optimized, binary", summary.finish->binary);
-  char line[160];
-  std::snprintf(line, sizeof line, "%s after %d iterations (%s), best feasible: %s, %.1f s; results in %s",
-                summary.end.status.c_str(), summary.end.iterations, summary.end.reason.c_str(),
-                summary.finish->best.feasible() ? "yes" : "no", summary.seconds.total, directory.c_str());
-  print(line);
+  char seconds[40];
+  std::snprintf(seconds, sizeof seconds, "%.1f s", summary.seconds.total);
+  print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
+        summary.end.reason + "), best feasible: " + (summary.finish->best.feasible() ? "yes" : "no") + ", " +
+        seconds + "; results in " + directory);
 }
 
 }  // namespace fabseq
