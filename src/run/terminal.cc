@@ -134,9 +134,10 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
         "   planar / this   max displacement   layers");
   const auto print_sequence = [&](const char* name, const SequenceNumbers& numbers) {
     char length[40] = "", line[200];
+    const double squared = planar_objective_ / numbers.first_objective();
     if (has_length) std::snprintf(length, sizeof length, " %11.4e", std::sqrt(numbers.first_objective()));
     std::snprintf(line, sizeof line, "%-20s %16.4e%s %15.1f %18.4e %8d", name, numbers.first_objective(),
-                  length, planar_objective_ / numbers.first_objective(), numbers.displacement_size.largest,
+                  length, has_length ? std::sqrt(squared) : squared, numbers.displacement_size.largest,
                   numbers.used_layers());
     print(line);
   };
