@@ -77,8 +77,8 @@ class Job:
         self.test.assertEqual((self.field("JobState"), self.field("ExitCode")), (state, exit_code), self.log())
 
     def ranks(self):
-        """Processes of the program that run for the job."""
-        return [process for process in processes_with(f"SLURM_JOB_ID={self.number}")
+        """Processes of the program that run for the job; other clusters have jobs of the same number."""
+        return [process for process in processes_with(f"\0{self.output}\0")
                 if os.path.realpath(f"/proc/{process}/exe") == os.path.realpath(PROGRAM)]
 
 
