@@ -26,7 +26,7 @@ def hook_of_many_layers():
 
 class GroupsTest(FabseqTest):
     def optimize(self, config, ranks, groups, *arguments):
-        iterations = 2 if SANITIZED else 5
+        iterations = 2 if SANITIZED else 4
         run = self.run_config(ranks, config, "-layer_groups", groups, "-max_iterations", iterations, "-tolerance",
                               "1e-11", "-output_every", iterations, "-checkpoint_every", iterations, *arguments)
         self.assert_done(run)
