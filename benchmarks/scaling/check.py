@@ -21,6 +21,7 @@ BLOCK = {
     "name": "block", "domain": {"size": [2.0, 1.0, 2.0], "elements": [32, 16, 32]},
     "part": {"box": {"min": [0, 0, 0], "max": [2, 1, 2]}},
     "node_sets": {"edge": {"box": {"min": [2, 0, 2], "max": [2, 1, 2]}}},
+    "process": {"deposition": "follow"},  # as benchmarks/v_shape.json
     "sequence": {"type": "heat", "characteristic_length": 2.0}, "layers": {"count": 11},
     "objective": [{"type": "distortion", "nodes": "edge", "scaling": "current", "least_squares": False},
                   {"type": "layer_uniformity"}],

@@ -122,6 +122,8 @@ class ConfigErrorsTest(BadInputTest):
 
 
 class PartErrorsTest(BadInputTest):
+    rank_counts = (3,)  # on one rank everybody says the same
+
     def test_empty_part(self):
         config = plate_2d()
         config["part"] = {"box": {"min": [3, 3], "max": [4, 4]}}
@@ -217,6 +219,8 @@ class PartErrorsTest(BadInputTest):
 
 
 class FileErrorsTest(BadInputTest):
+    rank_counts = (3,)
+
     def voxel_config(self, **voxels):
         config = plate_2d()
         config["part"] = {"voxels": {"file": "part.h5", **voxels}}

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Every response against central differences by every kind of design variable, in two and three dimensions,
 with both void models, a constant strain and one that turns with the layers. Material goes to nominal
-positions where strains turn.
+positions where strains turn. In three dimensions each void model has one of the strains.
 
-    tests/integration/gradient_matrix_test.py --table     prints the worst errors as a table (Markdown)
+    tests/integration/gradient_matrix_test.py --table     prints the worst errors of all as a table
 """
 
 import itertools
@@ -124,7 +124,10 @@ class GradientMatrixTest(FabseqTest):
         """Largest best-step error of each response by each kind of variable, over voids and strains."""
         found = {}
         strains = (False,) if design == "times of elements" else (False, True)
-        for void, turning in itertools.product(("absent", "quiet"), strains):
+        cases = list(itertools.product(("absent", "quiet"), strains))
+        if dimension == 3 and len(cases) == 4 and "--table" not in sys.argv:
+            cases = cases[1:3]
+        for void, turning in cases:
             config = problem(dimension, design, void, turning)
             run = self.run_config(2, config, "-task", "check_gradients", timeout=900)
             self.assert_done(run)

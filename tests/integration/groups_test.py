@@ -26,7 +26,7 @@ def hook_of_many_layers():
 
 class GroupsTest(FabseqTest):
     def optimize(self, config, ranks, groups, *arguments):
-        iterations = 2 if SANITIZED else 5
+        iterations = 2 if SANITIZED else 4
         run = self.run_config(ranks, config, "-layer_groups", groups, "-max_iterations", iterations, "-tolerance",
                               "1e-11", "-output_every", iterations, "-checkpoint_every", iterations, *arguments)
         self.assert_done(run)
@@ -39,8 +39,10 @@ class GroupsTest(FabseqTest):
                 error = largest_relative_difference(line[key], correct[key])
                 self.assertLess(error, LIMIT, f"{key} of iteration {line['iteration']}")
             for kind, counts in correct["solver_iterations"].items():
-                self.assertEqual(len(line["solver_iterations"][kind]), len(counts), kind)
-                self.assertGreater(min(line["solver_iterations"][kind]), 0, kind)
+                # Adjoints of layers with a negligible load are not solved for: in no group, or in all.
+                solved = [count > 0 for count in counts]
+                self.assertEqual([count > 0 for count in line["solver_iterations"][kind]], solved, kind)
+                self.assertTrue(any(solved) if kind == "adjoint" else all(solved), kind)
         last = len(expected.history())
         for fields, correct in ((read_dump(run, last), read_dump(expected, last)),
                                 (read_result(run), read_result(expected))):

@@ -46,13 +46,13 @@ class RestartTest(FabseqTest):
 
 
 class SameBytesTest(RestartTest):
-    def check(self, ranks, config, *arguments):
-        """Cut after 0, 1, 3 and all 6 iterations, and in three pieces."""
+    def check(self, ranks, config, *arguments, all_cuts=((3,), (2, 5))):
+        """Cut after these of 6 iterations."""
         arguments = ("-max_iterations", 6, "-set", "projection.interval=2", "-output_every", 2, "-checkpoint_every", 3,
                      *arguments)
         expected = self.run_config(ranks, config, *arguments)
         self.assert_done(expected)
-        for cuts in ((0,), (1,), (3,), (6,), (2, 5)):
+        for cuts in all_cuts:
             with self.subTest(ranks=ranks, cuts=cuts):
                 output = os.path.join(self.directory, f"cut_{ranks}_{cuts[0]}")
                 for cut in cuts:
@@ -69,8 +69,9 @@ class SameBytesTest(RestartTest):
                 assert_same_run(self, run, expected, ranks)
 
     def test_plane(self):
+        """Also before the first iteration and after the last."""
         for ranks in (1, 3):
-            self.check(ranks, plate_2d())
+            self.check(ranks, plate_2d(), all_cuts=((0,), (1,), (3,), (6,), (2, 5)))
 
     def test_layer_groups(self):
         """By what work layers are dealt out to groups lasts from one iteration to the next."""

@@ -77,8 +77,8 @@ class Job:
         self.test.assertEqual((self.field("JobState"), self.field("ExitCode")), (state, exit_code), self.log())
 
     def ranks(self):
-        """Processes of the program that run for the job."""
-        return [process for process in processes_with(f"SLURM_JOB_ID={self.number}")
+        """Processes of the program that run for the job; other clusters have jobs of the same number."""
+        return [process for process in processes_with(f"\0{self.output}\0")
                 if os.path.realpath(f"/proc/{process}/exe") == os.path.realpath(PROGRAM)]
 
 
@@ -140,7 +140,7 @@ class MpirunTest(RunTest):
     def test_warned_then_requeued(self):
         """First as at the end of the job's time, only when it suits; then as by an administrator, without a
         warning."""
-        arguments = (*SMALL, "-max_iterations", 300)
+        arguments = (*SMALL, "-max_iterations", 150)
         job = self.submit_run(*arguments)
         job.wait_for_iterations(25)
         self.slurm("scancel", "--batch", "--signal=USR1", job.number)
@@ -225,7 +225,7 @@ name,objective.layer_uniformity.weight,projection,optimizer.max_iterations
 # A remark, an object with a comma, and a key that is left as it is.
 uneven,0.1,,40
 none,-1,,40
-even,1,"{""beta"": 12, ""interval"": 5}",300
+even,1,"{""beta"": 12, ""interval"": 5}",150
 """
 
     def test_array(self):
@@ -246,7 +246,7 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
         jobs["even"].wait_for_end("COMPLETED")
         self.assertEqual([jobs[name].field("Restarts") for name in ("uneven", "none", "even")], ["0", "0", "1"])
         self.assertEqual(sorted(os.listdir(output)), ["even", "uneven"])
-        expected = {"even": ("-beta", 12, "-set", "projection.interval=5", "-max_iterations", 300),
+        expected = {"even": ("-beta", 12, "-set", "projection.interval=5", "-max_iterations", 150),
                     "uneven": ("-alpha", 0.1, "-max_iterations", 40)}
         for name, arguments in expected.items():
             run = self.run_config(RANKS, plate_2d(), *SMALL, "-checkpoint_every", 7, *arguments)
@@ -261,7 +261,7 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
         with open(os.path.join(self.directory, "compare.csv"), encoding="utf-8", newline="") as file:
             rows = {row["run"]: row for row in csv.DictReader(file)}
         self.assertEqual([rows[name]["objective.layer_uniformity.weight"] for name in ("even", "uneven")], ["1", "0.1"])
-        self.assertEqual([rows[name]["optimizer.max_iterations"] for name in ("even", "uneven")], ["300", "40"])
+        self.assertEqual([rows[name]["optimizer.max_iterations"] for name in ("even", "uneven")], ["150", "40"])
         self.assertTrue(os.path.exists(os.path.join(self.directory, "compare.png")))
 
 

@@ -2,6 +2,7 @@
 """Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost
 but the work since the last checkpoint, and nothing hangs."""
 
+import contextlib
 import os
 import shutil
 import signal
@@ -72,16 +73,14 @@ class SignalTest(StopTest):
             return self.finish(process, output)
 
     def test_user_signals(self):
-        for number, name in ((signal.SIGUSR1, "USR1"), (signal.SIGUSR2, "USR2")):
-            for ranks in (1, 2):
-                with self.subTest(name=name, ranks=ranks):
-                    output = f"{name}_{ranks}"
-                    run = self.stop_by(number, ranks, output=output)
-                    self.assertEqual(run.status, STOPPED, str(run))
-                    own = [line for line in run.messages() if not line.startswith("mpirun: Forwarding")]
-                    self.assertEqual(own, [f"fabseq: stopped by signal {name}"])
-                    self.assertEqual(run.json("summary.json")["reason"], f"stopped by signal {name}")
-                    self.check_goes_on(ranks, run.output)
+        for number, name, ranks in ((signal.SIGUSR1, "USR1", 2), (signal.SIGUSR2, "USR2", 1)):
+            with self.subTest(name=name):
+                run = self.stop_by(number, ranks, output=name)
+                self.assertEqual(run.status, STOPPED, str(run))
+                own = [line for line in run.messages() if not line.startswith("mpirun: Forwarding")]
+                self.assertEqual(own, [f"fabseq: stopped by signal {name}"])
+                self.assertEqual(run.json("summary.json")["reason"], f"stopped by signal {name}")
+                self.check_goes_on(ranks, run.output)
 
     def test_on_the_reference_path(self):
         arguments = ("-solver_path", "reference", "-reference_method", "gamg", "-elements", "40,24")
@@ -92,11 +91,18 @@ class SignalTest(StopTest):
     def test_end_by_the_launcher(self):
         """The checkpoint is what is promised: mpirun has a status of its own. For TERM and for INT it waits
         for so many seconds, passes TERM on, and kills after as many again. In the meantime it reads nothing
-        of what the ranks print: they must not wait for that."""
-        for number in (signal.SIGTERM, signal.SIGINT):
-            with self.subTest(number=number):
-                run = self.stop_by(number, 2, output=f"end_{number}",
-                                   environment={"OMPI_MCA_odls_base_sigkill_timeout": "5"})
+        of what the ranks print: they must not wait for that. The two wait side by side."""
+        with contextlib.ExitStack() as stack:
+            started = []
+            for number in (signal.SIGTERM, signal.SIGINT):
+                output = os.path.join(self.directory, f"end_{number}")
+                process = stack.enter_context(self.start(2, output, environment={"OMPI_MCA_odls_base_sigkill_timeout": "5"}))
+                self.wait_for_lines(process, output, 3)
+                process.process.send_signal(number)
+                started.append((process, output))
+            runs = [self.finish(process, output) for process, output in started]
+        for run in runs:
+            with self.subTest(output=run.output):
                 self.assertEqual(run.json("summary.json")["reason"], "stopped by signal TERM")
                 self.check_goes_on(2, run.output)
 
@@ -146,7 +152,7 @@ class WithinAnIterationTest(StopTest):
     """Layer groups are each at its own layers when the request comes, for seconds: they all leave them."""
 
     # An iteration takes several seconds; the file is looked for once a second.
-    ARGUMENTS = ("-layer_groups", 2, "-elements", "240,144" if SANITIZED else "480,288", "-layers", 24 if SANITIZED else 64,
+    ARGUMENTS = ("-layer_groups", 2, "-elements", "240,144" if SANITIZED else "320,192", "-layers", 24 if SANITIZED else 48,
                  "-tolerance", "1e-11")
 
     def stop_by(self, request, reason):
