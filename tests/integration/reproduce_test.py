@@ -122,6 +122,7 @@ class ReproduceTest(FabseqTest):
                 words[words.index("-task") + 1] = "check"
                 run = self.run_program(1, *words, output="")
                 self.assert_done(run)
+                self.assertIn("estimate", run.stdout)
 
 
 if __name__ == "__main__":
