@@ -137,13 +137,14 @@ def crop_together(images, margin=12):
 
 
 def write_title(sheet, run):
-    planar, optimized, binary = (run.distortion(block) for block in ("baseline", "optimized", "binary"))
+    planar, optimized, binary = (run.length(block) for block in ("baseline", "optimized", "binary"))
     name = run.name.replace("_", " ")
-    title = f"{name[:1].upper()}{name[1:]}: distortion {compared(planar, optimized)} than with planar layers"
+    title = f"{name[:1].upper()}{name[1:]}: distortion {compared(planar, binary)} than with planar layers"
     sheet.text(0.03, 0, 0.48, title, fontsize=min(22, 1500 / len(title)), weight="bold")
     how = dict(fontsize=11.5, color=SOFT_INK)
-    sheet.text(0.03, 0, 0.90, f"Distortion ({run.measure()}): planar {number(planar)}, optimized {number(optimized)}; "
-               f"cut into sharp layers {number(binary)} ({compared(planar, binary)}).", **how)
+    start = f", not optimized {number(run.length('start'))}" if "start" in run.summary else ""
+    sheet.text(0.03, 0, 0.90, f"Distortion ({run.measure()}): planar {number(planar)}{start}, optimized {number(binary)} "
+               f"(with smooth layers {number(optimized)}).", **how)
     built = int((run.fields["density"] > 0).sum())
     unmet = "" if run.summary.get("feasible", True) else "  Not all constraints are satisfied."
     sheet.text(0.03, 0, 1.15, f"{built:,} elements, {len(run.layers('optimized'))} layers, "
@@ -197,6 +198,8 @@ def plot_distortion(axes, run):
     planar = run.distortion("baseline")
     iterations = run.iterations
     values = np.array([line["objective"][run.distortion_term] for line in run.history], dtype=float) / planar
+    if run.distortion_config.get("type") == "distortion":
+        values = np.sqrt(values)  # lengths
     axes.axhline(1.0, color=PLANAR, linewidth=1.4)
     axes.semilogy(iterations, values, color=OPTIMIZED, linewidth=2)
     low, high = min(values.min(), 1.0) / 1.8, max(values.max(), 1.0) * 2.5
@@ -268,7 +271,8 @@ def heading(axes, title, note=""):
 
 def table(run):
     """The main figures of a run, planar beside optimized, as lines of text."""
-    blocks = ("baseline", "optimized", "binary")
+    blocks = [block for block in ("baseline", "start", "optimized", "binary") if block in run.summary]
+    names = {"baseline": "planar", "start": "start, binary", "optimized": "optimized, smooth", "binary": "optimized, binary"}
     constraint = run.thickness_constraint()
     unit = constraint["target"] if constraint else 1.0
 
@@ -276,13 +280,14 @@ def table(run):
         values = [layer["thickness"] / unit for layer in run.layers(block) if layer["thickness"] is not None]
         return f"{min(values):.2f} .. {max(values):.2f}" if values else "-"
 
-    rows = {"": ("planar", "optimized, smooth", "optimized, binary"),
+    rows = {"": (names[block] for block in blocks),
             "distortion": (f"{run.distortion(block):.3e}" for block in blocks),
-            "planar / this": (factor(run.distortion("baseline") / run.distortion(block)) for block in blocks),
+            "length": (f"{run.length(block):.3e}" for block in blocks),
+            "planar / this": (factor(run.length("baseline") / run.length(block)) for block in blocks),
             "largest displacement": (f"{run.summary[block]['displacement']['max']:.3e}" for block in blocks),
             "thickness" + " / target" * bool(constraint): map(span, blocks),
             "layers used": (len(run.layers(block)) for block in blocks)}
-    lines = ["{:<22}{:>14}{:>20}{:>20}".format(name, *cells) for name, cells in rows.items()]
+    lines = [f"{name:<22}" + "".join(f"{cell:>20}" for cell in cells) for name, cells in rows.items()]
     seconds = run.summary["seconds"]["total"]
     return "\n".join([*lines, f"{run.summary['iterations']} iterations, {seconds:.{0 if seconds >= 10 else 1}f} seconds"])
 

@@ -37,13 +37,21 @@ class Run:
         name = f"objective_{self.distortion_term}"
         return next(r["value"] for r in self.summary[block]["responses"] if r["name"] == name)
 
+    def length(self, block):
+        """The same as a length: the root of a distortion, which is a square. Of angle it is degrees."""
+        value = self.distortion(block)
+        return math.sqrt(value) if self.distortion_config.get("type") == "distortion" else value
+
     def measure(self):
-        """What the distortion is, in words."""
+        """What the length is, in words."""
         term = self.distortion_config
         place = f" of {term['nodes'].replace('_', ' ')}" if term.get("nodes") else ""
-        return {"displacement": ("mean" if term.get("mean") else "sum") + f" of squared displacements{place}",
-                "flatness": f"unevenness{place} along {term.get('axis')}",
-                "layerwise": "sum of squared displacements of all layers"}.get(term.get("measure"), "first objective")
+        displacement = f"root of the {'mean' if term.get('mean') else 'sum'} of squared displacements{place}"
+        if "norm" in term:
+            displacement = f"displacement{place}, mean of power {term['norm']:g}"
+        return {"displacement": displacement, "flatness": f"unevenness{place} along {term.get('axis')}",
+                "shape": f"deviation of the shape{place}", "angle": f"change of the angle{place}, degrees",
+                "layerwise": "root of the sum of all layers' squared displacements"}.get(term.get("measure"), "first objective")
 
     def thickness_constraint(self):
         """The config's layer_thickness constraint, or None."""
@@ -61,6 +69,8 @@ class Run:
     def measured_nodes(self):
         """Numbers of the nodes whose distortion is the first term; empty if the config does not tell them."""
         shape = self.config.get("node_sets", {}).get(self.distortion_config.get("nodes"))
+        if shape is not None and (shape.get("all") or shape.get("surface")):
+            return np.array([], dtype=int)  # so many that marks would hide the part
         built = self.fields["density"] > 0
         size = self.config["domain"]["size"]
         slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))

@@ -45,15 +45,18 @@ double overhead(int domain_ranks) {
          std::pow(1.0 + overhead_of_a_further_doubling, std::log2(domain_ranks) - 1.0);
 }
 
-/// Counts the functionals of all terms that may be handed over as sums of squares.
+/// Counts the functionals of all terms that may be handed over as sums of squares, and the values of one that
+/// is the largest of them.
 template <int Dim>
 int functional_count(const ModelSettings& settings, const Part<Dim>& part,
                      const std::map<std::string, NodeSet>& node_sets) {
   const ResponseContext<Dim> context{part, node_sets, 1.0};
   int result = 0;
   for (const Term& term : settings.objective) {
-    const auto functionals = term.type->make(term, context)->squares(term.scaling);
+    const auto response = term.type->make(term, context);
+    const auto functionals = response->squares(term.scaling);
     result += functionals ? functionals->count() : 0;
+    if (term.type->is_largest(term)) result += static_cast<int>(settings.material.scenarios.size());
   }
   return result;
 }
@@ -75,6 +78,7 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
+  size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
   size.functionals = functional_count(settings, part, node_sets);
   return size;
 }
@@ -86,7 +90,8 @@ BlockSolver block_solver(SolverPath path) {
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
   // Each group has the heat problem and all densities; displacements, what counts of them, and derivatives
   // are shared out.
-  const double of_nodes = size.nodes * (200.0 * groups + 8.0 * (size.dimension + 1) * size.layers);
+  const double of_nodes =
+      size.nodes * (200.0 * groups + 8.0 * (size.dimension * size.cases + 1) * size.layers);
   const double of_elements =
       size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
   const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
@@ -128,8 +133,8 @@ double relative_time_estimate(const RunSize& size, SolverPath path, int groups) 
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
-  return (2.0 + size.functionals) * size.layers * size.unknowns * cost_of(path).seconds_per_unknown /
-         size.ranks;
+  return (1.0 + size.cases + size.functionals) * size.layers * size.unknowns *
+         cost_of(path).seconds_per_unknown / size.ranks;
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_size);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/responses/fitted_plane.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/set_functions.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
+#include <string>
 
 namespace fabseq {
 
@@ -15,24 +15,6 @@ namespace {
 
 /// The two smallest variances must differ by more than this share of the largest one.
 constexpr double least_difference = 1e-9;
-
-/// Turns the axes a and b of a symmetric matrix, by 45 degrees at most, such that its entry ab vanishes.
-template <int Dim>
-void rotate(int a, int b, std::array<Point<Dim>, Dim>& matrix, std::array<Point<Dim>, Dim>& directions) {
-  if (matrix[a][b] == 0.0) return;
-  const double difference = matrix[b][b] - matrix[a][a];
-  const double angle = 0.5 * std::atan2(std::copysign(2.0, difference) * matrix[a][b], std::abs(difference));
-  const double c = std::cos(angle), s = std::sin(angle);
-  const auto turn = [&](double& of_a, double& of_b) {
-    const double old = of_a;
-    of_a = c * old - s * of_b;
-    of_b = s * old + c * of_b;
-  };
-  for (int k = 0; k < Dim; ++k) turn(matrix[k][a], matrix[k][b]);
-  for (int k = 0; k < Dim; ++k) turn(matrix[a][k], matrix[b][k]);
-  matrix[a][b] = matrix[b][a] = 0.0;
-  for (int k = 0; k < Dim; ++k) turn(directions[a][k], directions[b][k]);
-}
 
 /// Covariance of the set's nodes, their places relative to the set's extent. Collective.
 template <int Dim>
@@ -57,22 +39,16 @@ double dot(const Point<Dim>& a, const Point<Dim>& b) {
 
 }  // namespace
 
-/// Jacobi's method; its sweeps converge quadratically.
 template <int Dim>
 PrincipalAxes<Dim> principal_axes(std::array<Point<Dim>, Dim> covariance) {
-  std::array<Point<Dim>, Dim> directions{};
-  for (int a = 0; a < Dim; ++a) directions[a][a] = 1.0;
-  for (int sweep = 0; sweep < 16; ++sweep)
-    for (int a = 0; a < Dim; ++a)
-      for (int b = a + 1; b < Dim; ++b) rotate<Dim>(a, b, covariance, directions);
-  std::array<int, Dim> order;
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return covariance[a][a] < covariance[b][b]; });
   PrincipalAxes<Dim> result;
-  for (int k = 0; k < Dim; ++k) {
-    result.variance[k] = covariance[order[k]][order[k]];
-    result.direction[k] = directions[order[k]];
-  }
+  const int size = Dim, work_size = 8 * Dim;
+  std::array<double, 8 * Dim> work;
+  int info = 0;
+  dsyev_("V", "L", &size, covariance.front().data(), &size, result.variance.data(), work.data(), &work_size,
+         &info);
+  if (info != 0) throw NumericalError("dsyev failed for a covariance: " + std::to_string(info));
+  result.direction = covariance;  // LAPACK's columns
   return result;
 }
 

@@ -24,7 +24,7 @@ void print_cost(const Setup<Dim>& setup) {
   const SolverPath path = setup.config.solver.path;
   const RunSize size = run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), ranks);
   print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
-             2 + size.functionals);
+             1 + size.cases + size.functionals);
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
   const OptimizerSettings& optimizer = setup.config.optimizer;
   print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",

@@ -39,6 +39,14 @@ Json deposition_record(const DepositionNumbers& numbers) {
                        {"distortion", terms}});
 }
 
+Json scenario_table(const std::vector<ScenarioNumbers>& scenarios) {
+  Json table = Json::array();
+  for (const auto& [name, values, mean, spread, worst] : scenarios)
+    table.push_back(Json::object(
+        {{"name", name}, {"values", values}, {"mean", mean}, {"spread", spread}, {"worst", worst}}));
+  return table;
+}
+
 /// Terms of an objective have one.
 std::vector<double> first_components(const std::vector<std::vector<double>>& values) {
   std::vector<double> result;
@@ -75,6 +83,7 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["displacement"] = to_record(numbers.displacement_size);
   record["deposition"] = Json::object({{"follow", deposition_record(numbers.depositions.follow)},
                                        {"nominal", deposition_record(numbers.depositions.nominal)}});
+  if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }
 
 Json to_record(const SequenceNumbers& numbers) {

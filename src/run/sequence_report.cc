@@ -4,6 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
 #include "fabseq/run/deposition_report.h"
+#include "fabseq/run/scenario_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +71,7 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   report.layers = layer_numbers(model, state);
   report.displacement_size = displacement_size(model.part, state.process.displacement);
   report.depositions = report_depositions(model, problem, pipeline, state);
+  report.scenarios = report_scenarios(model, problem, pipeline, state);
   report.time = model.part.expand(state.time.time);
   report.layer = model.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;

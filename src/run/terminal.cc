@@ -134,9 +134,10 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
         "   planar / this   max displacement   layers");
   const auto print_sequence = [&](const char* name, const SequenceNumbers& numbers) {
     char length[40] = "", line[200];
+    const double squared = planar_objective_ / numbers.first_objective();
     if (has_length) std::snprintf(length, sizeof length, " %11.4e", std::sqrt(numbers.first_objective()));
     std::snprintf(line, sizeof line, "%-20s %16.4e%s %15.1f %18.4e %8d", name, numbers.first_objective(),
-                  length, planar_objective_ / numbers.first_objective(), numbers.displacement_size.largest,
+                  length, has_length ? std::sqrt(squared) : squared, numbers.displacement_size.largest,
                   numbers.used_layers());
     print(line);
   };
@@ -144,11 +145,11 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
   if (summary.finish->start != nullptr) print_sequence("start, binary", *summary.finish->start);
   print_sequence("optimized", summary.finish->optimized);
   print_sequence("optimized, binary", summary.finish->binary);
-  char line[160];
-  std::snprintf(line, sizeof line, "%s after %d iterations (%s), best feasible: %s, %.1f s; results in %s",
-                summary.end.status.c_str(), summary.end.iterations, summary.end.reason.c_str(),
-                summary.finish->best.feasible() ? "yes" : "no", summary.seconds.total, directory.c_str());
-  print(line);
+  char seconds[40];
+  std::snprintf(seconds, sizeof seconds, "%.1f s", summary.seconds.total);
+  print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
+        summary.end.reason + "), best feasible: " + (summary.finish->best.feasible() ? "yes" : "no") + ", " +
+        seconds + "; results in " + directory);
 }
 
 }  // namespace fabseq

@@ -95,6 +95,18 @@ class DepositionTest(FabseqTest):
         self.assertIsNone(run.json("summary.json")["deposition"]["follow"]["nodes"])
 
 
+    def test_nominal_hardly_depends_on_the_least_stiffness(self):
+        """What is not built yet is as soft as that."""
+        change = {}
+        for model in MODELS:
+            runs = [self.run_task(hook_3d(), 1, 1, model, "-task", "simulate", "-set", f"process.min_stiffness={least}")
+                    for least in (1e-9, 2e-9)]
+            soft, stiffer = (read_result(run)["displacement"] for run in runs)
+            change[model] = np.abs(stiffer - soft).max() / np.abs(soft).max()
+        self.assertLess(change["nominal"], 1e-3)
+        self.assertGreater(change["follow"], change["nominal"])
+
+
 class StartTest(FabseqTest):
     def test_start_is_what_the_config_starts_from(self):
         """Whatever the run starts from, and whether it was interrupted."""

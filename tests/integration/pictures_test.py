@@ -55,7 +55,8 @@ class PicturesTest(FabseqTest):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertGreater(min(drawn(run.path("overview.png"), 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
             rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
-            values = [run.json("summary.json")[block]["responses"][0]["value"] for block in ("baseline", "optimized", "binary")]
+            values = [run.json("summary.json")[block]["responses"][0]["value"]
+                      for block in ("baseline", "start", "optimized", "binary")]
             self.assertEqual(rows["distortion"], [f"{value:.3e}" for value in values])
             self.assertIn("3 iterations", done.stdout)
 

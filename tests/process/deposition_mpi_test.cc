@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/process_case.h"
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -91,6 +92,31 @@ TYPED_TEST(DepositionTest, TheDisplacementIsTheSumOfWhatCounts) {
     for (std::size_t i = 0; i < counted.size(); ++i) counted[i] += increment[i];
   }
   EXPECT_LT(test::relative_difference(counted, result.displacement), 1e-14);
+}
+
+/// A column that shrinks along its axis only, one element per layer. Each layer shrinks by strain *
+/// thickness: its top moves by that, and under `follow` also by what all layers below have shrunk before.
+TYPED_TEST(DepositionTest, FreeColumn) {
+  constexpr int Dim = TypeParam::value;
+  constexpr int up = Dim - 1;
+  constexpr double strain = -0.02;
+  for (const DepositionModel model : {DepositionModel::nominal, DepositionModel::follow}) {
+    test::CaseSettings<Dim> settings;
+    settings.shape = test::block<Dim>();
+    settings.material = {1.0, 0.0, std::vector<double>(voigt_size<Dim>, 0.0)};
+    settings.material.inherent_strain[up] = strain;
+    settings.process.deposition = model;
+    test::ProcessCase<Dim> process(settings);
+    const int layers = process.grid().domain().elements[up];
+    const auto& displacement =
+        process.simulation.simulate(process.densities(process.planar_time(), layers, 1.0, true)).displacement;
+    process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t number) {
+      const int below = node[up], counted = model == DepositionModel::follow ? below : std::min(below, 1);
+      const double expected = strain * counted * process.grid().spacing()[up];
+      for (int axis = 0; axis < Dim; ++axis)
+        EXPECT_NEAR(displacement[number * Dim + axis], axis == up ? expected : 0.0, 1e-9);
+    });
+  }
 }
 
 }  // namespace

@@ -122,7 +122,8 @@ class Figures(unittest.TestCase):
             rows = {line[:22].strip(): line[22:].split("  ") for line in overview.table(Run(folder)).splitlines()}
             cells = {name: [cell.strip() for cell in row if cell.strip()] for name, row in rows.items()}
             self.assertEqual(cells["distortion"], ["4.100e-01", "4.500e-04", "5.300e-04"])
-            self.assertEqual(cells["planar / this"], ["1.0", "911", "774"])
+            self.assertEqual(cells["length"], ["6.403e-01", "2.121e-02", "2.302e-02"])
+            self.assertEqual(cells["planar / this"], ["1.0", "30", "28"])
             self.assertEqual(cells["thickness / target"][0], "1.00 .. 1.00")
             with h5py.File(os.path.join(folder, "result.h5")) as file:
                 self.assertEqual(cells["layers used"][1], str(len(np.unique(file["layer"][:]))))

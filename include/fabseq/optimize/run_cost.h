@@ -21,7 +21,8 @@ struct RunSize {
   int dimension = 3;
   int layers = 0;
   int ranks = 1;
-  int functionals = 0;  ///< residuals of least squares: each costs an elastic adjoint
+  int cases = 1;        ///< strains that each layer is solved for
+  int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
 };
 
 /// Size of a run with this part, its node sets and so many layers. Collective on the grid's communicator.

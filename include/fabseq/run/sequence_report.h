@@ -31,6 +31,13 @@ struct BothDepositions {
   DepositionNumbers follow, nominal;
 };
 
+/// What the scenarios of the strain make of a term of the objective, J each (docs/formulation.md 5.1).
+struct ScenarioNumbers {
+  std::string name;            ///< of the term
+  std::vector<double> values;  ///< of each scenario
+  double mean = 0.0, spread = 0.0, worst = 0.0;
+};
+
 /// What is reported of one evaluated sequence, be it optimized, binary, planar or the start. The same on all
 /// ranks.
 struct SequenceNumbers {
@@ -38,6 +45,7 @@ struct SequenceNumbers {
   std::vector<LayerNumbers> layers;
   DisplacementSize displacement_size;  ///< of the part's nodes
   BothDepositions depositions;
+  std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
