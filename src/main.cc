@@ -62,7 +62,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
-    output.finish(run.end(), final_reports(setup, run.problem, pipeline, run.best), run.best);
+    finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);
     throw;
@@ -83,6 +83,8 @@ void run_task(const CommandLine& command_line, const Config& config) {
       return optimize(command_line, setup, timer);
     case Task::simulate:
       return run_simulate(command_line, setup, timer);
+    case Task::sensitivity:
+      return run_sensitivity(command_line, setup, timer);
     case Task::evaluate:
       return run_evaluate(command_line, setup, timer);
     case Task::check_gradients:

@@ -37,7 +37,7 @@ set(FABSEQ_COSTS
     integration.restart=200 integration.slurm=150 integration.multi_planar=140 integration.groups=100
     integration.direct=90 integration.gradient_matrix=80 integration.benchmarks=80 integration.stop=200
     integration.readme=90 integration.configs=70 integration.calibrate=70 integration.coarse=60 integration.ranks=60 integration.gradients=50 integration.failures=50
-    integration.errors=50 integration.reproduce=40 integration.outputs=40 integration.reference=30 integration.reruns=30 integration.deposition=30
+    integration.errors=50 integration.reproduce=40 integration.outputs=40 integration.reference=30 integration.reruns=30 integration.deposition=30 integration.sensitivity=60
     integration.simulate=30 integration.squares=30 integration.leaks=30 faults.sample=30)
 function(fabseq_cost result name)
   set(cost 1)
@@ -52,7 +52,7 @@ endfunction()
 # What to run after which kind of change: LABEL=REGEX of MODULE/NAME.
 set(FABSEQ_LABELS
     "kernels=^(lanes|fem)/"
-    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition)"
+    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"

@@ -21,6 +21,7 @@ struct NamedTask {
 
 constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
                                {"simulate", Task::simulate},
+                               {"sensitivity", Task::sensitivity},
                                {"evaluate", Task::evaluate},
                                {"check_gradients", Task::check_gradients},
                                {"check", Task::check}};
@@ -168,8 +169,9 @@ class Parser {
 
   void check_sequence() const {
     if (!result_.sequence_file) return;
-    if (result_.task != Task::simulate && result_.task != Task::check)
-      throw InputError("-sequence: a given sequence is only simulated; allowed: with -task simulate");
+    if (result_.task != Task::simulate && result_.task != Task::sensitivity && result_.task != Task::check)
+      throw InputError(
+          "-sequence: a given sequence is only simulated; allowed: with -task simulate or sensitivity");
     if (result_.design_file)
       throw InputError("-sequence: -design gives a sequence as well; allowed: one of the two");
   }

@@ -23,7 +23,14 @@ Section<OutputSettings> output_keys() {
            {.range = "[0, inf)", .unit = "iterations", .option = "-output_every"})
       .key("checkpoint_every", &Its::checkpoint_every, "Iterations between two checkpoints; 0: none",
            {.range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every"})
-      .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"});
+      .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"})
+      .key("sensitivity", &Its::sensitivity,
+           "End an optimization with the table of -task sensitivity, of its binary layers",
+           {.option = "-sensitivity"})
+      .key("finer_grid", &Its::finer_grid,
+           "Whether the sensitivity table has the grid twice as fine, which costs 8 to 16 times as much as "
+           "another change; auto: if memory allows",
+           {.words = "auto", .option = "-finer_grid"});
 }
 
 void add_part(Section<Config>& keys) {

@@ -15,24 +15,9 @@ namespace fabseq {
 
 namespace {
 
-/// Number and sharpness of the layers that a result was made with; 0 if the file does not say.
-struct Slicing {
-  double layers = 0.0, beta = 0.0;
-};
-
 double positive_attribute(hid_t file, const std::string& name) {
   const std::optional<Json> value = read_attribute(file, name);
   return value && value->is_number() ? std::max(0.0, value->get<double>()) : 0.0;
-}
-
-Slicing slicing_of(MPI_Comm comm, const std::string& name) {
-  silence_hdf5();
-  Slicing found;
-  if (rank_of(comm) == 0) {
-    const Hdf5File file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
-    if (file) found = {positive_attribute(file, "layers"), positive_attribute(file, "beta")};
-  }
-  return {max(comm, found.layers), max(comm, found.beta)};
 }
 
 bool is_given(const CommandLine& command_line, const std::string& path) {
@@ -65,6 +50,16 @@ void leave_out_terms_of_gradient(Json& document, TermList list) {
 }
 
 }  // namespace
+
+Slicing slicing_of(MPI_Comm comm, const std::string& name) {
+  silence_hdf5();
+  Slicing found;
+  if (rank_of(comm) == 0) {
+    const Hdf5File file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    if (file) found = {positive_attribute(file, "layers"), positive_attribute(file, "beta")};
+  }
+  return {max(comm, found.layers), max(comm, found.beta)};
+}
 
 void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
   if (!command_line.sequence_file) return;

@@ -26,7 +26,8 @@ constexpr std::string_view mark_of_a_run = "config.json";
 constexpr auto files_of_a_run = std::to_array<std::string_view>(
     {"refined.h5", "history.jsonl", "result.h5", "result.xdmf", "summary.json", "evaluation.json",
      "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest", "stop",
-     "output_now", "gradient_check.csv", "gradient_check.json", "gradient_check.svg", mark_of_a_run});
+     "output_now", "gradient_check.csv", "gradient_check.json", "gradient_check.svg", "sensitivity.json",
+     "sensitivity.csv", "sensitivity.svg", mark_of_a_run});
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
   throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);

@@ -4,6 +4,7 @@
 #include "fabseq/layers/smooth_step.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace fabseq {
@@ -15,6 +16,16 @@ std::vector<double> uniform_time_points(int count) {
   std::vector<double> result;
   for (int j = 0; j <= count; ++j) result.push_back(static_cast<double>(j) / count);
   return result;
+}
+
+std::vector<double> interpolated_time_points(std::span<const double> given, int count) {
+  std::vector<double> points = uniform_time_points(count);
+  for (double& point : points) {
+    const double place = point * static_cast<double>(given.size() - 1);
+    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), given.size() - 2);
+    point = std::lerp(given[last], given[last + 1], place - static_cast<double>(last));
+  }
+  return points;
 }
 
 CurvedLayers::CurvedLayers(std::span<const double> density, std::vector<double> time_points, double beta,

@@ -115,6 +115,7 @@ Json coarse_document(const Setup<Dim>& fine) {
   coarsen_domain(fine, document);
   fix_automatic_values(fine, document);
   share_out_iterations(fine.config.optimizer, document["optimizer"]);
+  document["output"]["sensitivity"] = false;
   widen_node_sets(fine, make_config(document, ""), document);
   return document;
 }

@@ -3,6 +3,7 @@
 
 #include "fabseq/base/session.h"
 #include "fabseq/optimize/stages.h"
+#include "fabseq/run/sensitivity.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/sequence/given_sequence.h"
 
@@ -99,10 +100,26 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
   return reports;
 }
 
+template <int Dim>
+void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
+            RunOutput<Dim>& output, PhaseTimer& timer) {
+  const BestIterate& best = run.best;
+  output.finish(run.end(), final_reports(setup, run.problem, pipeline, best), best);
+  if (!setup.config.output.sensitivity) return;
+  try {
+    write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);
+  } catch (const Stopped& reason) {
+    warn(std::string("no sensitivity table: ") + reason.what());
+  } catch (const NumericalError& error) {
+    warn(std::string("no sensitivity table: ") + error.what());
+  }
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
 FABSEQ_INSTANTIATE_FUNCTION(starting_state);
 FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
 FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
 FABSEQ_INSTANTIATE_FUNCTION(final_reports);
+FABSEQ_INSTANTIATE_FUNCTION(finish);
 
 }  // namespace fabseq

@@ -60,18 +60,12 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
 /// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps
 /// between them. The same ones for the same number; uniform ones where the file has none.
 std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
-  std::vector<double> points = uniform_time_points(layers);
-  if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return points;
+  if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return uniform_time_points(layers);
   std::vector<double> given = {0.0};
   for (const double point : read_list(comm, file, "time_points", "-sequence", "-sequence"))
     given.push_back(point);
   given.push_back(1.0);
-  for (double& point : points) {
-    const double place = point * static_cast<double>(given.size() - 1);
-    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), given.size() - 2);
-    point = std::lerp(given[last], given[last + 1], place - static_cast<double>(last));
-  }
-  return points;
+  return interpolated_time_points(given, layers);
 }
 
 }  // namespace

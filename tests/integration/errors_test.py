@@ -294,7 +294,7 @@ class OutputDirectoryTest(BadInputTest):
         output = os.path.join(self.directory, "kept")
         first = self.run_config(1, plate_2d(), "-max_iterations", 1, output=output)
         self.assert_done(first)
-        for task in ("optimize", "simulate", "evaluate", "check_gradients"):
+        for task in ("optimize", "simulate", "sensitivity", "evaluate", "check_gradients"):
             self.assert_refused(plate_2d(), "-task", task, words=["kept", "-overwrite"], output=output)
 
     def test_a_file_in_the_place_of_the_directory(self):

@@ -8,18 +8,21 @@
 #include "fabseq/optimize/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
 
+#include <optional>
 #include <string>
 
 namespace fabseq {
 
 /// What a run does (docs/reference.md, -task).
-enum class Task { optimize, simulate, evaluate, check_gradients, check };
+enum class Task { optimize, simulate, sensitivity, evaluate, check_gradients, check };
 
 /// What a run writes on its way, and how often.
 struct OutputSettings {
-  int every = 15;             ///< iterations between two dumps of the fields; 0: none
-  int checkpoint_every = 10;  ///< iterations between two checkpoints; 0: none
-  bool stages = false;        ///< whether to write the displacement after every layer
+  int every = 15;                  ///< iterations between two dumps of the fields; 0: none
+  int checkpoint_every = 10;       ///< iterations between two checkpoints; 0: none
+  bool stages = false;             ///< whether to write the displacement after every layer
+  bool sensitivity = false;        ///< whether an optimization ends with the sensitivity table
+  std::optional<bool> finer_grid;  ///< whether that table has a grid twice as fine; none: if memory allows
 };
 
 /// A validated config.

@@ -10,6 +10,14 @@
 
 namespace fabseq {
 
+/// Number and sharpness of the layers that a result was made with; 0 if the file does not say.
+struct Slicing {
+  double layers = 0.0, beta = 0.0;
+};
+
+/// Those of a file. Does not report a file that cannot be read: its later reader does. Collective on `comm`.
+Slicing slicing_of(MPI_Comm comm, const std::string& name);
+
 /// Turns `document`, a config as read and with the overrides applied, into one whose sequence is that of
 /// -sequence FILE:
 ///   - sequence: the dataset `time` of FILE;

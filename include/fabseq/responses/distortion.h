@@ -39,6 +39,10 @@ struct DistortionSettings {
     return result;
   }
   bool is_largest() const { return aggregate == Aggregate::worst; }
+  bool is_quadratic() const {
+    const bool of_displacement = measure != Measure::layerwise && measure != Measure::angle;
+    return of_displacement && !norm && !after_release && aggregate == Aggregate::nominal;
+  }
   /// Checks relations of the keys. Throws InputError.
   void check(const TermPlace& place) const;
   /// Whether the best fit of shape may move this, such as "rotation".

@@ -55,6 +55,8 @@ class ResponseType : public ResponseTraits {
   virtual bool measures_release(const Term& term) const = 0;
   /// Whether the optimizer gets the term as the largest of several values (Response::largest_of()).
   virtual bool is_largest(const Term& term) const = 0;
+  /// Whether the term is a quadratic form of the displacement alone, and of nothing else.
+  virtual bool is_quadratic(const Term& term) const = 0;
   /// Names of the node sets that the term measures.
   virtual std::vector<std::string> node_sets(const Term& term) const = 0;
   /// Layer thickness that the term aims at, length unit; none if it aims at none.
@@ -78,7 +80,8 @@ void register_type(const ResponseType* type);
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
 ///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),
-///     measures_release(), is_largest(), node_sets() or target_thickness(), these are the type's.
+///     measures_release(), is_largest(), is_quadratic(), node_sets() or target_thickness(), these are the
+///     type's.
 template <template <int> class Kind, class Settings>
 class Registered : public ResponseType {
  public:
@@ -99,6 +102,11 @@ class Registered : public ResponseType {
   bool is_largest(const Term& term) const override {
     if constexpr (requires(const Settings& settings) { settings.is_largest(); })
       return read(term).is_largest();
+    return false;
+  }
+  bool is_quadratic(const Term& term) const override {
+    if constexpr (requires(const Settings& settings) { settings.is_quadratic(); })
+      return read(term).is_quadratic();
     return false;
   }
   std::vector<std::string> node_sets(const Term& term) const override {

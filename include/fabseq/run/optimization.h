@@ -38,5 +38,10 @@ std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>
 template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                 const BestIterate& best);
+/// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
+/// the table from being made is a warning: the results are there.
+template <int Dim>
+void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
+            RunOutput<Dim>& output, PhaseTimer& timer);
 
 }  // namespace fabseq

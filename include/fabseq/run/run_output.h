@@ -27,6 +27,7 @@ class RunOutput {
   RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, const std::optional<Restart>& restart,
             PhaseTimer& timer);
 
+  const OutputDirectory& directory() const { return directory_; }
   const std::string& path() const { return directory_.path(); }
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport<Dim> report, const std::string& solver);

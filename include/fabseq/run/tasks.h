@@ -30,6 +30,10 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
 template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
+/// -task sensitivity: what a sequence would do under stated changes; sensitivity.json, .csv and .svg.
+template <int Dim>
+void run_sensitivity(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
 /// -task check_gradients: adjoints against central differences; gradient_check.csv, .json and .svg.
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);

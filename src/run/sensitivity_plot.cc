@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/sensitivity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace fabseq {
+
+namespace {
+
+struct Kind {
+  SensitivityTable::Ratio ratio;
+  const char* color;
+  const char* meaning;
+};
+constexpr Kind kinds[] = {{&SensitivityRow::length_ratio, "#d1495b", "length of the first distortion term"},
+                          {&SensitivityRow::rms_ratio, "#1b6ca8", "rms displacement of the part"}};
+
+/// A line of 18 pixels per change, and a logarithmic axis of ratios over whole decades.
+struct Frame {
+  double left = 300, right = 700, top = 70, row = 18, bottom = 0;
+  double lowest = 0, highest = 1;  ///< decades
+
+  explicit Frame(const SensitivityTable& table) : bottom(top + row * static_cast<double>(table.rows.size())) {
+    for (const SensitivityRow& of : table.rows)
+      for (const Kind& kind : kinds)
+        if (const auto ratio = (of.*kind.ratio)(); ratio && *ratio > 0.0) {
+          lowest = std::min(lowest, std::floor(std::log10(*ratio)));
+          highest = std::max(highest, std::ceil(std::log10(*ratio)));
+        }
+  }
+  double x(double ratio) const {
+    return left + (std::log10(ratio) - lowest) / (highest - lowest) * (right - left);
+  }
+  double y(std::size_t number) const { return top + row * (static_cast<double>(number) + 0.5); }
+};
+
+void draw_axis(std::ostringstream& text, const Frame& frame) {
+  text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
+       << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
+  for (double decade = frame.lowest; decade <= frame.highest; ++decade) {
+    const double x = frame.x(std::pow(10.0, decade));
+    text << "<line x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='" << frame.bottom
+         << "' stroke='" << (decade == 0.0 ? "#444" : "#ddd") << "'/>\n<text x='" << x << "' y='"
+         << frame.bottom + 16 << "' text-anchor='middle'>" << std::pow(10.0, decade) << "</text>\n";
+  }
+  text << "<text x='" << 0.5 * (frame.left + frame.right) << "' y='" << frame.bottom + 36
+       << "' text-anchor='middle'>planar / this, under the same change</text>\n";
+}
+
+void draw_legend(std::ostringstream& text, const Frame& frame) {
+  double x = frame.left;
+  for (const Kind& kind : kinds) {
+    text << "<circle cx='" << x << "' cy='52' r='4' fill='" << kind.color << "'/>\n<text x='" << x + 8
+         << "' y='56'>" << kind.meaning << "</text>\n";
+    x += 230;
+  }
+}
+
+}  // namespace
+
+std::string SensitivityTable::svg() const {
+  const Frame frame(*this);
+  std::ostringstream text;
+  text << "<svg xmlns='http://www.w3.org/2000/svg' width='760' height='" << frame.bottom + 50
+       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='white'/>\n"
+       << "<text x='20' y='28' font-size='16'>Sensitivity of " << name << "</text>\n";
+  draw_axis(text, frame);
+  draw_legend(text, frame);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double y = frame.y(i);
+    text << "<text x='" << frame.left - 8 << "' y='" << y + 4 << "' text-anchor='end'>" << rows[i].change
+         << (rows[i].skipped.empty() ? "" : " (skipped)") << "</text>\n";
+    for (const Kind& kind : kinds)
+      if (const auto ratio = (rows[i].*kind.ratio)(); ratio && *ratio > 0.0)
+        text << "<circle cx='" << frame.x(*ratio) << "' cy='" << y << "' r='4' fill='" << kind.color
+             << "'/>\n";
+  }
+  text << "</svg>\n";
+  return text.str();
+}
+
+}  // namespace fabseq

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/run/variation.h"
+
+#include "fabseq/base/refusal.h"
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/optimize/stages.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/run/deposition_report.h"
+#include "fabseq/run/sequence_report.h"
+#include "fabseq/sequence/given_sequence.h"
+#include "fabseq/sequence/refined_field.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+VariedNumbers numbers_of(const DepositionNumbers& numbers) {
+  VariedNumbers result{{}, numbers.part.largest, numbers.part.rms};
+  for (const NamedValue& term : numbers.distortions) result.distortions.emplace_back(term.value);
+  return result;
+}
+
+/// J of each distortion term for one layer's part of the displacement; none for those that are no quadratic
+/// form of it.
+template <int Dim>
+std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, const Problem<Dim>& problem,
+                                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  std::vector<std::optional<double>> result;
+  for (std::size_t k = 0; k < problem.objective_count(); ++k) {
+    const Term& term = model.settings.objective[k];
+    const auto response = problem.responses().subspan(k, 1);
+    if (response[0]->type() != "distortion") continue;
+    result.emplace_back();
+    if (term.type->is_quadratic(term)) result.back() = pipeline.values(response, state)[0][0];
+  }
+  return result;
+}
+
+/// Noise of each layer's strain, independent of the others': var(u) = sigma^2 sum_j du_j^2 of what counts,
+/// and the mean of J is J(u) + sigma^2 sum_j J(du_j).
+template <int Dim>
+VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state, VariedNumbers numbers) {
+  std::vector<double> deviation(state.process.displacement.size(), 0.0);
+  for (int j = 0; j < state.layers.count(); ++j) {
+    ProcessResult layer;
+    layer.displacement = pipeline.process().increment(j, true);
+    for (std::size_t i = 0; i < deviation.size(); ++i)
+      deviation[i] += std::pow(size_of_change * layer.displacement[i], 2);
+    const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.layers, layer});
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      if (!terms[k]) numbers.distortions[k].reset();
+      if (numbers.distortions[k]) *numbers.distortions[k] += size_of_change * size_of_change * *terms[k];
+    }
+  }
+  for (double& value : deviation) value = std::sqrt(value);
+  const DisplacementSize size = displacement_size(model.part, deviation);
+  numbers.largest.reset();
+  numbers.rms = std::hypot(numbers.rms, size.rms);
+  numbers.largest_deviation = size.largest;
+  numbers.rms_deviation = size.rms;
+  return numbers;
+}
+
+template <int Dim>
+Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                const Design& design, double beta, bool binary, bool more) {
+  const auto state = pipeline.run(design, beta, binary);
+  const BothDepositions both = report_depositions(model, problem, pipeline, state);
+  const bool is_nominal = model.settings.process.deposition == DepositionModel::nominal;
+  Varied result{numbers_of(is_nominal ? both.nominal : both.follow), std::nullopt, std::nullopt};
+  if (!more) return result;
+  result.other_deposition = numbers_of(is_nominal ? both.follow : both.nominal);
+  result.noise = with_noise(model, problem, pipeline, state, result.own);
+  return result;
+}
+
+/// T_1 ... T_{N-1} for another number of layers, where they vary.
+std::vector<double> layer_variables_of(const std::vector<double>& given, int layers) {
+  if (given.empty()) return {};
+  std::vector<double> all = {0.0};
+  all.insert(all.end(), given.begin(), given.end());
+  all.push_back(1.0);
+  const std::vector<double> points = interpolated_time_points(all, layers);
+  return {points.begin() + 1, points.end() - 1};
+}
+
+template <int Dim>
+PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine) {
+  PseudoTime<Dim> result;
+  result.time = refined_field<Dim>(part, time.time, fine);
+  if (time.gradient.empty()) return result;
+  result.gradient.resize(result.time.size() * Dim);
+  std::vector<double> component(time.time.size());
+  for (int axis = 0; axis < Dim; ++axis) {
+    for (std::size_t e = 0; e < component.size(); ++e) component[e] = time.gradient[e * Dim + axis];
+    const std::vector<double> refined = refined_field<Dim>(part, component, fine);
+    for (std::size_t e = 0; e < refined.size(); ++e) result.gradient[e * Dim + axis] = refined[e];
+  }
+  return result;
+}
+
+/// The settings of a change. Voxels of a file become 2^Dim elements.
+Config varied_config(const Variation& variation) {
+  Config config = make_config(variation.document, "");
+  config.part.announce = variation.finer;  // else as of the unchanged part
+  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source); voxels != nullptr && variation.finer)
+    refuse("/part/voxels", "a file", "a shape");
+  return config;
+}
+
+}  // namespace
+
+template <int Dim>
+VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
+                           bool more, PhaseTimer& timer) {
+  const Config config = varied_config(variation);
+  const Setup<Dim> varied(setup.world(), config);
+  varied.require_memory_of_layers();
+  const Problem<Dim> problem(varied, config.optimizer.constraint_margin);
+  const double tolerance = config.solver.tolerance;
+  VariedPair result;
+  {
+    PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, varied.part) : given.time;
+    Pipeline<Dim> pipeline(varied, std::make_unique<GivenSequence<Dim>>(std::move(time)), *varied.layers,
+                           tolerance, timer);
+    const Design design{{}, layer_variables_of(given.layer_variables, varied.layers->count())};
+    result.sequence = simulate(varied, problem, pipeline, design, given.beta, !variation.smooth, more);
+  }
+  Pipeline<Dim> planar(varied, make_baseline_sequence(varied), *varied.baseline, tolerance, timer);
+  result.planar = simulate(varied, problem, planar, {}, 0.0, true, more);
+  return result;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(simulate_varied);
+
+}  // namespace fabseq

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+/// The changes of the sensitivity table.
+#include "fabseq/run/variation.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace fabseq {
+
+namespace {
+
+std::string with_number(const char* format, double number) {
+  char text[80];
+  std::snprintf(text, sizeof text, format, number);
+  return text;
+}
+
+/// "+10 %", "-10 %"
+std::string percent(double factor) { return with_number("%+.0f %%", 100.0 * (factor - 1.0)); }
+
+class List {
+ public:
+  explicit List(const Json& fixed) : fixed_(fixed) {}
+
+  Variation& add(const std::string& name) { return list_.emplace_back(Variation{name, fixed_}); }
+  std::vector<Variation> take() { return std::move(list_); }
+
+ private:
+  const Json& fixed_;
+  std::vector<Variation> list_;
+};
+
+/// Components of a strain that is fixed; of one that turns with the layers, the factors of its axes.
+void add_strains(List& list, const Config& config) {
+  const bool turns = config.material.turning_strain.has_value();
+  const std::vector<std::string> names = config.dimension() == 2
+                                             ? std::vector<std::string>{"xx", "yy", "xy"}
+                                             : std::vector<std::string>{"xx", "yy", "zz", "xy", "yz", "zx"};
+  const Json& values = config.effective.at("material").at(turns ? "strain_scale" : "inherent_strain");
+  for (std::size_t c = 0; c < values.size(); ++c)
+    for (const double factor : {1.0 + size_of_change, 1.0 - size_of_change}) {
+      const double value = values[c].get<double>();
+      if (value == 0.0) continue;
+      const std::string of = turns ? "strain, factor of axis " + names[c].substr(0, 1) : "strain " + names[c];
+      Json& material = list.add(of + " " + percent(factor)).document["material"];
+      material[turns ? "strain_scale" : "inherent_strain"][c] = factor * value;
+    }
+}
+
+void add_poisson(List& list, const Config& config) {
+  const double poisson = config.material.poisson;
+  if (poisson == 0.0) return;
+  for (const double factor : {1.0 + size_of_change, 1.0 - size_of_change}) {
+    // A material may come near 0.5, at which it has no more room to give.
+    const double value = std::min(factor * poisson, 0.5 * (poisson + 0.5));
+    list.add(with_number("Poisson's ratio %.3g", value)).document["material"]["poisson"] = value;
+  }
+}
+
+void add_layers(List& list, int layers, int baseline_layers) {
+  const auto add = [&](const std::string& name, int count, int baseline) {
+    Json& document = list.add(name + ": " + std::to_string(count)).document;
+    document["layers"]["count"] = count;
+    document["baseline"]["layers"] = std::max(1, baseline);
+  };
+  if (layers > 1) add("one layer less", layers - 1, baseline_layers - 1);
+  add("one layer more", layers + 1, baseline_layers + 1);
+  add("layers doubled", 2 * layers, 2 * baseline_layers);
+}
+
+void add_finer_grid(List& list) {
+  Variation& variation = list.add("grid twice as fine");
+  variation.finer = true;
+  for (Json& elements : variation.document["domain"]["elements"]) elements = 2 * elements.get<int>();
+  // Stairs may leave crumbs that the coarse grid does not have.
+  variation.document["part"]["keep"] = "connected";
+}
+
+}  // namespace
+
+template <int Dim>
+Json fixed_document(const Setup<Dim>& setup) {
+  Json document = setup.config.effective;
+  document["layers"]["count"] = setup.layers->count();
+  document["baseline"]["layers"] = setup.baseline->count();
+  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
+    document["sequence"]["characteristic_length"] = setup.characteristic_length;
+  document["solver"]["layer_groups"] = setup.groups.count();
+  // Sharpness is no matter of the config here; its relations to the number of layers shall refuse nothing.
+  document.erase("projection");
+  document["constraints"] = Json::array();
+  return document;
+}
+
+std::vector<Variation> all_variations(const Config& config, const Json& fixed, int layers,
+                                      int baseline_layers) {
+  List list(fixed);
+  list.add("unchanged");
+  add_strains(list, config);
+  add_poisson(list, config);
+  add_layers(list, layers, baseline_layers);
+  list.add("layers smooth, as optimized").smooth = true;
+  add_finer_grid(list);
+  const bool absent = config.process.void_model == VoidModel::absent;
+  const char* other_void = absent ? "quiet" : "absent";
+  list.add(std::string("void ") + other_void).document["process"]["void"] = other_void;
+  return list.take();
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(fixed_document);
+
+}  // namespace fabseq
