@@ -34,11 +34,14 @@ set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm"
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.
 set(FABSEQ_COSTS
-    integration.restart=200 integration.slurm=150 integration.multi_planar=140 integration.groups=100
-    integration.direct=90 integration.gradient_matrix=80 integration.benchmarks=80 integration.stop=200
-    integration.readme=90 integration.configs=70 integration.calibrate=70 integration.coarse=60 integration.ranks=60 integration.gradients=50 integration.failures=50
-    integration.errors=50 integration.reproduce=40 integration.outputs=40 integration.reference=30 integration.reruns=30 integration.deposition=30 integration.sensitivity=60
-    integration.simulate=30 integration.squares=30 integration.leaks=30 faults.sample=30)
+    integration.readme=110 integration.slurm=100 integration.stop=90 integration.benchmarks=80
+    integration.restart=60 integration.configs=60 integration.sensitivity=60 integration.reproduce=50
+    integration.multi_planar=50 integration.groups=50 integration.scenarios=40 integration.gradient_matrix=40
+    integration.direct=40 integration.errors=40 integration.ranks=40 integration.deposition=30 faults.sample=70
+    scripts.overview_test=30 integration.coarse=20 scripts.compare_test=20 integration.failures=20
+    integration.simulate=20 integration.calibrate=20 integration.squares=20 integration.leaks=20
+    integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
+    integration.outputs=10 lane_elasticity_mpi_test.np4=10)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})

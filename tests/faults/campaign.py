@@ -20,6 +20,7 @@ faults. Status 1 if one did not; what happened is printed.
 
 import argparse
 import errno
+import math
 import os
 import random
 import shutil
@@ -40,8 +41,8 @@ from run_fabseq import STOPPED, NoSmallDisk, Result, must_run, small_disk  # noq
 COLUMNS = ("fault", "injected", "reported", "not noticed", "survived", "iterations lost, at most", "seconds")
 
 
-def failing_calls(runs, every):
-    """Lists of faults by kind: every `every`-th call of each kind of each rank."""
+def failing_calls(runs, every, most=math.inf):
+    """Lists of faults by kind: every `every`-th call of each kind of each rank, or about `most` of them."""
     report = os.path.join(runs.directory, "calls")
     os.mkdir(report)
     runs.run(os.path.join(runs.directory, "counted"), variables(runs, "counted", report))
@@ -58,7 +59,7 @@ def failing_calls(runs, every):
             ways = {"write": {}, "short_write": {"reason": errno.ENOSPC},
                     "writes from there on": {"lasting": 1, "reason": errno.ENOSPC}}
         for way, more in ways.items():
-            chosen = range(1 + len(faults) % every, count + 1, every)
+            chosen = range(1 + len(faults) % every, count + 1, max(every, math.ceil(count / most)))
             faults.setdefault(way, []).extend((rank, "short_write" if way == "short_write" else kind, number, more)
                                               for number in chosen)
     return {way: [lambda fault=fault: fail_call(runs, *fault) for fault in chosen] for way, chosen in faults.items()}
@@ -204,7 +205,7 @@ def main():
         long = FaultRuns(os.path.join(directory, "long"), library, "-max_iterations",
                          30, "-elements", "40,24", "-output_every", 10)
         if options.only in (None, "calls"):
-            for way, faults in failing_calls(small, 23 if options.short else 1).items():
+            for way, faults in failing_calls(small, *((23, 8) if options.short else (1,))).items():
                 table.add(way, faults)
         if options.only in (None, "disks"):
             try:

@@ -10,7 +10,8 @@ import run_fabseq
 from run_fabseq import FabseqTest, ROOT
 
 CONFIGS = os.path.join(ROOT, "configs")
-MOST_ELEMENTS = 6000  # of the box of an iteration
+MOST_ELEMENTS = 3000  # of the box of an iteration
+FINER = {"bracket.json": 6000}  # or its hole has no nodes
 COARSE_PART = ("-set", "part.voxels.file=" + os.path.join(CONFIGS, "parts", "demo_part_20x20x30.h5"))
 
 
@@ -22,26 +23,30 @@ def reduced(path):
         return ("-elements", "20,20,30", *COARSE_PART)
     elements = json.loads(re.search(r'"elements": *(\[[^]]*\])', text).group(1))
     divisors = [d for d in range(1, min(elements) + 1) if math.gcd(d, *elements) == d]
-    factor = next(d for d in divisors if math.prod(elements) <= MOST_ELEMENTS * d**len(elements))
+    most = FINER.get(os.path.basename(path), MOST_ELEMENTS)
+    factor = next(d for d in divisors if math.prod(elements) <= most * d**len(elements))
     return ("-elements", ",".join(str(count // factor) for count in elements))
 
 
 @run_fabseq.only_release
 class ConfigsTest(FabseqTest):
-    def for_each_config(self, test):
-        names = sorted(name for name in os.listdir(CONFIGS) if name.endswith(".json") and name != "cases.json")
+    def for_each_config(self, test, but=()):
+        names = sorted(name for name in os.listdir(CONFIGS) if name.endswith(".json")
+                       and not name.endswith("cases.json") and name not in but)
         self.assertIn("demo.json", names)
         for name in names:
             with self.subTest(config=name):
                 test(os.path.join(CONFIGS, name))
 
     def test_checked(self):
+        """But for those of cases, each of which reproduce_test checks."""
         def check(path):
             run = self.run_program(1, "-config", path, "-task", "check", output="")
             self.assert_done(run)
             self.assertIn("estimate", run.stdout)
 
-        self.for_each_config(check)
+        with open(os.path.join(CONFIGS, "cases.json"), encoding="utf-8") as file:
+            self.for_each_config(check, {case.get("config") for case in json.load(file).values()})
 
     def test_one_iteration(self):
         def iterate(path):

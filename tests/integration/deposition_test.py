@@ -94,7 +94,6 @@ class DepositionTest(FabseqTest):
         run = self.run_task(config, 1, 1, "nominal", "-task", "simulate")
         self.assertIsNone(run.json("summary.json")["deposition"]["follow"]["nodes"])
 
-
     def test_nominal_hardly_depends_on_the_least_stiffness(self):
         """What is not built yet is as soft as that."""
         change = {}

@@ -109,19 +109,22 @@ class ReproduceTest(FabseqTest):
             self.assertIn(message, refused.stderr)
 
     def test_all_published_cases_are_accepted(self):
-        """Every case of configs/cases.json is one that the program takes."""
-        with open(os.path.join(ROOT, "configs", "cases.json"), encoding="utf-8") as file:
-            names = list(json.load(file))
+        """Every case of configs/cases.json, and of those of this program, is one that the program takes."""
         sys.path.insert(0, os.path.join(ROOT, "scripts", "figures"))
         from reproduce import Cases
 
-        cases = Cases(os.path.join(ROOT, "configs", "cases.json"))
-        for name in names:
-            with self.subTest(name):
-                words = cases.command(name)
-                words[words.index("-task") + 1] = "check"
-                run = self.run_program(1, *words, output="")
-                self.assert_done(run)
+        for file_name in ("cases.json", "built_cases.json"):
+            path = os.path.join(ROOT, "configs", file_name)
+            with open(path, encoding="utf-8") as file:
+                names = list(json.load(file))
+            cases = Cases(path)
+            for name in names:
+                with self.subTest(name):
+                    words = cases.command(name)
+                    words[words.index("-task") + 1] = "check"
+                    run = self.run_program(1, *words, output="")
+                    self.assert_done(run)
+                    self.assertIn("estimate", run.stdout)
 
 
 if __name__ == "__main__":

@@ -52,8 +52,8 @@ class ScenariosTest(FabseqTest):
                         config["objective"][0].pop("aggregate")
 
     def test_spread_is_what_deviations_make(self):
-        """Of two scenarios that differ in one axis by a quarter of the strain: J of an eighth of it, and of half
-        the difference in shear."""
+        """Of two scenarios that differ in one axis by a quarter of the strain: J of an eighth of it, and of
+        half the difference in shear."""
         config = with_scenarios(plate_2d(), 2)
         config["material"]["scenarios"] = [[0.875, 1], [1.125, 1]]
         spread = self.evaluation(config)["scenarios"][0]["spread"]
@@ -63,7 +63,8 @@ class ScenariosTest(FabseqTest):
         self.assertAlmostEqual(spread / value, 1, places=6)
 
     def test_one_strain_component_is_one_case(self):
-        """Strains of a single component are multiples of each other: one solve per layer, as without scenarios."""
+        """Strains of a single component are multiples of each other: one solve per layer, as without
+        scenarios."""
         config = plate_2d()
         config["material"] = {"inherent_strain": [-0.01, 0, 0]}
         plain = self.evaluation(config)
@@ -74,11 +75,15 @@ class ScenariosTest(FabseqTest):
         self.assertLess(largest_relative_difference(record["scenarios"][0]["values"], [1.44 * value, 0.49 * value]), 1e-12)
 
     def test_the_worst_is_made_as_small_as_possible(self):
-        """At its optimum the scenarios that count are equal, and it is better than that of the mean's optimum."""
+        """At its optimum the scenarios that count are equal, and it is better than that of the mean's
+        optimum."""
         config = v_2d()
         config["material"] = {"inherent_strain": [-0.01, -0.01, 0], "scenarios": [[1.0, 1.0], [1.3, 1.0], [1.0, 1.3]]}
         config["objective"] = [{"type": "distortion", "nodes": next(iter(config["node_sets"])), "aggregate": "worst"}]
         config["projection"] = {"beta": 20, "max": 20}
+        if SANITIZED:
+            self.optimize(config, 2, 2)
+            return
         found = {}
         for aggregate in ("worst", "mean"):
             config["objective"][0]["aggregate"] = aggregate

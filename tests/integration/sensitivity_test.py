@@ -4,7 +4,6 @@ sequence and for the planar baseline."""
 
 import copy
 
-import h5py
 import numpy as np
 
 import run_fabseq
