@@ -106,16 +106,38 @@ std::vector<double> read_box(const Hdf5ParallelDataset& dataset, const Index<Dim
   return density;
 }
 
+/// The values of `box`, each of which stands `factor` times along each axis of `finer`.
+template <int Dim>
+std::vector<double> repeated(const std::vector<double>& values, const IndexBox<Dim>& box,
+                             const IndexBox<Dim>& finer, int factor) {
+  std::vector<double> result(static_cast<std::size_t>(finer.count()));
+  finer.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    Index<Dim> there = element;
+    for (int& index : there) index /= factor;
+    result[offset] = values[box.offset(there)];
+  });
+  return result;
+}
+
 template <int Dim>
 std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const VoxelFile& voxels,
                                 int sampling, const IndexBox<Dim>& box) {
   const Hdf5ParallelDataset dataset(comm, voxels.file, voxels.dataset, "/part/voxels/file",
                                     "/part/voxels/dataset");
-  std::vector<double> density = read_box<Dim>(dataset, elements_of<Dim>(dataset, domain, sampling), box);
+  Domain<Dim> in_file = domain;
+  IndexBox<Dim> box_in_file = box;
+  for (int axis = 0; axis < Dim; ++axis) {
+    in_file.elements[axis] /= voxels.repeat;
+    box_in_file.start[axis] /= voxels.repeat;
+    const int last = box.start[axis] + box.size[axis] - 1;
+    if (box.size[axis] > 0) box_in_file.size[axis] = last / voxels.repeat + 1 - box_in_file.start[axis];
+  }
+  std::vector<double> density =
+      read_box<Dim>(dataset, elements_of<Dim>(dataset, in_file, sampling), box_in_file);
   require_densities(comm, density, voxels);
   if (voxels.threshold)
     for (double& value : density) value = value >= *voxels.threshold ? 1.0 : 0.0;
-  return density;
+  return voxels.repeat == 1 ? density : repeated<Dim>(density, box_in_file, box, voxels.repeat);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/variation.h"
 
-#include "fabseq/base/refusal.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/optimize/stages.h"
 #include "fabseq/responses/response_type.h"
@@ -109,7 +108,7 @@ Config varied_config(const Variation& variation) {
   Config config = make_config(variation.document, "");
   config.part.announce = variation.finer;  // else as of the unchanged part
   if (auto* voxels = std::get_if<VoxelFile>(&config.part.source); voxels != nullptr && variation.finer)
-    refuse("/part/voxels", "a file", "a shape");
+    voxels->repeat = 2;
   return config;
 }
 

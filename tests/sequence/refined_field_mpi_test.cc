@@ -30,7 +30,7 @@ struct HoledBlock {
     Shape hole;
     hole.kind = Shape::Kind::sphere;
     for (int axis = 0; axis < Dim; ++axis) hole.first.push_back(0.55 * size[axis]);
-    hole.radius = 0.71;
+    hole.radius = 0.45;  // leaves walls two elements thick
     return test::combine(Shape::Kind::difference,
                          {test::box(std::vector<double>(Dim, 0.0), {size.begin(), size.end()}), hole});
   }

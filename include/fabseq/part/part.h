@@ -25,6 +25,7 @@ struct VoxelFile {
   std::string dataset = "density";
   /// Densities >= threshold count as 1, all others as 0. None: densities are taken as they are.
   std::optional<double> threshold;
+  int repeat = 1;  ///< each value stands for so many along each axis: the domain is as many times finer
 };
 
 /// The part as the config describes it.
