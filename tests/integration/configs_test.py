@@ -51,13 +51,15 @@ class ConfigsTest(FabseqTest):
     def test_one_iteration(self):
         def iterate(path):
             with open(path, encoding="utf-8") as file:
-                planar = re.search(r'"sequence": *\{ *"type": *"planar"', file.read())  # has nothing to vary
+                simulated = re.search(r'"sequence": *\{ *"type": *"planar"', file.read())  # has nothing to vary
+            # The elbow has voxels of one grid only, on which an iteration takes as long as those of many others.
+            simulated = simulated or path.endswith("flanged_elbow.json")
             # The nodes on the wall's middle line exist on its own grid only.
-            task = ("-task", "simulate", "-layers", 3) if planar else ("-max_iterations", 1, *reduced(path))
+            task = ("-task", "simulate", "-layers", 3) if simulated else ("-max_iterations", 1, *reduced(path))
             run = self.run_program(2, "-config", path, "-output_every", 0, *task)
             self.assert_done(run)
             self.assertTrue(os.path.exists(run.path("result.h5")))
-            if not planar:
+            if not simulated:
                 self.assertEqual(len(run.history()), 1)
                 self.assertTrue(all(value > 0 for value in run.history()[0]["objective"]), str(run))
 
