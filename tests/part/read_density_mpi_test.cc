@@ -149,6 +149,24 @@ TEST_F(ReadDensity, AveragesFinerVoxels) {
   for (int i = 0; i < 24; ++i) EXPECT_NEAR(found[i], expected[i], 1e-14) << i;
 }
 
+/// On a grid twice as fine, whatever box a rank has of it, also with several samples to an element.
+TEST_F(ReadDensity, RepeatsValuesOnAFinerGrid) {
+  const IndexBox<3> voxel_box{{}, domain.elements};
+  for (const int sampling : {1, 3}) {
+    Domain<3> fine = domain;
+    for (int& elements : fine.elements) elements *= 2;
+    PartDescription description = voxels("density");
+    std::get<VoxelFile>(description.source).repeat = 2 * sampling;
+    description.sampling = sampling;
+    const Grid<3> grid(PETSC_COMM_WORLD, fine, nullptr);
+    const auto own = read_density<3>(grid.comm(), fine, description, grid.owned_elements());
+    grid.owned_elements().for_each([&](const Index<3>& element, std::int64_t offset) {
+      const Index<3> voxel = {element[0] / 2, element[1] / 2, element[2] / 2};
+      EXPECT_NEAR(own[offset], density_of(static_cast<int>(voxel_box.offset(voxel))), 1e-14);
+    });
+  }
+}
+
 TEST_F(ReadDensity, SamplesShapes) {
   // A disc of radius 1 in a square of 2 x 2 on 2 x 2 elements of 40 x 40 points: its area.
   const Domain<2> square{{2.0, 2.0}, {2, 2}, 1.0};
