@@ -52,7 +52,7 @@ class ConfigsTest(FabseqTest):
         def iterate(path):
             with open(path, encoding="utf-8") as file:
                 simulated = re.search(r'"sequence": *\{ *"type": *"planar"', file.read())  # has nothing to vary
-            # The elbow has voxels of one grid only, on which an iteration takes as long as those of many others.
+            # The elbow has voxels of one grid only, on which an iteration takes too long.
             simulated = simulated or path.endswith("flanged_elbow.json")
             # The nodes on the wall's middle line exist on its own grid only.
             task = ("-task", "simulate", "-layers", 3) if simulated else ("-max_iterations", 1, *reduced(path))

@@ -45,12 +45,13 @@ class Result:
         self.command, self.status, self.stdout, self.stderr, self.output = command, status, stdout, stderr, output
 
     def messages(self):
-        """Lines on stderr but for mpirun's own, which stand between lines of dashes."""
+        """Lines on stderr but for those of mpirun, which stand between lines of dashes, and of its libevent, which
+        warns of what it has closed itself."""
         lines, of_mpirun = [], False
         for line in self.stderr.splitlines():
             if re.fullmatch("-{60,}", line.strip()):
                 of_mpirun = not of_mpirun
-            elif not of_mpirun and line.strip():
+            elif not of_mpirun and line.strip() and not line.startswith("[warn] Epoll "):
                 lines.append(line)
         return lines
 
