@@ -45,7 +45,7 @@ class Result:
         self.command, self.status, self.stdout, self.stderr, self.output = command, status, stdout, stderr, output
 
     def messages(self):
-        """Lines on stderr but for those of mpirun, which stand between lines of dashes, and of its libevent."""
+        """Lines on stderr but for those of mpirun, which stand between lines of dashes, and its libevent."""
         lines, of_mpirun = [], False
         for line in self.stderr.splitlines():
             if re.fullmatch("-{60,}", line.strip()):
