@@ -8,7 +8,7 @@ import numpy as np
 
 import run_fabseq
 from read_outputs import read_result
-from run_fabseq import BAD_INPUT, FabseqTest, largest_relative_difference
+from run_fabseq import BAD_INPUT, FabseqTest, SANITIZED, largest_relative_difference
 from small_parts import direct_2d, hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes, write_voxels
 
 LIMIT = 1e-6  # of solves to 1e-10
@@ -63,7 +63,7 @@ class SensitivityTest(FabseqTest):
         self.assertAlmostEqual(row["ratio"]["rms"] / (rms[0] / rms[1]), 1, places=12)
 
     def test_rows_are_what_a_simulation_finds(self):
-        for config in (with_strain(plate_2d()), with_strain(hook_3d())):
+        for config in (with_strain(plate_2d()),) if SANITIZED else (with_strain(plate_2d()), with_strain(hook_3d())):
             with self.subTest(config["name"]):
                 rows, table = self.table(config)
                 self.assert_row(rows["unchanged"], config)
