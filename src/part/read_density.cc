@@ -106,15 +106,15 @@ std::vector<double> read_box(const Hdf5ParallelDataset& dataset, const Index<Dim
   return density;
 }
 
-/// The values of `box`, each of which stands `factor` times along each axis of `finer`.
+/// The values of `coarse`, each of which stands `factor` times along each axis of `fine`.
 template <int Dim>
-std::vector<double> repeated(const std::vector<double>& values, const IndexBox<Dim>& box,
-                             const IndexBox<Dim>& finer, int factor) {
-  std::vector<double> result(static_cast<std::size_t>(finer.count()));
-  finer.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+std::vector<double> repeated(const std::vector<double>& values, const IndexBox<Dim>& coarse,
+                             const IndexBox<Dim>& fine, int factor) {
+  std::vector<double> result(static_cast<std::size_t>(fine.count()));
+  fine.for_each([&](const Index<Dim>& element, std::int64_t offset) {
     Index<Dim> there = element;
     for (int& index : there) index /= factor;
-    result[offset] = values[box.offset(there)];
+    result[offset] = values[coarse.offset(there)];
   });
   return result;
 }

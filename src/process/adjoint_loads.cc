@@ -92,7 +92,7 @@ LaneVector AdjointLoads<Dim>::nodal_stiffness(const LayerDensities& densities,
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()) * block.lanes, 0.0);
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     for (const int offset : grid.corner_offsets()) {
-      const auto node = static_cast<std::size_t>(model_.domain.first_corners[e] + offset);
+      const std::size_t node = model_.domain.first_corners[e] + offset;
       for (int lane = 0; lane < block.lanes; ++lane)
         of_nodes[node * block.lanes + lane] += of_elements[e * block.lanes + lane];
     }
