@@ -6,8 +6,8 @@
                                               [--ranks N] [--output output/deposition] [--picture FILE.png]
 
 The V-shape of configs/v_shape_coarse.json, in planar layers and optimized for either model, on each grid; a
-run that is done is only looked at again. Prints a table and draws a figure: the length sqrt(J) of the top
-edge and the rms of the whole part, both of binary layers.
+run that is done is only looked at again. Prints a table and draws a figure: the rms displacement of the top
+edge and of the whole part, both of binary layers.
 """
 
 import json

@@ -19,11 +19,15 @@ std::vector<double> uniform_time_points(int count) {
 }
 
 std::vector<double> interpolated_time_points(std::span<const double> given, int count) {
-  std::vector<double> points = uniform_time_points(count);
+  std::vector<double> ends = {0.0};
+  ends.insert(ends.end(), given.begin(), given.end());
+  ends.push_back(1.0);
+  const std::vector<double> uniform = uniform_time_points(count);
+  std::vector<double> points(uniform.begin() + 1, uniform.end() - 1);
   for (double& point : points) {
-    const double place = point * static_cast<double>(given.size() - 1);
-    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), given.size() - 2);
-    point = std::lerp(given[last], given[last + 1], place - static_cast<double>(last));
+    const double place = point * static_cast<double>(ends.size() - 1);
+    const auto last = std::min(static_cast<std::size_t>(place + 1e-9), ends.size() - 2);
+    point = std::lerp(ends[last], ends[last + 1], place - static_cast<double>(last));
   }
   return points;
 }

@@ -35,7 +35,10 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
                                const std::vector<const ProcessAdjoint*>& functionals) {
   const auto layers = static_cast<std::size_t>(densities.count());
   counts_.assign(functionals.size(), std::vector<char>(layers, 1));
-  if (model_.settings.deposition == DepositionModel::follow) return;
+  const auto of_release = [](const ProcessAdjoint* functional) { return !functional->release.empty(); };
+  if (model_.settings.deposition == DepositionModel::follow ||
+      std::all_of(functionals.begin(), functionals.end(), of_release))
+    return;
   std::vector<double> squares(functionals.size() * layers, 0.0), own(layers);
   groups_.run([&] {
     for (std::size_t number = 0; number < result.blocks.size(); ++number) {
@@ -43,6 +46,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
       const LaneVector stiffness = nodal_stiffness(densities, block);
       LaneVector load(stiffness.nodes, Dim, block.lanes);
       for (std::size_t k = 0; k < functionals.size(); ++k) {
+        if (of_release(functionals[k])) continue;
         set_full_load(*functionals[k], result, number, load);
         own.assign(layers, 0.0);
         add_squares(block, load, stiffness, own);
@@ -52,7 +56,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
   });
   sum_in_place(groups_.world(), squares);
   for (std::size_t k = 0; k < functionals.size(); ++k) {
-    if (!functionals[k]->release.empty()) continue;
+    if (of_release(functionals[k])) continue;
     const auto first = squares.begin() + static_cast<std::ptrdiff_t>(k * layers);
     const double least = least_share * least_share * *std::max_element(first, first + densities.count());
     for (std::size_t j = 0; j < layers; ++j) counts_[k][j] = squares[k * layers + j] > least ? 1 : 0;

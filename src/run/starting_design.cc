@@ -60,11 +60,9 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
 /// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps
 /// between them. The same ones for the same number; uniform ones where the file has none.
 std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
-  if (!hdf5_file_has(comm, file, "time_points", "-sequence")) return uniform_time_points(layers);
-  std::vector<double> given = {0.0};
-  for (const double point : read_list(comm, file, "time_points", "-sequence", "-sequence"))
-    given.push_back(point);
-  given.push_back(1.0);
+  std::vector<double> given;
+  if (hdf5_file_has(comm, file, "time_points", "-sequence"))
+    given = read_list(comm, file, "time_points", "-sequence", "-sequence");
   return interpolated_time_points(given, layers);
 }
 
@@ -86,9 +84,8 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
   if (variables.count() > 0 && has(variables.name.c_str())) {
     design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
   } else if (setup.config.layers.variable_time_points && command_line.sequence_file) {
-    const std::vector<double> all =
+    design.layer_variables =
         resliced_time_points(setup.world(), setup.layers->count(), *command_line.sequence_file);
-    design.layer_variables.assign(all.begin() + 1, all.end() - 1);
   }
   return design;
 }

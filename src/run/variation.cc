@@ -78,16 +78,6 @@ Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<D
   return result;
 }
 
-/// T_1 ... T_{N-1} for another number of layers, where they vary.
-std::vector<double> layer_variables_of(const std::vector<double>& given, int layers) {
-  if (given.empty()) return {};
-  std::vector<double> all = {0.0};
-  all.insert(all.end(), given.begin(), given.end());
-  all.push_back(1.0);
-  const std::vector<double> points = interpolated_time_points(all, layers);
-  return {points.begin() + 1, points.end() - 1};
-}
-
 template <int Dim>
 PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine) {
   PseudoTime<Dim> result;
@@ -127,7 +117,9 @@ VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& give
     PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, varied.part) : given.time;
     Pipeline<Dim> pipeline(varied, std::make_unique<GivenSequence<Dim>>(std::move(time)), *varied.layers,
                            tolerance, timer);
-    const Design design{{}, layer_variables_of(given.layer_variables, varied.layers->count())};
+    Design design;
+    if (!given.layer_variables.empty())
+      design.layer_variables = interpolated_time_points(given.layer_variables, varied.layers->count());
     result.sequence = simulate(varied, problem, pipeline, design, given.beta, !variation.smooth, more);
   }
   Pipeline<Dim> planar(varied, make_baseline_sequence(varied), *varied.baseline, tolerance, timer);

@@ -10,7 +10,8 @@ namespace fabseq {
 
 /// T_j = j / count: T_0 = 0 ... T_N = 1.
 std::vector<double> uniform_time_points(int count);
-/// T_0 ... T_N of `count` layers at equal steps between the given T_0 ... T_M: the same for as many layers.
+/// T_1 ... T_{N-1} of `count` layers at equal steps between the given T_1 ... T_{M-1}: the same for as many
+/// layers, uniform ones if none are given.
 std::vector<double> interpolated_time_points(std::span<const double> given, int count);
 
 /// Layers between isosurfaces of the pseudo-time (docs/formulation.md 3.1), by the smooth (or binary) step
