@@ -17,7 +17,7 @@ from read_run import Run, duration, read_json
 
 OVERVIEW = "<!-- cases -->", "<!-- end of cases -->"
 PAGE = "<!-- case -->", "<!-- end of case -->"
-HEAD = "| case | published | smooth | binary | constraints |\n| --- | --- | --- | --- | --- |"
+HEAD = "| case | published | smooth | binary | nominal | constraints |\n| --- | --- | --- | --- | --- | --- |"
 WIDTH = 110
 
 
@@ -52,7 +52,7 @@ def rewrite(path, marks, change):
 def with_row(table, order, name, figures):
     """The table with the row of a case, and the links behind it, in the order of the cases."""
     rows = {line.split("]")[0][3:]: line for line in table.splitlines() if line.startswith("| [")}
-    firsts = [figures[key].split("; ")[0] for key in ("published", "smooth", "binary")]
+    firsts = [figures[key].split("; ")[0] for key in ("published", "smooth", "binary", "binary, nominal")]
     factors = [text.split(": ")[1] if ": " in text else "–" for text in firsts]
     rows[name] = f"| [{name}] | " + " | ".join([*factors, figures["worst constraint"]]) + " |"
     known = {key: number for number, key in enumerate(order)}
@@ -86,7 +86,7 @@ def published(case):
 def simulated(directory):
     summary = read_json(directory, "summary.json")
     values = ", ".join(number(r["value"]) for r in summary["responses"] if is_distortion(r))
-    return {"planar": values, "smooth": "–", "binary": "–", "worst constraint": "–",
+    return {"planar": values, "smooth": "–", "binary": "–", "binary, nominal": "–", "worst constraint": "–",
             "run": f"simulated, largest displacement {number(summary['displacement']['max'])}"}
 
 
@@ -107,6 +107,7 @@ def optimized(directory, thickness, resliced):
         layers = thicknesses(run, thickness, resliced)
     ranks, before = run.config.get("run", {}).get("ranks"), summary.get("coarse_iterations", 0)
     iterations = f"{summary['iterations']} iterations" + (f" after {before} at half the resolution" if before else "")
+    cells["binary, nominal"] = nominal_gain(summary["baseline"], summary["binary"])
     return {**cells, "worst constraint": violation, **layers, "interior minima": str(summary["interior_minima"]),
             "run": f"{iterations}, {duration(summary['seconds']['total'])} on {ranks} rank{'s' * (ranks != 1)}"}
 
@@ -115,6 +116,12 @@ def gains(planar, smooth, binary):
     """Distortions, those of optimized layers with how many times less than with planar ones it is."""
     return {"planar": number(planar), "smooth": f"{number(smooth)}: {factor(planar / smooth)}",
             "binary": f"{number(binary)}: {factor(planar / binary)}"}
+
+
+def nominal_gain(planar, binary):
+    """What the same layers do where material goes to nominal positions."""
+    of_planar, of_binary = (sum(term["value"] for term in block["deposition"]["nominal"]["distortion"]) for block in (planar, binary))
+    return f"{number(of_planar)} → {number(of_binary)}: {factor(of_planar / of_binary)}"
 
 
 def distortion(responses):

@@ -75,8 +75,10 @@ Task parse_task(const std::string& name) {
   refuse("-task", shown(name), join(names, ", "));
 }
 
-/// JSON text of a word that PETSc takes for a boolean; empty for other words.
-std::string boolean_value(std::string_view word) {
+/// JSON text of a word that PETSc takes for a boolean, or of one of the key's words; empty for other words.
+std::string boolean_value(const ConfigKey& key, const std::string& word) {
+  const std::vector<std::string> words = split(key.words, ' ');
+  if (std::ranges::find(words, word) != words.end()) return flat_option_value(key, word);
   if (word == "true" || word == "yes" || word == "on" || word == "1") return "true";
   if (word == "false" || word == "no" || word == "off" || word == "0") return "false";
   return "";
@@ -188,7 +190,7 @@ class Parser {
       result_.overrides.emplace_back(dotted_path(key), flat_option_value(key, value(option)));
       return;
     }
-    const std::string given = next_is_value() ? boolean_value(words_[position_ + 1]) : "";
+    const std::string given = next_is_value() ? boolean_value(key, words_[position_ + 1]) : "";
     if (!given.empty()) ++position_;
     result_.overrides.emplace_back(dotted_path(key), given.empty() ? "true" : given);
   }

@@ -21,7 +21,7 @@ template <int Dim>
 double Deposition<Dim>::product(const Missing& missing, const Index<Dim>& node,
                                 const Index<Dim>* excluded) const {
   double result = 1.0;
-  for (int number = 0; number < 1 << Dim; ++number) {
+  for (int number = 0; number < 1 << Dim && result != 0.0; ++number) {
     const Index<Dim> element = stepped<Dim>(node, number, -1);
     if (!halo_.box().contains(element) || (excluded != nullptr && element == *excluded)) continue;
     result *= missing[halo_.box().offset(element)];
@@ -64,7 +64,9 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
       double total = 0.0;
       for (int corner = 0; corner < 1 << Dim; ++corner) {
         const Index<Dim> node = stepped<Dim>(element, corner, 1);
-        total += of_nodes[grid.ghosted_nodes().offset(node)] * product(missing[lane], node, &element);
+        // Few nodes are measured, as a rule, and the product is dear.
+        const double own = of_nodes[grid.ghosted_nodes().offset(node)];
+        if (own != 0.0) total += own * product(missing[lane], node, &element);
       }
       d_stage[e] += total / part.part_density()[e];
     }

@@ -36,14 +36,32 @@ struct Frame {
   double y(std::size_t number) const { return top + row * (static_cast<double>(number) + 0.5); }
 };
 
+/// Decades, and where there are few of them, their halves and doubles.
+std::vector<double> ticks(const Frame& frame) {
+  std::vector<double> result;
+  for (double decade = frame.lowest; decade <= frame.highest; ++decade)
+    for (const double digit : {1.0, 2.0, 5.0})
+      if (digit == 1.0 || (decade < frame.highest && frame.highest - frame.lowest < 3.0))
+        result.push_back(digit * std::pow(10.0, decade));
+  return result;
+}
+
+/// Text as XML takes it.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char character : text)
+    result += character == '&' ? "&amp;" : character == '<' ? "&lt;" : std::string(1, character);
+  return result;
+}
+
 void draw_axis(std::ostringstream& text, const Frame& frame) {
   text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
        << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
-  for (double decade = frame.lowest; decade <= frame.highest; ++decade) {
-    const double x = frame.x(std::pow(10.0, decade));
+  for (const double ratio : ticks(frame)) {
+    const double x = frame.x(ratio);
     text << "<line x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='" << frame.bottom
-         << "' stroke='" << (decade == 0.0 ? "#444" : "#ddd") << "'/>\n<text x='" << x << "' y='"
-         << frame.bottom + 16 << "' text-anchor='middle'>" << std::pow(10.0, decade) << "</text>\n";
+         << "' stroke='" << (ratio == 1.0 ? "#444" : "#ddd") << "'/>\n<text x='" << x << "' y='"
+         << frame.bottom + 16 << "' text-anchor='middle'>" << ratio << "</text>\n";
   }
   text << "<text x='" << 0.5 * (frame.left + frame.right) << "' y='" << frame.bottom + 36
        << "' text-anchor='middle'>planar / this, under the same change</text>\n";
@@ -65,7 +83,7 @@ std::string SensitivityTable::svg() const {
   std::ostringstream text;
   text << "<svg xmlns='http://www.w3.org/2000/svg' width='760' height='" << frame.bottom + 50
        << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='white'/>\n"
-       << "<text x='20' y='28' font-size='16'>Sensitivity of " << name << "</text>\n";
+       << "<text x='20' y='28' font-size='16'>Sensitivity of " << escaped(name) << "</text>\n";
   draw_axis(text, frame);
   draw_legend(text, frame);
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -52,7 +52,7 @@ TEST(CommandLineTest, OverridesKeepTheirOrder) {
              "-alpha",  "0.1",     "-elements",    "80,40,80",  "-layers", "10",
              "-beta",   "auto",    "-solver_path", "reference", "-name",   "7",
              "-set",    "a=b=c",   "-binary",      "-stages",   "false",   "-move_limit",
-             "0.1",     "-target", "0.2"});
+             "0.1",     "-target", "0.2",          "-finer_grid", "auto", "-finer_grid", "no"});
   const Overrides expected = {{"layers.count", "8"},
                               {"layers.count", "9"},
                               {"objective.layer_uniformity.weight", "0.1"},
@@ -65,7 +65,9 @@ TEST(CommandLineTest, OverridesKeepTheirOrder) {
                               {"projection.binary", "true"},
                               {"output.stages", "false"},
                               {"optimizer.move_limit", "0.1"},
-                              {"constraints.layer_thickness.target", "0.2"}};
+                              {"constraints.layer_thickness.target", "0.2"},
+                              {"output.finer_grid", "\"auto\""},
+                              {"output.finer_grid", "false"}};
   EXPECT_EQ(line.overrides, expected);
 }
 
