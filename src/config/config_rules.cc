@@ -194,10 +194,6 @@ void check_rules(const Config& config) {
 }
 
 void check_task(const Config& config, Task task) {
-  const bool with_table = task == Task::sensitivity || (task == Task::optimize && config.output.sensitivity);
-  if (with_table && config.layers.multi_planar)
-    refuse("/layers/type", "\"multi_planar\" with a sensitivity table, which changes the number of layers",
-           "curved");
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");

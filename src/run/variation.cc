@@ -118,7 +118,8 @@ VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& give
     Pipeline<Dim> pipeline(varied, std::make_unique<GivenSequence<Dim>>(std::move(time)), *varied.layers,
                            tolerance, timer);
     Design design;
-    if (!given.layer_variables.empty())
+    design.layer_variables = given.layer_variables;
+    if (design.layer_variables.size() != varied.layers->variables().count())  // other time points
       design.layer_variables = interpolated_time_points(given.layer_variables, varied.layers->count());
     result.sequence = simulate(varied, problem, pipeline, design, given.beta, !variation.smooth, more);
   }

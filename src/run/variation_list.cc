@@ -3,6 +3,7 @@
 #include "fabseq/run/variation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace fabseq {
@@ -57,6 +58,18 @@ void add_poisson(List& list, const Config& config) {
   }
 }
 
+/// Of layers whose number follows from their thickness.
+void add_thicknesses(List& list, double thickness, int baseline_layers) {
+  const auto add = [&](const char* name, double factor) {
+    Json& document = list.add(with_number(name, factor * thickness)).document;
+    document["layers"]["thickness"] = factor * thickness;
+    document["baseline"]["layers"] = std::max(1, static_cast<int>(std::lround(baseline_layers / factor)));
+  };
+  add("layers 10 %% thicker: %.4g", 1.0 + size_of_change);
+  add("layers 10 %% thinner: %.4g", 1.0 - size_of_change);
+  add("layers half as thick: %.4g", 0.5);
+}
+
 void add_layers(List& list, int layers, int baseline_layers) {
   const auto add = [&](const std::string& name, int count, int baseline) {
     Json& document = list.add(name + ": " + std::to_string(count)).document;
@@ -81,7 +94,8 @@ void add_finer_grid(List& list) {
 template <int Dim>
 Json fixed_document(const Setup<Dim>& setup) {
   Json document = setup.config.effective;
-  document["layers"]["count"] = setup.layers->count();
+  if (find_member(document.at("layers"), "count") != nullptr)
+    document["layers"]["count"] = setup.layers->count();
   document["baseline"]["layers"] = setup.baseline->count();
   if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
     document["sequence"]["characteristic_length"] = setup.characteristic_length;
@@ -98,7 +112,10 @@ std::vector<Variation> all_variations(const Config& config, const Json& fixed, i
   list.add("unchanged");
   add_strains(list, config);
   add_poisson(list, config);
-  add_layers(list, layers, baseline_layers);
+  if (const Json* thickness = find_member(fixed.at("layers"), "thickness"))
+    add_thicknesses(list, thickness->get<double>(), baseline_layers);
+  else
+    add_layers(list, layers, baseline_layers);
   list.add("layers smooth, as optimized").smooth = true;
   add_finer_grid(list);
   const bool absent = config.process.void_model == VoidModel::absent;

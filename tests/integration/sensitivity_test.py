@@ -8,7 +8,7 @@ import numpy as np
 
 import run_fabseq
 from read_outputs import read_result
-from run_fabseq import BAD_INPUT, FabseqTest, SANITIZED, largest_relative_difference
+from run_fabseq import FabseqTest, SANITIZED, largest_relative_difference
 from small_parts import direct_2d, hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes, write_voxels
 
 LIMIT = 1e-6  # of solves to 1e-10
@@ -201,18 +201,27 @@ class SensitivityTest(FabseqTest):
                     self.assertLess(largest_relative_difference(numbers(again[name]["sequence"]), numbers(row["sequence"])),
                                     1e-5, option + " " + name)
 
-    def test_what_is_left_out_or_refused(self):
+    def test_what_is_left_out(self):
         config = plate_2d()
         rows, _ = self.table(config, "-finer_grid", "no")
         self.assertEqual(rows["grid twice as fine"], {"change": "grid twice as fine", "skipped": "left out by output.finer_grid"})
-        config["layers"] = {"type": "multi_planar", "subparts": 1, "thickness": 0.3}
+
+    def test_multi_planar_layers(self):
+        """Their number follows from their thickness, which is what changes."""
+        config = with_strain(plate_2d())
+        config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "angles": [[1.4], [0.8]]}
         config["constraints"] = []
         config["objective"] = config["objective"][:1]
-        for arguments in (("-task", "sensitivity"), ("-sensitivity",)):
-            run = self.run_config(2, config, *arguments)
-            self.assertEqual(run.status, BAD_INPUT, str(run))
-            self.assertEqual(len(run.messages()), 1, str(run))
-            self.assertIn("/layers/type", run.messages()[0])
+        design = self.run_config(2, config, "-max_iterations", 2, "-tolerance", "1e-10")
+        self.assert_done(design)
+        of_design = ("-design", design.path("result.h5"))
+        for options in ((), of_design):
+            rows, _ = self.table(config, *options)
+            self.assertNotIn("skipped", {key for row in rows.values() for key in row})
+            for name, changes in (("unchanged", ()), ("layers half as thick: 0.15", ("-layer_thickness", 0.15)),
+                                  ("strain xx +10 %", ("-set", "material.inherent_strain=[-0.011, -0.008, 0.003]"))):
+                expected = self.simulated(config, *options, *changes)
+                self.assertLess(largest_relative_difference(numbers(rows[name]["sequence"]), numbers(expected)), LIMIT, name)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ constexpr double size_of_change = 0.1;
 template <int Dim>
 struct GivenDesign {
   PseudoTime<Dim> time;
-  std::vector<double> layer_variables;  ///< time points, where they vary
+  std::vector<double> layer_variables;  ///< time points, where they vary, or angles
   double beta = 0.0;                    ///< sharpness of its smooth layers
 };
 

@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""How much of a distortion is the contraction of the layer that builds a place, which no sequence changes.
+
+    scripts/figures/own_layer.py RUN... [--ranks N] [--output output/own_layer]
+
+RUN is the output directory of an optimization at nominal positions. Its binary layers and the planar baseline
+are simulated again, and the displacement is taken apart: the motion in the layer that builds a place, and the
+motion in all layers after it. Prints the length of the first distortion term, on the plate, for both and for
+their sum. Takes displacement, flatness and shape.
+"""
+
+import json
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
+
+import numpy as np
+
+from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script
+from read_run import Run, contains, node_positions, nodes_of, read_fields
+
+
+def main():
+    parser = parser_of(__doc__)
+    parser.add_argument("runs", nargs="+", metavar="RUN")
+    parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--output", default=os.path.join("output", "own_layer"))
+    parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
+    arguments = parse(parser)
+    print("| case | sequence | length | own layer | later layers |\n| --- | --- | --- | --- | --- |")
+    for directory in arguments.runs:
+        run = Run(directory)
+        if run.distortion_config.get("measure", "displacement") not in ("displacement", "flatness", "shape"):
+            raise RunError(f"{directory}: measures {run.distortion_config['measure']}")
+        nodes = set_of_nodes(run)
+        for sequence, words in (("planar", planar_words(run)), ("binary", ["-design", os.path.join(directory, "result.h5")])):
+            motions = motions_of(simulated(arguments, directory, sequence, words), nodes)
+            lengths = [length(run, nodes, motion) for motion in motions]
+            name = os.path.basename(os.path.normpath(directory))
+            print(f"| {name} | {sequence} | " + " | ".join(f"{value:.3g}" for value in lengths) + " |", flush=True)
+
+
+def planar_words(run):
+    layers = len(run.summary["baseline"]["layers"])
+    sequence = {"type": "planar", "direction": run.config["baseline"]["direction"]}
+    return ["-set", "sequence=" + json.dumps(sequence), "-layers", layers, "-set", "constraints=[]"]
+
+
+def simulated(arguments, directory, sequence, words):
+    """The fields of a simulation with binary layers that keeps all stages."""
+    output = os.path.join(arguments.output, os.path.basename(os.path.normpath(directory)), sequence)
+    run_command(["mpirun", "-np", arguments.ranks, arguments.program, "-config", os.path.join(directory, "config.json"),
+                 "-task", "simulate", "-binary", "-stages", *words, "-overwrite", "-output", output])
+    return read_fields(os.path.join(output, "result.h5"))
+
+
+def motions_of(fields, nodes):
+    """Displacement of the nodes (n, dimension): whole, in the layer that builds a node, and after that."""
+    stages = np.array([stage.reshape(-1, stage.shape[-1])[nodes] for stage in fields["stages/displacement"]], dtype=float)
+    moved = np.any(stages != 0.0, axis=2)
+    own = np.take_along_axis(stages, np.argmax(moved, axis=0)[None, :, None], axis=0)[0]
+    return stages[-1], own, stages[-1] - own
+
+
+def set_of_nodes(run):
+    """Numbers of the nodes that the first distortion term measures."""
+    shape = dict(run.config["node_sets"][run.distortion_config["nodes"]])
+    built = run.fields["density"] > 0
+    slack = 1e-6 * min(length / n for length, n in zip(run.config["domain"]["size"], built.shape[::-1]))
+    chosen = nodes_of(built)
+    if shape.pop("surface", False):
+        chosen &= nodes_of(~np.pad(built, 1))[np.flatnonzero(inner_nodes(built.shape))]
+    if not shape.pop("all", False):
+        chosen &= contains(shape, node_positions(run.config["domain"]["size"], built.shape[::-1]), slack)
+    return np.flatnonzero(chosen)
+
+
+def inner_nodes(shape):
+    """Which nodes of a box with one element more on each side belong to the box without them."""
+    inner = np.zeros([n + 3 for n in shape], dtype=bool)
+    inner[(slice(1, -1),) * len(shape)] = True
+    return inner.ravel()
+
+
+def length(run, nodes, displacement):
+    """Root of the first distortion term."""
+    term = run.distortion_config
+    measure = term.get("measure", "displacement")
+    if measure == "displacement":
+        squares = np.sum(displacement ** 2)
+        return np.sqrt(squares / len(nodes) if term.get("mean") else squares)
+    if measure == "flatness":
+        return np.std(displacement[:, "xyz".index(term["axis"])])
+    elements = run.fields["density"].shape[::-1]
+    positions = node_positions(run.config["domain"]["size"], elements)[nodes]
+    motions = fitted_motions(positions - positions.mean(axis=0), term.get("fit", ["translation", "rotation"]))
+    rest = displacement.ravel() - motions @ np.linalg.lstsq(motions, displacement.ravel(), rcond=None)[0]
+    return np.sqrt(np.sum(rest ** 2) / len(nodes))
+
+
+def fitted_motions(arms, fit):
+    """Columns: rigid motions, and a uniform scale, of nodes at so much from their centre."""
+    count, dimension = arms.shape
+    columns = [np.tile(np.eye(dimension)[axis], (count, 1)) for axis in range(dimension)] if "translation" in fit else []
+    for a in range(dimension if "rotation" in fit else 0):
+        for b in range(a):
+            turned = np.zeros_like(arms)
+            turned[:, a], turned[:, b] = -arms[:, b], arms[:, a]
+            columns.append(turned)
+    if "scale" in fit:
+        columns.append(arms)
+    return np.stack([column.ravel() for column in columns], axis=1)
+
+
+if __name__ == "__main__":
+    run_script(main)
