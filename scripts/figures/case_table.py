@@ -120,7 +120,8 @@ def gains(planar, smooth, binary):
 
 def nominal_gain(planar, binary):
     """What the same layers do where material goes to nominal positions."""
-    of_planar, of_binary = (sum(term["value"] for term in block["deposition"]["nominal"]["distortion"]) for block in (planar, binary))
+    of_planar, of_binary = (sum(term["value"] for term in block["deposition"]["nominal"]["distortion"])
+                            for block in (planar, binary))
     return f"{number(of_planar)} → {number(of_binary)}: {factor(of_planar / of_binary)}"
 
 
