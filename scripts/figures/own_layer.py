@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""How much of a distortion is the contraction of the layer that builds a place, which no sequence changes.
+"""Where a distortion comes from: the layer that builds a place, all later layers, and the release.
 
     scripts/figures/own_layer.py RUN... [--ranks N] [--output output/own_layer]
 
-RUN is the output directory of an optimization at nominal positions. Its binary layers and the planar baseline
-are simulated again, and the displacement is taken apart: the motion in the layer that builds a place, and the
-motion in all layers after it. Prints the length of the first distortion term, on the plate, for both and for
-their sum. Takes displacement, flatness and shape.
+RUN is the output directory of an optimization at nominal positions. Its binary layers, those of the start
+design and the planar baseline are simulated again, and the displacement is taken apart: the motion in the
+layer that builds a place, the motion in all layers after it, and, for a distortion after the release, that of
+the release. Prints the length of the first distortion term for their sum and for each alone. Takes
+displacement, flatness and shape.
 """
 
 import json
@@ -29,14 +30,16 @@ def main():
     parser.add_argument("--output", default=os.path.join("output", "own_layer"))
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
     arguments = parse(parser)
-    print("| case | sequence | length | own layer | later layers |\n| --- | --- | --- | --- | --- |")
+    print("| case | sequence | length | own layer | later layers | release |\n| --- | --- | --- | --- | --- | --- |")
     for directory in arguments.runs:
         run = Run(directory)
         if run.distortion_config.get("measure", "displacement") not in ("displacement", "flatness", "shape"):
             raise RunError(f"{directory}: measures {run.distortion_config['measure']}")
         nodes = set_of_nodes(run)
-        for sequence, words in (("planar", planar_words(run)), ("binary", ["-design", os.path.join(directory, "result.h5")])):
-            motions = motions_of(simulated(arguments, directory, sequence, words), nodes)
+        sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", os.path.join(directory, "result.h5")]}
+        for sequence, words in sequences.items():
+            motions = motions_of(simulated(arguments, directory, sequence, words), nodes,
+                                 run.distortion_config.get("after_release", False))
             lengths = [length(run, nodes, motion) for motion in motions]
             name = os.path.basename(os.path.normpath(directory))
             print(f"| {name} | {sequence} | " + " | ".join(f"{value:.3g}" for value in lengths) + " |", flush=True)
@@ -56,12 +59,13 @@ def simulated(arguments, directory, sequence, words):
     return read_fields(os.path.join(output, "result.h5"))
 
 
-def motions_of(fields, nodes):
-    """Displacement of the nodes (n, dimension): whole, in the layer that builds a node, and after that."""
+def motions_of(fields, nodes, after_release):
+    """Displacement of the nodes (n, dimension): all, in a node's own layer, later, of the release."""
     stages = np.array([stage.reshape(-1, stage.shape[-1])[nodes] for stage in fields["stages/displacement"]], dtype=float)
     moved = np.any(stages != 0.0, axis=2)
     own = np.take_along_axis(stages, np.argmax(moved, axis=0)[None, :, None], axis=0)[0]
-    return stages[-1], own, stages[-1] - own
+    release = fields["release_displacement"].reshape(-1, stages.shape[-1])[nodes] if after_release else np.zeros_like(own)
+    return stages[-1] + release, own, stages[-1] - own, release
 
 
 def set_of_nodes(run):
