@@ -8,8 +8,9 @@ of what they reach, in length units, and of what is left of it under the changes
 
 A case that was interrupted goes on where it was, one that is done is only looked at again; --table runs
 nothing. A length is the root of the first distortion that was optimized. Gains are of the binary layers,
-which are what is built: over planar layers, over the start design, which is not optimized, over planar layers
-on a grid twice as fine, and the worst under any change. Of rms it is that of the whole part.
+which are what is built: over planar layers, over the start design, which is not optimized, of the whole
+part's rms, on a grid twice as fine, the worst under changes of strain, layers and grid, and under the other
+deposition model.
 """
 
 import os
@@ -21,7 +22,8 @@ from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_script
 from read_run import Run, duration, read_json
 from reproduce import Cases, run
 
-HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "constraints", "time")
+HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model",
+        "constraints", "time")
 
 
 def main():
@@ -60,14 +62,16 @@ def figures(directory):
 
 
 def gains_under_changes(directory):
-    """On the finer grid, and the worst with the change that brings it; dashes without a table of changes."""
+    """On the finer grid, the worst with its change, by the other model; dashes without a table."""
     if not os.path.exists(os.path.join(directory, "sensitivity.json")):
-        return "–", "–"
-    table = read_json(directory, "sensitivity.json")
-    finer = [change["ratio"]["length"] for change in table["changes"]
-             if change["change"] == "grid twice as fine" and "ratio" in change]
-    worst = table["worst"]["length"]
-    return f"{finer[0]:.1f}" if finer else "–", f"{worst['ratio']:.1f}, {worst['change']}"
+        return "–", "–", "–"
+    changes = read_json(directory, "sensitivity.json")["changes"]
+    gains = {change["change"]: change["ratio"]["length"] for change in changes if change.get("ratio", {}).get("length")}
+    of_part = {name: gain for name, gain in gains.items() if not name.startswith(("void", "deposition"))}
+    worst = min(of_part, key=of_part.get)
+    shown = {name: f"{gain:.1f}" for name, gain in gains.items()}
+    other = next((text for name, text in shown.items() if name.startswith("deposition")), "–")
+    return shown.get("grid twice as fine", "–"), f"{shown[worst]}, {worst}", other
 
 
 if __name__ == "__main__":

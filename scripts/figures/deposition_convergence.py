@@ -87,7 +87,8 @@ def print_table(arguments, figures):
 
 
 def draw(arguments, figures):
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    figure, (*axes, beside) = plt.subplots(1, 3, figsize=(10.5, 3.6),
+                                           layout="constrained", gridspec_kw={"width_ratios": (3, 3, 1.6)})
     tidy(axes)
     for number, (axis, title) in enumerate(zip(axes, ("top edge, rms", "whole part, rms"), strict=True)):
         for sequence, colour in (("planar", PLANAR), ("optimized", OPTIMIZED)):
@@ -99,7 +100,8 @@ def draw(arguments, figures):
         axis.set(title=title, xlabel="number of layers")
         axis.set_xticks(arguments.layers, [str(count) for count in arguments.layers])
         axis.minorticks_off()
-    axes[0].legend(fontsize=7, frameon=False)
+    beside.axis("off")
+    beside.legend(*axes[0].get_legend_handles_labels(), loc="center left", fontsize=8, frameon=False)
     save(figure, arguments.picture, 150)
 
 

@@ -48,11 +48,12 @@ TEST(CommandLineTest, Defaults) {
 
 TEST(CommandLineTest, OverridesKeepTheirOrder) {
   const CommandLine line =
-      parse({"-config", "c",       "-layers",      "8",         "-set",    "layers.count=9",
-             "-alpha",  "0.1",     "-elements",    "80,40,80",  "-layers", "10",
-             "-beta",   "auto",    "-solver_path", "reference", "-name",   "7",
-             "-set",    "a=b=c",   "-binary",      "-stages",   "false",   "-move_limit",
-             "0.1",     "-target", "0.2",          "-finer_grid", "auto", "-finer_grid", "no"});
+      parse({"-config", "c",       "-layers",      "8",           "-set",    "layers.count=9",
+             "-alpha",  "0.1",     "-elements",    "80,40,80",    "-layers", "10",
+             "-beta",   "auto",    "-solver_path", "reference",   "-name",   "7",
+             "-set",    "a=b=c",   "-binary",      "-stages",     "false",   "-move_limit",
+             "0.1",     "-target", "0.2",          "-finer_grid", "auto",    "-finer_grid",
+             "no"});
   const Overrides expected = {{"layers.count", "8"},
                               {"layers.count", "9"},
                               {"objective.layer_uniformity.weight", "0.1"},
