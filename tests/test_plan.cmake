@@ -57,7 +57,7 @@ set(FABSEQ_LABELS
     "kernels=^(lanes|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
-    "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|pictures|readme|reproduce|slurm|install)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|own_layer|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)

@@ -20,7 +20,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np
 
 from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script
-from read_run import Run, contains, node_positions, nodes_of, read_fields
+from read_run import Run, node_positions, read_fields
 
 
 def main():
@@ -35,7 +35,7 @@ def main():
         run = Run(directory)
         if run.distortion_config.get("measure", "displacement") not in ("displacement", "flatness", "shape"):
             raise RunError(f"{directory}: measures {run.distortion_config['measure']}")
-        nodes = set_of_nodes(run)
+        nodes = run.nodes_of_set(run.config["node_sets"][run.distortion_config["nodes"]])
         sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", os.path.join(directory, "result.h5")]}
         for sequence, words in sequences.items():
             motions = motions_of(simulated(arguments, directory, sequence, words), nodes,
@@ -66,26 +66,6 @@ def motions_of(fields, nodes, after_release):
     own = np.take_along_axis(stages, np.argmax(moved, axis=0)[None, :, None], axis=0)[0]
     release = fields["release_displacement"].reshape(-1, stages.shape[-1])[nodes] if after_release else np.zeros_like(own)
     return stages[-1] + release, own, stages[-1] - own, release
-
-
-def set_of_nodes(run):
-    """Numbers of the nodes that the first distortion term measures."""
-    shape = dict(run.config["node_sets"][run.distortion_config["nodes"]])
-    built = run.fields["density"] > 0
-    slack = 1e-6 * min(length / n for length, n in zip(run.config["domain"]["size"], built.shape[::-1]))
-    chosen = nodes_of(built)
-    if shape.pop("surface", False):
-        chosen &= nodes_of(~np.pad(built, 1))[np.flatnonzero(inner_nodes(built.shape))]
-    if not shape.pop("all", False):
-        chosen &= contains(shape, node_positions(run.config["domain"]["size"], built.shape[::-1]), slack)
-    return np.flatnonzero(chosen)
-
-
-def inner_nodes(shape):
-    """Which nodes of a box with one element more on each side belong to the box without them."""
-    inner = np.zeros([n + 3 for n in shape], dtype=bool)
-    inner[(slice(1, -1),) * len(shape)] = True
-    return inner.ravel()
 
 
 def length(run, nodes, displacement):

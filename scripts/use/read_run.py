@@ -69,16 +69,26 @@ class Run:
     def measured_nodes(self):
         """Numbers of the nodes whose distortion is the first term; empty if the config does not tell them."""
         shape = self.config.get("node_sets", {}).get(self.distortion_config.get("nodes"))
-        if shape is not None and (shape.get("all") or shape.get("surface")):
-            return np.array([], dtype=int)  # so many that marks would hide the part
-        built = self.fields["density"] > 0
-        size = self.config["domain"]["size"]
-        slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
+        if shape is None or shape.get("all") or shape.get("surface"):
+            return np.array([], dtype=int)  # or so many that marks would hide the part
         try:
-            inside = contains(shape, node_positions(size, built.shape[::-1]), slack) if shape else False
+            return self.nodes_of_set(shape)
         except NotImplementedError:
-            inside = False
-        return np.flatnonzero(inside & nodes_of(built))
+            return np.array([], dtype=int)
+
+    def nodes_of_set(self, node_set):
+        """Numbers of the part's nodes in a node set of the config; a substrate is not looked at. Raises
+        NotImplementedError for polygons."""
+        shape = {key: value for key, value in node_set.items() if key not in ("all", "surface", "samples")}
+        built = self.fields["density"] > 0
+        chosen = nodes_of(built)
+        if node_set.get("surface"):
+            chosen &= nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])[(slice(1, -1),) * built.ndim].ravel()
+        if shape:
+            size = self.config["domain"]["size"]
+            slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
+            chosen &= contains(shape, node_positions(size, built.shape[::-1]), slack)
+        return np.flatnonzero(chosen)
 
 
 def open_text(directory, name):
