@@ -29,7 +29,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do, and of digits, which the release build looks at.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|reproduce|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|own_layer|reproduce|slurm")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.

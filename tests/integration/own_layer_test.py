@@ -15,7 +15,6 @@ SCRIPT = os.path.join(ROOT, "scripts", "figures", "own_layer.py")
 BLOCKS = {"planar": "baseline", "start": "start", "binary": "binary"}
 
 
-@run_fabseq.only_release
 class OwnLayerTest(FabseqTest):
     def parts_of(self, config, directory):
         """Of each sequence: the length, and that of the own layer, of later layers, and of the release."""
