@@ -35,7 +35,10 @@ def main():
         run = Run(directory)
         if run.distortion_config.get("measure", "displacement") not in ("displacement", "flatness", "shape"):
             raise RunError(f"{directory}: measures {run.distortion_config['measure']}")
-        nodes = run.nodes_of_set(run.config["node_sets"][run.distortion_config["nodes"]])
+        node_set = run.config["node_sets"][run.distortion_config["nodes"]]
+        if node_set.get("samples") or node_set.get("within"):
+            raise RunError(f"{directory}: its node set has samples or what is within a distance")
+        nodes = run.nodes_of_set(node_set)
         sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", os.path.join(directory, "result.h5")]}
         for sequence, words in sequences.items():
             motions = motions_of(simulated(arguments, directory, sequence, words), nodes,
