@@ -77,8 +77,8 @@ class Run:
             return np.array([], dtype=int)
 
     def nodes_of_set(self, node_set):
-        """Numbers of the part's nodes in a node set of the config, samples or not; a substrate is not looked at,
-        nor what is near the shape. Raises NotImplementedError for polygons."""
+        """Numbers of the part's nodes in a node set of the config. Samples, what is near the shape and a
+        substrate are not looked at. Raises NotImplementedError for polygons."""
         shape = {key: value for key, value in node_set.items() if key not in ("all", "surface", "samples", "within")}
         built = self.fields["density"] > 0
         chosen = nodes_of(built)
