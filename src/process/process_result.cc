@@ -6,7 +6,7 @@ namespace fabseq {
 namespace {
 
 /// Adds factor * from to a vector that may still be empty.
-void add(std::vector<double>& to, double factor, const std::vector<double>& from) {
+void add_scaled(std::vector<double>& to, double factor, const std::vector<double>& from) {
   to.resize(from.size(), 0.0);
   for (std::size_t i = 0; i < from.size(); ++i) to[i] += factor * from[i];
 }
@@ -27,8 +27,8 @@ ProcessResult ProcessResult::combined(std::span<const double> combination, bool 
   result.all_layers = all_layers;
   result.iterations = iterations;
   for (std::size_t k = 0; k < combination.size(); ++k) {
-    add(result.displacement, combination[k], of_case(k).displacement);
-    add(result.release, combination[k], of_case(k).release);
+    add_scaled(result.displacement, combination[k], of_case(k).displacement);
+    add_scaled(result.release, combination[k], of_case(k).release);
   }
   if (!with_increments) return result;
   result.blocks = blocks;
@@ -41,7 +41,7 @@ ProcessResult ProcessResult::combined(std::span<const double> combination, bool 
 LaneVector ProcessResult::combined_increments(std::span<const double> combination, std::size_t block) const {
   LaneVector result(increments[block].nodes, increments[block].components, increments[block].lanes);
   for (std::size_t k = 0; k < combination.size(); ++k)
-    if (combination[k] != 0.0) add(result.values, combination[k], of_case(k).increments[block].values);
+    if (combination[k] != 0.0) add_scaled(result.values, combination[k], of_case(k).increments[block].values);
   return result;
 }
 
