@@ -2,10 +2,11 @@
 # On how many ranks a test runs, what it costs and which labels it has. CONTRIBUTING.md says what to run when.
 
 # Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be
-# left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, and a single
-# rank where some cases need it.
+# left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank
+# where cases need it that take long, and both where they do not.
 set(FABSEQ_DECOMPOSED parallel grid part files lanes solve sequence)
-set(FABSEQ_ALONE_TOO lane_cg_mpi_test lane_elasticity_mpi_test stop_mpi_test)
+set(FABSEQ_ALONE lane_cg_mpi_test)
+set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)
   set(counts 1)
   if(name MATCHES "_mpi_test$")
@@ -14,7 +15,9 @@ function(fabseq_rank_counts result name module)
       if(module IN_LIST FABSEQ_DECOMPOSED)
         set(counts 3)  # one of them without work, as tests/support/share.h deals it out
       endif()
-      if(name IN_LIST FABSEQ_ALONE_TOO)
+      if(name IN_LIST FABSEQ_ALONE)
+        set(counts 1)
+      elseif(name IN_LIST FABSEQ_ALONE_TOO)
         list(PREPEND counts 1)
       endif()
     else()

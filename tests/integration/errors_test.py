@@ -9,12 +9,12 @@ import h5py
 import numpy as np
 
 import run_fabseq
-from run_fabseq import BAD_INPUT, DONE, FabseqTest, OUTPUT_FAILURE, PROGRAM
+from run_fabseq import BAD_INPUT, DONE, FabseqTest, OUTPUT_FAILURE, PROGRAM, distinct
 from small_parts import hook_3d, plate_2d, post_on_substrate, write_voxels
 
 
 class BadInputTest(FabseqTest):
-    rank_counts = (1, 3)
+    rank_counts = distinct(3, 1)
 
     def assert_refused(self, config, *arguments, words, timeout=None, status=BAD_INPUT, **options):
         """The run must be refused with one line that holds all `words`, and leave the working directory as it
@@ -332,7 +332,7 @@ class CommandLineTest(FabseqTest):
                 self.assertEqual(len(lines), 1, lines)
 
     def test_unread_petsc_option_is_a_warning(self):
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             result = self.run_config(ranks, plate_2d(), "-max_iterations", 1, "-elasticity_ksp_max_itt", 7)
             self.assertEqual(result.status, DONE, str(result))
             self.assertEqual(len(result.messages()), 1, str(result))
@@ -346,7 +346,7 @@ class CommandLineTest(FabseqTest):
         self.assertEqual(result.messages(), [])
 
     def test_help_and_version(self):
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             for option in ("-help", "--help", "-h"):
                 result = self.run_program(ranks, option, output="")
                 self.assert_done(result)
@@ -362,7 +362,7 @@ class CommandLineTest(FabseqTest):
     def test_check_prints_the_part_and_writes_nothing(self):
         path = self.write_config(plate_2d())
         before = self.tree()
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             for options in ({}, {"output": ""}):
                 result = self.run_program(ranks, "-config", path, "-task", "check", **options)
                 self.assert_done(result)

@@ -11,7 +11,7 @@ import numpy as np
 import run_fabseq
 from compare_runs import history_text
 from read_outputs import read_dump
-from run_fabseq import FabseqTest, NUMERICAL_FAILURE, OUTPUT_FAILURE
+from run_fabseq import FabseqTest, NUMERICAL_FAILURE, OUTPUT_FAILURE, distinct
 from small_parts import hook_3d, plate_2d
 
 
@@ -32,7 +32,7 @@ class SolverTest(FailureTest):
     message = (r"layer 1\b", r"\b1 iterations", r"residual \d")
 
     def test_optimize_leaves_a_checkpoint_and_a_summary(self):
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             with self.subTest(ranks=ranks):
                 run = self.run_config(ranks, hook_3d(), *self.never_converges)
                 message = self.assert_fails(run, NUMERICAL_FAILURE, *self.message)
@@ -77,14 +77,14 @@ class SolverTest(FailureTest):
 
     def test_other_tasks(self):
         for task in ("simulate", "evaluate", "check_gradients"):
-            for ranks in (1, 3):
+            for ranks in distinct(3, 1):
                 with self.subTest(task=task, ranks=ranks):
                     run = self.run_config(ranks, hook_3d(), "-task", task, *self.never_converges)
                     self.assert_fails(run, NUMERICAL_FAILURE, *self.message)
 
     def test_release(self):
         """The simulation is done when the release fails: all its results are there."""
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             with self.subTest(ranks=ranks):
                 run = self.run_config(ranks, hook_3d(), "-task", "simulate", "-solver_path", "reference",
                                       "-reference_method", "gamg", "-release_ksp_max_it", 1)
@@ -99,7 +99,7 @@ class SolverTest(FailureTest):
                     self.assertNotIn("release_displacement", file)
 
     def test_heat(self):
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             with self.subTest(ranks=ranks):
                 run = self.run_config(ranks, plate_2d(), "-solver_path", "reference", "-heat_ksp_type", "richardson",
                                       "-heat_pc_type", "none", "-heat_ksp_max_it", 2)
@@ -112,7 +112,7 @@ class OutputTest(FailureTest):
         """A file of the run is a device on which nothing fits."""
         if not os.path.exists("/dev/full"):
             self.skipTest("there is no /dev/full")
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             with self.subTest(ranks=ranks):
                 output = os.path.join(self.directory, f"full_{ranks}")
                 os.mkdir(output)
@@ -123,7 +123,7 @@ class OutputTest(FailureTest):
     def test_directory_below_a_file(self):
         with open(os.path.join(self.directory, "file"), "w", encoding="utf-8") as file:
             file.write("mine\n")
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             run = self.run_config(ranks, plate_2d(), output=os.path.join(self.directory, "file", "run"))
             self.assert_fails(run, OUTPUT_FAILURE, "file/run")
 
@@ -146,7 +146,7 @@ class FullDiskTest(FailureTest):
                                output=os.path.join(self.disk, name))
 
     def check(self, free, file, *arguments):
-        for ranks in (1, 3):
+        for ranks in distinct(3, 1):
             with self.subTest(ranks=ranks):
                 run = self.run_on_disk(ranks, free, *arguments)
                 self.assert_fails(run, OUTPUT_FAILURE, file)

@@ -11,7 +11,7 @@ import numpy as np
 import run_fabseq
 from compare_runs import assert_same_run, history_text
 from read_outputs import read_dump
-from run_fabseq import BAD_INPUT, DONE, STOPPED, FabseqTest, largest_relative_difference
+from run_fabseq import BAD_INPUT, DONE, STOPPED, FabseqTest, distinct, largest_relative_difference
 from small_parts import hook_3d, part_density, plate_2d, post_on_substrate, write_voxels
 
 
@@ -46,7 +46,7 @@ class RestartTest(FabseqTest):
 
 
 class SameBytesTest(RestartTest):
-    def check(self, ranks, config, *arguments, all_cuts=((3,), (2, 5))):
+    def check(self, ranks, config, *arguments, all_cuts=distinct((2, 5), (3,))):
         """Cut after these of 6 iterations."""
         arguments = ("-max_iterations", 6, "-set", "projection.interval=2", "-output_every", 2, "-checkpoint_every", 3,
                      *arguments)
@@ -70,8 +70,8 @@ class SameBytesTest(RestartTest):
 
     def test_plane(self):
         """Also before the first iteration and after the last."""
-        for ranks in (1, 3):
-            self.check(ranks, plate_2d(), all_cuts=((0,), (1,), (3,), (6,), (2, 5)))
+        for ranks in distinct(3, 1):
+            self.check(ranks, plate_2d(), all_cuts=distinct((2, 5), (0,), (1,), (3,), (6,)))
 
     def test_layer_groups(self):
         """By what work layers are dealt out to groups lasts from one iteration to the next."""
@@ -119,7 +119,7 @@ class OtherRanksTest(RestartTest):
         """Half of the run on two ranks as so many groups, the rest on ranks and groups of each of
         `splits`."""
         arguments = ("-max_iterations", 8, "-tolerance", "1e-11")
-        for config in (hook_3d(), plate_2d()):
+        for config in distinct(hook_3d(), plate_2d()):
             expected = self.run_config(1, config, *arguments)
             half = self.half_run(2, config, 3, *arguments, "-layer_groups", groups)
             self.assertEqual(half.json("summary.json")["layer_groups"], groups)
@@ -138,10 +138,10 @@ class OtherRanksTest(RestartTest):
                                             f"{key} of iteration {line['iteration']}")
 
     def test_any_number_of_ranks(self):
-        self.check(1, ((1, 1), (3, 1), (4, 1)))
+        self.check(1, distinct((3, 1), (1, 1), (4, 1)))
 
     def test_any_number_of_layer_groups(self):
-        self.check(2, ((1, 1), (2, 1), (3, 3), (4, 2)))
+        self.check(2, distinct((3, 3), (1, 1), (2, 1), (4, 2)))
 
 
 class WhereTest(RestartTest):
@@ -246,7 +246,7 @@ class OtherProblemTest(RestartTest):
                                  (("-set", "part.difference.1.sphere.radius=0.4"),
                                   ("/part/difference/1/sphere/radius was 0.31, is 0.4 now",)),
                                  (("-thickness_tolerance", 0.2), ("/constraints/0/tolerance was 0.1, is 0.2 now",))):
-            for ranks in (1, 3):
+            for ranks in distinct(3, 1):
                 with self.subTest(arguments=arguments, ranks=ranks):
                     run = self.run_config(ranks, plate_2d(), *arguments, "-restart", "auto", output=half.output)
                     self.assert_refused(run, "-restart", "another problem", *words)
@@ -340,7 +340,7 @@ class DamageTest(RestartTest):
         half = self.run_with_two_slots()
         for path in self.slots(half):
             self.damage(path, "bit")
-        for ranks in (1, 2):
+        for ranks in distinct(2, 1):
             for restart in ("auto", half.output):
                 run = self.run_config(ranks, plate_2d(), "-max_iterations", 6, "-restart", restart, output=half.output)
                 self.assert_refused(run, "-restart", "slot_0.h5", "slot_1.h5", "damaged")

@@ -29,6 +29,12 @@ DONE, BAD_INPUT, NUMERICAL_FAILURE, STOPPED, OUTPUT_FAILURE = 0, 2, 3, 4, 5
 OF_THIS_BUILD = "of this build: "  # how the reason begins where another build runs what is skipped
 only_release = unittest.skipIf(SANITIZED, OF_THIS_BUILD + "the sanitizers make this too slow: runs in the release build")
 
+
+def distinct(*cases):
+    """The cases that a test repeats itself with. Sanitizers look for code paths: the first will do there."""
+    return cases[:1] if SANITIZED else cases
+
+
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
