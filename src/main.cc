@@ -31,6 +31,7 @@ template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const std::optional<Restart> restart = find_restart(setup, command_line);
   const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
+  if (!restart) require_design(setup, command_line);
   RunOutput<Dim> output(setup, command_line, restart, timer);
   const CommandLine start =  // grid sequencing (9)
       begin_on_coarse_grid<Dim>(coarse, command_line, setup, output, optimize<Dim>);

@@ -2,13 +2,11 @@
 #include "fabseq/base/hdf5.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/input_file.h"
 #include "fabseq/base/json.h"
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 
 namespace fabseq {
 
@@ -42,10 +40,9 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
 
 /// Opens a file on this rank alone. Returns what is wrong with it, "" if nothing.
 std::string open_alone(const std::string& file_name, const std::string& file_key, Hdf5File& file) {
-  errno = 0;
-  if (!std::ifstream(file_name, std::ios::binary))
-    return file_key + ": cannot open '" + file_name + "' (" + std::strerror(errno) +
-           "), needs a readable HDF5 file";
+  const std::string problem = reading_problem(file_name);
+  if (!problem.empty())
+    return file_key + ": cannot open '" + file_name + "' (" + problem + "), needs a readable HDF5 file";
   if (H5Fis_hdf5(file_name.c_str()) <= 0) return file_key + ": '" + file_name + "' is not an HDF5 file";
   file = Hdf5File(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   return file ? "" : file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";

@@ -7,8 +7,9 @@
 
 namespace fabseq {
 
-void check(PetscErrorCode code) {
-  if (code == 0) return;
+namespace {
+
+std::string message_of(PetscErrorCode code) {
   const char* text = nullptr;
   char* specific = nullptr;
   (void)PetscErrorMessage(code, &text, &specific);
@@ -16,7 +17,17 @@ void check(PetscErrorCode code) {
   if (specific != nullptr && specific[0] != '\0') message += std::string(": ") + specific;
   for (char& c : message)
     if (c == '\n') c = ' ';
-  throw NumericalError(message);
+  return message;
+}
+
+}  // namespace
+
+void check(PetscErrorCode code) {
+  if (code != 0) throw NumericalError(message_of(code));
+}
+
+void check_options(PetscErrorCode code) {
+  if (code != 0) throw InputError(message_of(code) + "; allowed: options as PETSc's manual has them");
 }
 
 }  // namespace fabseq

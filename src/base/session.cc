@@ -117,8 +117,8 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   char** arguments = pointers.data();
   prefer_romio();
   give_memory_back();
-  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)
-    return static_cast<int>(ExitStatus::numerical_failure);
+  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)  // an option's value that PETSc refuses
+    return static_cast<int>(ExitStatus::bad_input);
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
   const int status = guarded(program);
   (void)PetscPopErrorHandler();

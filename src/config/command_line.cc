@@ -116,7 +116,8 @@ class Parser {
 
   /// Takes the word after one of fabseq's own options as its value.
   const std::string& value(const std::string& option) {
-    if (!next_is_value()) throw InputError(option + ": missing value; allowed: " + option + " VALUE");
+    if (!next_is_value() || words_[position_ + 1].empty())
+      throw InputError(option + ": missing value; allowed: " + option + " VALUE");
     return words_[++position_];
   }
 

@@ -215,7 +215,12 @@ Json complete_config(const Json& document, const std::string& directory) {
   for (const auto& [name, value] : document.items()) {
     if (name != "run") input[name] = value;  // "run" records the run that wrote the file
   }
-  return Completion(find_dimension(input), directory).section(input, "", "");
+  return complete_section(input, "", "", find_dimension(input), directory);
+}
+
+Json complete_section(const Json& value, const std::string& pointer, const std::string& path, int dimension,
+                      const std::string& directory) {
+  return Completion(dimension, directory).section(value, pointer, path);
 }
 
 }  // namespace fabseq

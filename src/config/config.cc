@@ -19,8 +19,10 @@ std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
 
 }  // namespace
 
-Config make_config(const Json& document, const std::string& directory) {
+Config make_config(const Json& document, const std::string& directory,
+                   std::shared_ptr<const PlacedMesh> mesh) {
   Config config;
+  config.part.mesh = std::move(mesh);
   config.effective = complete_config(document, directory);
   const auto dimension = static_cast<int>(config.effective.at("domain").at("elements").size());
   config_section().read(config, config.effective, {"", dimension});

@@ -12,7 +12,7 @@ namespace fabseq {
 namespace {
 
 /// JSON pointers of keys that may change, with all keys below them.
-constexpr std::array<std::string_view, 10> free_keys = {"/name",
+constexpr std::array<std::string_view, 11> free_keys = {"/name",
                                                         "/output",
                                                         "/run",
                                                         "/solver",
@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, 10> free_keys = {"/name",
                                                         "/optimizer/objective_tolerance",
                                                         "/optimizer/window",
                                                         "/optimizer/later_iterations",
-                                                        "/part/voxels/file"};
+                                                        "/part/voxels/file",
+                                                        "/domain/unit"};
 
 bool same_value(const Json& a, const Json& b) {
   if (a.is_number() && b.is_number()) return a.get<double>() == b.get<double>();

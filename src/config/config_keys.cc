@@ -67,8 +67,8 @@ void add_part(Section<Config>& keys) {
            [set_keys](Its& config, const Json& value, const KeyPlace& place) {
              for (const auto& [name, set] : value.items())
                set_keys.read(config.node_sets[name], set, {pointer_to(place.pointer, name), place.dimension});
-           })
-      .declare(set_keys.declarations().front());
+           });
+  for (SectionKeys& section : set_keys.declarations()) keys.declare(std::move(section));
 }
 
 void add_terms(Section<Config>& keys) {

@@ -1,33 +1,26 @@
 // SPDX-License-Identifier: MIT
 /// Makes a Config from the config file and the command line.
 #include "fabseq/base/error.h"
+#include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/config_rules.h"
+#include "fabseq/config/place_mesh.h"
 #include "fabseq/config/reslicing.h"
 #include "fabseq/keys/config_key.h"
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace fabseq {
 
 namespace {
 
-/// Why a file cannot be read; empty if it can be.
-std::string reading_problem(const std::string& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) return "is a directory";
-  errno = 0;
-  const std::ifstream stream(file);
-  return stream ? "" : std::strerror(errno != 0 ? errno : ENOENT);
-}
+/// Larger files are no configs.
+constexpr std::uintmax_t most_bytes = 64 << 20;
 
 struct ConfigFile {
   std::string problem, text, directory;
@@ -41,10 +34,14 @@ ConfigFile load(const std::string& file) {
         "-config: cannot read " + shown(file) + " (" + result.problem + "); allowed: a readable JSON file";
     return result;
   }
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  result.text = text.str();
   std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (bytes > most_bytes) {
+    result.problem = "-config: " + shown(file) + " has " + std::to_string(bytes) +
+                     " bytes; allowed: a JSON file of at most 64 MB";
+    return result;
+  }
+  result.text = read_file_if_there(file);
   result.directory = std::filesystem::absolute(file, error).parent_path().string();
   return result;
 }
@@ -145,7 +142,9 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   Json document = parse_json(broadcast(comm, file.text), command_line.config_file);
   for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
   reslice(comm, command_line, document);
-  Config config = make_config(document, broadcast(comm, file.directory));
+  const std::string directory = broadcast(comm, file.directory);
+  const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
+  Config config = make_config(document, directory, mesh);
   check_task(config, command_line.task);
   check_files(comm, config);
   warn_about(config);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <functional>
 
 namespace fabseq {
@@ -37,6 +38,29 @@ void check_names(const Config& config) {
     }
     if (description.samples == 1)
       refuse(pointer_to(pointer, "samples"), "1", "0 (all nodes) or an integer >= 2");
+  }
+}
+
+/// Volumes and squares of lengths, stiffnesses and strains are computed: with values beyond these magnitudes
+/// they would silently become 0 or infinite.
+void check_magnitude(const std::string& pointer, double value) {
+  constexpr double least = 1e-40, most = 1e40;
+  if (value == 0.0 || (std::abs(value) >= least && std::abs(value) <= most)) return;
+  refuse(pointer, shown(value), "0, or a magnitude from 1e-40 to 1e40");
+}
+
+void check_magnitudes(const Config& config) {
+  for (std::size_t axis = 0; axis < config.size.size(); ++axis) {
+    check_magnitude(pointer_to("/domain/size", axis), config.size[axis]);
+    check_magnitude(pointer_to("/domain/size", axis), config.size[axis] / config.elements[axis]);
+  }
+  check_magnitude("/domain/thickness", config.thickness);
+  check_magnitude("/material/young", config.material.young);
+  for (const double strain : config.material.inherent_strain)
+    check_magnitude("/material/inherent_strain", strain);
+  if (const auto& strain = config.material.turning_strain) {
+    check_magnitude("/material/inherent_strain/tangential", strain->tangential);
+    check_magnitude("/material/inherent_strain/normal", strain->normal);
   }
 }
 
@@ -181,6 +205,7 @@ void check_optimizer(const Config& config) {
 
 void check_rules(const Config& config) {
   check_names(config);
+  check_magnitudes(config);
   check_direction(config, "sequence", config.sequence.direction);
   check_direction(config, "baseline", config.baseline.direction);
   check_initial_diffusivity(config);

@@ -2,6 +2,7 @@
 #include "fabseq/config/reslicing.h"
 
 #include "fabseq/base/hdf5.h"
+#include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/files/hdf5_attribute.h"
@@ -54,7 +55,7 @@ void leave_out_terms_of_gradient(Json& document, TermList list) {
 Slicing slicing_of(MPI_Comm comm, const std::string& name) {
   silence_hdf5();
   Slicing found;
-  if (rank_of(comm) == 0) {
+  if (rank_of(comm) == 0 && reading_problem(name).empty()) {
     const Hdf5File file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
     if (file) found = {positive_attribute(file, "layers"), positive_attribute(file, "beta")};
   }

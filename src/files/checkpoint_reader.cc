@@ -2,6 +2,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
+#include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
@@ -58,7 +59,8 @@ std::vector<double> read_array(hid_t dataset, const std::string& name) {
 /// bits. Rank 0 calls it.
 std::string read_description(const std::string& path) {
   silence_hdf5();
-  const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  const Hdf5File file(reading_problem(path).empty() ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)
+                                                    : H5I_INVALID_HID);
   if (!file) throw InputError("-restart: '" + path + "' cannot be opened");
   Json scalars = Json::object(), arrays = Json::object(), fields = Json::array();
   for (const std::string& name : attribute_names(file))

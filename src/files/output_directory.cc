@@ -11,6 +11,7 @@
 #include <array>
 #include <fcntl.h>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <system_error>
 
@@ -75,7 +76,7 @@ void require_writable(const fs::path& directory) {
   remove_file(probe);
 }
 
-void set_up(const fs::path& directory, bool overwrite) {
+std::unique_ptr<const RunLock> set_up(const fs::path& directory, bool overwrite) {
   std::error_code error;
   const fs::file_status status = fs::status(directory, error);
   if (fs::exists(status) && !fs::is_directory(status))
@@ -86,27 +87,32 @@ void set_up(const fs::path& directory, bool overwrite) {
                      "' holds a run already; -overwrite replaces it, -output names another directory");
   fs::create_directories(directory, error);
   if (error) fail("make output directory", directory, error.message());
+  auto lock = std::make_unique<const RunLock>(directory.string());
   require_writable(directory);
   if (holds_run) remove_run(directory);
+  return lock;
 }
 
 /// Removes partial files, which are of no use, and the summary, which describes a run that has ended.
-void prepare_to_continue(const fs::path& directory) {
+std::unique_ptr<const RunLock> prepare_to_continue(const fs::path& directory) {
+  auto lock = std::make_unique<const RunLock>(directory.string());
   require_writable(directory);
   for (const std::string_view name : files_of_a_run) remove_file(partial_name((directory / name).string()));
   remove_file(directory / "summary.json");
+  return lock;
 }
 
 }  // namespace
 
 OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
     : comm_(comm), path_(path) {
-  run_on_first(comm_, [&] { set_up(path_, overwrite); });
+  run_on_first(comm_, [&] { lock_ = set_up(path_, overwrite); });
 }
 
 OutputDirectory OutputDirectory::continued(MPI_Comm comm, const std::string& path) {
-  run_on_first(comm, [&] { prepare_to_continue(path); });
-  return {comm, path};
+  OutputDirectory result(comm, path);
+  run_on_first(comm, [&] { result.lock_ = prepare_to_continue(path); });
+  return result;
 }
 
 void OutputDirectory::remove_coarse_runs() const {

@@ -57,7 +57,8 @@ std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSourc
       "GridType=\"Uniform\">\n"
       "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"" +
       list_text(slowest_first(grid.all_nodes().size, 1.0)) +
-      "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" + triple_item({0.0, 0.0, 0.0}) +
+      "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" +
+      triple_item(slowest_first(grid.domain().origin, 0.0)) +
       triple_item(slowest_first(grid.spacing(), 1.0)) + "      </Geometry>\n";
   for (std::size_t i = 0; i < fields.fields.size(); ++i)
     text += field_text<Dim>(grid, fields.fields[i], source(i));

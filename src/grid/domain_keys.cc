@@ -4,15 +4,35 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Keys from which a mesh's box follows are gone once it has been placed.
+void refuse_without_mesh(DomainSettings& /*settings*/, const Json& value, const KeyPlace& place) {
+  refuse(place.pointer, shown(value), "this key with part.mesh and without domain.size and domain.elements");
+}
+
+}  // namespace
+
 Section<DomainSettings> domain_keys() {
   using Its = DomainSettings;
   return Section<Its>("domain", "Box and grid; \"up\" is the last axis")
-      .key("size", &Its::size, "Edge lengths of the box, which starts at the origin",
+      .key("size", &Its::size, "Edge lengths of the box",
            {.required = true, .range = "(0, inf)", .unit = "length", .option = "-size"})
+      .key("origin", &Its::origin, "Lower corner of the box; left out: 0", {.unit = "length"})
       .key("elements", &Its::elements, "Elements along each axis; two entries: plane stress, three: solid",
            {.required = true, .range = "[1, inf)", .option = "-elements"})
+      .key("element",
+           "With part.mesh, in place of size, origin and elements: edge length of an element, or one per "
+           "axis; the box is the placed mesh's, a little larger where its edges are no multiples",
+           {.type = KeyType::lengths, .range = "(0, inf)", .unit = "length", .option = "-element"},
+           refuse_without_mesh)
+      .key("margin",
+           "With element: room around the mesh on all sides but the plate's, or one number per axis; left "
+           "out: 0",
+           {.type = KeyType::lengths, .range = "[0, inf)", .unit = "length"}, refuse_without_mesh)
       .key("thickness", &Its::thickness, "Thickness in plane stress",
-           {.range = "(0, inf)", .dimension = 2, .unit = "length"});
+           {.range = "(0, inf)", .dimension = 2, .unit = "length"})
+      .key("unit", &Its::unit, "Name of the length unit, such as mm: a label in tables and pictures", {});
 }
 
 }  // namespace fabseq

@@ -171,7 +171,7 @@ Point<Dim> Grid<Dim>::element_center(const Index<Dim>& element) const {
 template <int Dim>
 Point<Dim> Grid<Dim>::node_position(const Index<Dim>& node) const {
   Point<Dim> position;
-  for (int axis = 0; axis < Dim; ++axis) position[axis] = node[axis] * spacing_[axis];
+  for (int axis = 0; axis < Dim; ++axis) position[axis] = domain_.origin[axis] + node[axis] * spacing_[axis];
   return position;
 }
 

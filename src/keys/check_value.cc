@@ -55,6 +55,10 @@ class ValueCheck {
         return list();
       case KeyType::vectors:
         return lists_of(context_.dimension);
+      case KeyType::lengths:
+        return value_.is_array() ? numbers() : required(is_number_in_range(value_));
+      case KeyType::turns:
+        return turns();
       case KeyType::angles:
         return lists_of(context_.dimension - 1);
       case KeyType::angle_bounds:
@@ -88,9 +92,10 @@ class ValueCheck {
   }
 
   /// Whether the value is a string of `length` characters that begins with the name of an axis.
-  bool is_direction(std::size_t length) const {
-    return value_.is_string() && value_.get<std::string>().size() == length &&
-           value_.get<std::string>()[0] >= 'x' && value_.get<std::string>()[0] < 'x' + context_.dimension;
+  bool is_direction(std::size_t length) const { return is_direction(value_, length); }
+  bool is_direction(const Json& value, std::size_t length) const {
+    return value.is_string() && value.get<std::string>().size() == length &&
+           value.get<std::string>()[0] >= 'x' && value.get<std::string>()[0] < 'x' + context_.dimension;
   }
 
   Json flag() const {
@@ -169,6 +174,25 @@ class ValueCheck {
     if (!value_.is_array()) refuse_found();
     for (std::size_t i = 0; i < value_.size(); ++i) require_numbers(i, static_cast<std::size_t>(numbers));
     return value_;
+  }
+
+  Json turns() const {
+    if (!value_.is_array()) refuse_found();
+    for (std::size_t i = 0; i < value_.size(); ++i) {
+      const Json& turn = value_[i];
+      if (!turn.is_array() || turn.size() != 2 || !is_number_in_range(turn[1]) ||
+          !(is_direction(turn[0], 1) || is_vector_other_than_zero(turn[0])))
+        refuse_value(key_, turn, pointer_to(pointer_, i), context_);
+    }
+    return value_;
+  }
+
+  bool is_vector_other_than_zero(const Json& value) const {
+    const auto is_number = [&](const Json& entry) { return is_number_in_range(entry); };
+    const auto is_zero = [](const Json& entry) { return entry.get<double>() == 0.0; };
+    return value.is_array() && value.size() == static_cast<std::size_t>(context_.dimension) &&
+           std::all_of(value.begin(), value.end(), is_number) &&
+           !std::all_of(value.begin(), value.end(), is_zero);
   }
 
   Json angle_bounds() const {

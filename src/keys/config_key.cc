@@ -60,6 +60,10 @@ std::string plain_values(const ConfigKey& key, int dimension) {
              " or {\"tangential\": number, \"normal\": number}";
     case KeyType::vectors:
       return "a list of lists of " + entries(dimension) + " numbers" + range;
+    case KeyType::lengths:
+      return "a number" + range + ", or a list of " + entries(dimension) + " such numbers";
+    case KeyType::turns:
+      return "a list of [axis, degrees], where axis is \"x\", \"y\", \"z\" or a vector other than 0";
     case KeyType::points:
       return "a list of three or more pairs of numbers";
     case KeyType::list:
@@ -136,6 +140,8 @@ std::string flat_option_value(const ConfigKey& key, const std::string& text) {
     case KeyType::bounds:
     case KeyType::strain:
       return text.rfind('[', 0) == 0 ? text : "[" + text + "]";
+    case KeyType::lengths:
+      return text.find(',') == std::string::npos || text.rfind('[', 0) == 0 ? text : "[" + text + "]";
     case KeyType::text:
     case KeyType::path:
       return to_text(text);

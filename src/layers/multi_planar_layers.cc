@@ -41,7 +41,8 @@ MultiPlanarLayers<Dim>::MultiPlanarLayers(const Part<Dim>& part, const MultiPlan
     directions_.insert(directions_.end(), direction.begin(), direction.end());
   }
   for (const int element : part.elements()) {
-    const Point<Dim> center = part.grid().element_center(part.grid().owned_elements().index(element));
+    Point<Dim> center = part.grid().element_center(part.grid().owned_elements().index(element));
+    for (int axis = 0; axis < Dim; ++axis) center[axis] -= part.grid().domain().origin[axis];
     centers_.insert(centers_.end(), center.begin(), center.end());
   }
 }

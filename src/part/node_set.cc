@@ -4,6 +4,8 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
+#include "fabseq/mesh/near_surface.h"
+#include "fabseq/mesh/read_mesh.h"
 
 #include <algorithm>
 #include <limits>
@@ -32,18 +34,37 @@ std::vector<char> surface_nodes(const Part<Dim>& part) {
   return result;
 }
 
+/// Whether each owned node lies near a surface.
 template <int Dim>
-std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description) {
+std::vector<char> near_nodes(const Part<Dim>& part, const NearMesh& near, double tolerance,
+                             const std::string& key) {
+  const Grid<Dim>& grid = part.grid();
+  if constexpr (Dim == 3) {
+    TriangleMesh mesh = read_mesh(grid.comm(), near.file, key + "/near/mesh").mesh;
+    if (part.mesh() != nullptr) mesh = part.mesh()->placed(std::move(mesh));
+    return nodes_near(mesh, near.distance + tolerance, grid.domain(), grid.owned_nodes());
+  }
+  throw InputError(key + "/near: in a plane, needs a domain of 3 dimensions");
+}
+
+template <int Dim>
+std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description,
+                                  const std::string& key) {
   const Grid<Dim>& grid = part.grid();
   const double tolerance = std::max(description.within, shape_tolerance * grid.smallest_spacing());
   const std::vector<char> surface = description.surface ? surface_nodes<Dim>(part) : std::vector<char>{};
+  const std::vector<char> near =
+      description.near ? near_nodes(part, *description.near, tolerance, key) : std::vector<char>{};
   std::vector<int> owned;
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     if (!surface.empty() && surface[offset] == 0) return;
     const bool of_part = part.touched_nodes()[offset] != 0;
     const bool there = of_part || part.substrate().nodes()[offset] != 0;
-    if (description.all ? of_part : there && description.shape.contains(grid.node_position(node), tolerance))
-      owned.push_back(static_cast<int>(offset));
+    const bool in_set = description.all ? of_part
+                        : near.empty()
+                            ? there && description.shape.contains(grid.node_position(node), tolerance)
+                            : there && near[offset] != 0;
+    if (in_set) owned.push_back(static_cast<int>(offset));
   });
   return owned;
 }
@@ -109,11 +130,12 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   const std::string key = "/node_sets/" + name;
   NodeSet set;
   set.name = name;
-  set.owned = find_owned_nodes<Dim>(part, description);
+  set.owned = find_owned_nodes<Dim>(part, description, key);
   set.count = sum(comm, static_cast<std::int64_t>(set.owned.size()));
   if (set.count == 0)
-    throw InputError(
-        key + ": no node that touches the part or the substrate lies in or on the shape, needs at least one");
+    throw InputError(key +
+                     ": no node that touches the part or the substrate lies in or on the shape or near the "
+                     "mesh, needs at least one");
   if (description.samples < 0 || description.samples > set.count)
     throw InputError(key + "/samples: " + std::to_string(description.samples) + " of a set of " +
                      std::to_string(set.count) + " nodes, needs 0 (all) to " + std::to_string(set.count));

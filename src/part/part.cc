@@ -6,7 +6,9 @@
 #include "fabseq/base/session.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace fabseq {
@@ -31,9 +33,11 @@ void require_plate(const BuildPlate& plate) {
 
 template <int Dim>
 Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate)
-    : grid_(grid), plate_(plate), substrate_(grid, description.substrate) {
+    : grid_(grid), plate_(plate), substrate_(grid, description.substrate), mesh_(description.mesh) {
   require_plate<Dim>(plate);
-  density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements());
+  Clarity clarity;
+  density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
+  if (mesh_ && description.announce) warn_about(clarity);
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
@@ -55,6 +59,27 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
 }
 
 template <int Dim>
+void Part<Dim>::warn_about(const Clarity& clarity) const {
+  const std::int64_t asked = sum(grid_.comm(), clarity.asked), unclear = sum(grid_.comm(), clarity.unclear);
+  if (unclear == 0) return;
+  // The point whose winding number is nearest to 1/2 in modulus: of the first rank that has it.
+  const double doubt = clarity.asked > 0 ? std::abs(std::abs(clarity.least_winding) - 0.5) : 1.0;
+  const double most = min(grid_.comm(), doubt);
+  const int first = static_cast<int>(
+      min(grid_.comm(), std::int64_t{doubt == most ? rank_of(grid_.comm()) : size_of(grid_.comm())}));
+  Point<3> place = clarity.least_clear;
+  if (rank_of(grid_.comm()) != first) place.fill(0.0);
+  sum_in_place(grid_.comm(), place);
+  std::array<char, 128> share{};
+  std::snprintf(share.data(), share.size(), "%.2g %% of %lld points",
+                100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
+                static_cast<long long>(asked));
+  warn(std::string(
+           "/part/mesh: the mesh is open or overlaps itself: whether they lie inside is not clear for ") +
+       share.data() + ", least at " + to_text<3>(place));
+}
+
+template <int Dim>
 void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
   const bool here = std::any_of(density_.begin(), density_.end(), [](double value) { return value > 0.0; });
   if (any(grid_.comm(), here)) return;
@@ -62,9 +87,14 @@ void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
   if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
     message += " in dataset '" + voxels->dataset + "' of '" + voxels->file + "'" +
                (voxels->threshold ? " with this threshold" : "");
+  else if (mesh_)
+    message += ": no element between " + to_text<Dim>(grid_.domain().origin) + " and " +
+               to_text<Dim>(grid_.node_position(grid_.domain().elements)) +
+               " is filled by the mesh, which lies between " + to_text<3>(mesh_->lower()) + " and " +
+               to_text<3>(mesh_->upper());
   else
-    message += ": no element's centre in the domain " + to_text<Dim>(Point<Dim>{}) + ".." +
-               to_text<Dim>(grid_.domain().size) + " lies inside the shape";
+    message += ": no element's centre in the domain " + to_text<Dim>(grid_.domain().origin) + ".." +
+               to_text<Dim>(grid_.node_position(grid_.domain().elements)) + " lies inside the shape";
   if (substrate_.count() > 0) message += " and outside the substrate";
   throw InputError(message + "; needs at least one");
 }

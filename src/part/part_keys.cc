@@ -17,13 +17,45 @@ Section<VoxelFile> voxel_keys() {
 
 }  // namespace
 
+Section<MeshFile> mesh_keys() {
+  using Its = MeshFile;
+  return Section<Its>("part.mesh", "Part from the surface of a body: STL, OBJ, PLY or 3MF")
+      .key("file", &Its::file, "Mesh file", {.type = KeyType::path, .required = true})
+      .key("scale", &Its::scale, "Factor from the file's unit of length to the config's",
+           {.range = "(0, inf)"})
+      .key("rotate", "Turns of the scaled mesh, one after the other, as pairs of axis and degrees",
+           {.type = KeyType::turns, .default_value = "[]"},
+           [](Its& mesh, const Json& value, const KeyPlace&) {
+             for (const Json& turn : value) {
+               Turn& added = mesh.turns.emplace_back();
+               if (turn[0].is_string())
+                 added.axis[turn[0].get<std::string>()[0] - 'x'] = 1.0;
+               else
+                 added.axis = turn[0].get<std::array<double, 3>>();
+               added.degrees = turn[1].get<double>();
+             }
+           })
+      .key("place", &Its::as_is,
+           "plate: moved along the plate's normal until its lowest point lies at 0, on the plate; as_is: not "
+           "moved",
+           {.words = "plate as_is"})
+      .key("fill", &Its::fill,
+           "Elements count as 1 from this share inside the mesh on, others as 0; grey: the share is the "
+           "density",
+           {.range = "(0, 1]", .words = "grey"})
+      .key("least_elements", &Its::least_elements,
+           "A part with fewer elements across a wall is refused; 0: any is taken", {.range = "[0, 5]"});
+}
+
 Section<PartDescription> part_keys() {
   using Its = PartDescription;
   Section<Its> result("part", "The part: one shape or `voxels`, and");
   result
       .section("voxels", [](Its& part) -> VoxelFile& { return part.source.emplace<VoxelFile>(); },
                "In place of a shape: density from a file", voxel_keys(), {.source = true})
-      .key("stl", "In place of a shape: surface from a file", {.type = KeyType::unavailable}, {})
+      .section("mesh", [](Its& part) -> MeshFile& { return part.source.emplace<MeshFile>(); },
+               "In place of a shape: a body's surface from a file", mesh_keys(),
+               {.dimension = 3, .source = true})
       .key("keep", &Its::keep_connected,
            "Pieces without a path of element faces to the plate are refused (all) "
            "or dropped with a warning (connected)",
@@ -33,10 +65,19 @@ Section<PartDescription> part_keys() {
            "voxel files are as many times finer",
            {.range = "[1, 16]"})
       .then([](Its& part, const Json& value, const KeyPlace& place) {
-        if (find_member(value, "voxels") == nullptr) part.source = make_shape(value, place);
+        if (std::holds_alternative<Shape>(part.source)) part.source = make_shape(value, place);
       });
   for (SectionKeys& section : shape_declarations()) result.declare(std::move(section));
   return result;
+}
+
+Section<NearMesh> near_keys() {
+  using Its = NearMesh;
+  return Section<Its>("node_sets.NAME.near",
+                      "Nodes near a surface, such as a face that was exported on its own")
+      .key("mesh", &Its::file, "Mesh file, placed like the mesh of the part if the part is one",
+           {.type = KeyType::path, .required = true})
+      .key("distance", &Its::distance, "How far from it", {.range = "[0, inf)", .unit = "length"});
 }
 
 Section<NodeSetDescription> node_set_keys() {
@@ -52,8 +93,11 @@ Section<NodeSetDescription> node_set_keys() {
            "Only nodes on the surface: those with fewer elements of part and "
            "substrate around them than an inner node has; samples are taken of these")
       .key("all", &Its::all, "In place of a shape: every node of the part", {.source = true})
+      .section("near", [](Its& set) -> NearMesh& { return set.near.emplace(); },
+               "In place of a shape: the neighbourhood of a surface", near_keys(),
+               {.dimension = 3, .source = true})
       .then([](Its& set, const Json& value, const KeyPlace& place) {
-        if (!set.all) set.shape = make_shape(value, place);
+        if (!set.all && !set.near) set.shape = make_shape(value, place);
       });
 }
 

@@ -136,14 +136,15 @@ struct PieceMeasures {
     MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_INT64_T, MPI_MIN,
                   comm);
   }
-  Piece<Dim> piece(int number, const Point<Dim>& spacing) const {
+  Piece<Dim> piece(int number, const Grid<Dim>& grid) const {
     Piece<Dim> result;
     result.elements = counts[2 * number];
     result.touches_plate = counts[2 * number + 1] > 0;
     for (int axis = 0; axis < Dim; ++axis) {
       const std::int64_t* extreme = &extremes[2 * (Dim * number + axis)];
-      result.min[axis] = static_cast<double>(extreme[0]) * spacing[axis];
-      result.max[axis] = static_cast<double>(-extreme[1]) * spacing[axis];
+      const double origin = grid.domain().origin[axis], spacing = grid.spacing()[axis];
+      result.min[axis] = origin + static_cast<double>(extreme[0]) * spacing;
+      result.max[axis] = origin + static_cast<double>(-extreme[1]) * spacing;
     }
     return result;
   }
@@ -183,7 +184,7 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
                    [&](int a, int b) { return measures.counts[2 * a] > measures.counts[2 * b]; });
   for (std::size_t i = 0; i < order.size(); ++i) {
     rank_of_piece[order[i]] = static_cast<int>(i);
-    map.pieces.push_back(measures.piece(order[i], grid.spacing()));
+    map.pieces.push_back(measures.piece(order[i], grid));
   }
   for (int& piece : map.piece_of_element)
     if (piece >= 0) piece = rank_of_piece[piece];

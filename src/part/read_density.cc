@@ -140,11 +140,26 @@ std::vector<double> read_voxels(MPI_Comm comm, const Domain<Dim>& domain, const 
   return voxels.repeat == 1 ? density : repeated<Dim>(density, box_in_file, box, voxels.repeat);
 }
 
+/// Shares of elements inside a mesh, or 1 and 0 by them.
+template <int Dim>
+std::vector<double> evaluate_mesh(const Domain<Dim>& domain, const PartDescription& description,
+                                  const IndexBox<Dim>& box, Clarity* clarity) {
+  if constexpr (Dim == 3) {
+    FillFractions fractions = description.mesh->fill(domain, box);
+    if (clarity != nullptr) *clarity = fractions.clarity;
+    const std::optional<double>& least = std::get<MeshFile>(description.source).fill;
+    if (least)
+      for (double& value : fractions.of_element) value = value >= *least ? 1.0 : 0.0;
+    return std::move(fractions.of_element);
+  }
+  throw InputError("/part/mesh: in a plane, needs a domain of 3 dimensions");
+}
+
 }  // namespace
 
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
-                                 const IndexBox<Dim>& box) {
+                                 const IndexBox<Dim>& box, Clarity* clarity) {
   const int sampling = description.sampling;
   Domain<Dim> finer = domain;
   IndexBox<Dim> of_samples = box;
@@ -153,10 +168,13 @@ std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const
     of_samples.start[axis] *= sampling;
     of_samples.size[axis] *= sampling;
   }
-  const auto* voxels = std::get_if<VoxelFile>(&description.source);
-  std::vector<double> samples =
-      voxels != nullptr ? read_voxels<Dim>(comm, finer, *voxels, sampling, of_samples)
-                        : evaluate_shape<Dim>(finer, std::get<Shape>(description.source), of_samples);
+  std::vector<double> samples;
+  if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
+    samples = read_voxels<Dim>(comm, finer, *voxels, sampling, of_samples);
+  else if (const auto* shape = std::get_if<Shape>(&description.source))
+    samples = evaluate_shape<Dim>(finer, *shape, of_samples);
+  else
+    samples = evaluate_mesh<Dim>(finer, description, of_samples, clarity);
   return sampling == 1 ? samples : means<Dim>(samples, of_samples, box, sampling);
 }
 

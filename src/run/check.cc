@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/part/wall_thickness.h"
+#include "fabseq/run/advice.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
@@ -35,6 +37,24 @@ void print_cost(const Setup<Dim>& setup) {
     print_line("before that, on grids of half the resolution: %d iterations", optimizer.coarse_iterations);
 }
 
+/// The mesh that the part comes from, and how much of it the elements have.
+template <int Dim>
+void print_mesh(const Setup<Dim>& setup) {
+  const auto& mesh = setup.config.part.mesh;
+  if (!mesh) return;
+  print_line("mesh: %zu triangles, volume %.6g", mesh->triangle_count(), mesh->volume());
+  print("placed in " + to_text<3>(mesh->lower()) + " to " + to_text<3>(mesh->upper()));
+}
+
+template <int Dim>
+void print_walls(const Part<Dim>& part) {
+  const ThinWall<Dim> wall = thinnest_wall(part);
+  if (wall.elements >= thick_wall)
+    print_line("thinnest wall: %g elements or more", thick_wall);
+  else
+    print_line("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str());
+}
+
 }  // namespace
 
 template <int Dim>
@@ -46,6 +66,7 @@ void run_check(const Setup<Dim>& setup) {
              static_cast<long long>(setup.grid.all_elements().count()),
              static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
              part.volume());
+  print_mesh(setup);
   print("bounding box " + to_text<Dim>(part.lower()) + " to " + to_text<Dim>(part.upper()));
   print_line("pieces: %zu", part.pieces().size());
   for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
@@ -61,11 +82,14 @@ void run_check(const Setup<Dim>& setup) {
     const auto clamped = sum(setup.grid.comm(), static_cast<std::int64_t>(setup.supports.holding.size()));
     print("clamped: " + std::to_string(clamped) + " nodes");
   }
-  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}),
-             geodesic_height(part, distance));
+  const double height = geodesic_height(part, distance);
+  print_walls(part);
+  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height);
   const LayerTraits& layers = setup.layers->traits();
   print_line("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
              layers.count, layers.kind.c_str(), setup.baseline->count());
+  print_line("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
+             elements_per_layer(setup, height), setup.characteristic_length, part.longest_edge());
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
   print_line("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
@@ -74,6 +98,7 @@ void run_check(const Setup<Dim>& setup) {
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_cost(setup);
+  for (const std::string& line : advice(setup, height)) warn(line);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_check);

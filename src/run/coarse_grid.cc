@@ -42,19 +42,21 @@ void require_halves(const Setup<Dim>& fine) {
 template <int Dim>
 void coarsen_domain(const Setup<Dim>& fine, Json& document) {
   const Domain<Dim>& domain = fine.grid.domain();
-  std::vector<double> size, lower(Dim, 0.0), upper;
+  std::vector<double> size, lower, upper;
   std::vector<int> elements;
   for (int axis = 0; axis < Dim; ++axis) {
     elements.push_back((domain.elements[axis] + 1) / 2);
     size.push_back(domain.elements[axis] % 2 == 0 ? domain.size[axis]
                                                   : elements.back() * 2 * fine.grid.spacing()[axis]);
-    upper.push_back(domain.size[axis]);
+    lower.push_back(domain.origin[axis]);
+    upper.push_back(domain.origin[axis] + domain.size[axis]);
   }
   document["domain"]["size"] = size;
   document["domain"]["elements"] = elements;
   Json& part = document["part"];
   const Json sampling(2 * part.at("sampling").get<std::int64_t>()), keep = part.at("keep");
-  if (size != upper && find_member(part, "voxels") == nullptr) {
+  if (size != std::vector<double>(domain.size.begin(), domain.size.end()) &&
+      std::holds_alternative<Shape>(fine.config.part.source)) {
     // A half space would go on beyond the fine box.
     part.erase("sampling");
     part.erase("keep");
@@ -62,6 +64,7 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
     part = Json::object({{"intersection", Json::array({box, part})}, {"keep", keep}});
   }
   part["sampling"] = sampling;
+  if (Json* mesh = find_member(part, "mesh")) (*mesh)["least_elements"] = 0.0;  // as on the fine grid
 }
 
 /// What "auto" stands for, lest it be another thing on the coarse grid.
@@ -116,7 +119,7 @@ Json coarse_document(const Setup<Dim>& fine) {
   fix_automatic_values(fine, document);
   share_out_iterations(fine.config.optimizer, document["optimizer"]);
   document["output"]["sensitivity"] = false;
-  widen_node_sets(fine, make_config(document, ""), document);
+  widen_node_sets(fine, make_config(document, "", fine.config.part.mesh), document);
   return document;
 }
 
@@ -151,7 +154,7 @@ template <int Dim>
 CoarseGrid<Dim>::CoarseGrid(const Setup<Dim>& fine) {
   require_halves(fine);
   try {
-    config_ = std::make_unique<const Config>(make_config(coarse_document(fine), ""));
+    config_ = std::make_unique<const Config>(make_config(coarse_document(fine), "", fine.config.part.mesh));
     setup_ = std::make_unique<const Setup<Dim>>(fine.world(), *config_);
     // The next one, if there is any, is made again when its turn comes.
     if (config_->optimizer.coarse_iterations > 0) (void)CoarseGrid<Dim>(*setup_);

@@ -74,6 +74,12 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
 }
 
 template <int Dim>
+void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
+  if (!command_line.design_file) return;
+  (void)starting_design(setup, *make_sequence<Dim>(setup, setup.config.solver.tolerance), command_line);
+}
+
+template <int Dim>
 SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
   Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), *setup.baseline, setup.config.solver.tolerance,
                          timer);
@@ -117,6 +123,7 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
 
 FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
 FABSEQ_INSTANTIATE_FUNCTION(starting_state);
+FABSEQ_INSTANTIATE_FUNCTION(require_design);
 FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
 FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
 FABSEQ_INSTANTIATE_FUNCTION(final_reports);

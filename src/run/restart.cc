@@ -81,6 +81,7 @@ Json config_record(const Config& config, const CommandLine& command_line, MPI_Co
                                 {"mpi", mpi},
                                 {"hdf5", H5_VERS_INFO},
                                 {"ranks", size_of(comm)}});
+  if (config.part.mesh) record["run"]["mesh_placement"] = config.part.mesh->placement();
   return record;
 }
 

@@ -4,11 +4,14 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
+#include "fabseq/part/wall_thickness.h"
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/preconditioner.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 namespace fabseq {
 
@@ -16,8 +19,25 @@ template <int Dim>
 Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, config_), config(config_) {
   // Refuses a grid whose lane blocks are too large for the indices before anything is written.
   (void)this->grid.node_dm(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
+  if (config.solver.path == SolverPath::reference)
+    require_solver_options({"elasticity_", "heat_", "release_"});
+  require_walls();
   require_release();
   warn_about_method();
+}
+
+/// Refuses meshes on a grid that is too coarse for their walls.
+template <int Dim>
+void Setup<Dim>::require_walls() const {
+  const auto* mesh = std::get_if<MeshFile>(&config.part.source);
+  if (mesh == nullptr || mesh->least_elements == 0.0) return;
+  const ThinWall<Dim> wall = thinnest_wall(this->part);
+  if (wall.elements >= mesh->least_elements) return;
+  std::array<char, 64> found{}, allowed{};
+  std::snprintf(found.data(), found.size(), "%.2g elements across the wall at ", wall.elements);
+  std::snprintf(allowed.data(), allowed.size(), "%g or more", mesh->least_elements);
+  refuse("/part/mesh", found.data() + to_text<Dim>(wall.at),
+         std::string(allowed.data()) + " (smaller domain.element, or part.mesh.least_elements)");
 }
 
 /// Refuses terms after a release that there cannot be.

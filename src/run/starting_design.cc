@@ -2,6 +2,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/layers/curved_layers.h"
@@ -54,6 +55,9 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
       throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " +
                        Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
                        Json(variables.upper[j]).dump());
+  if (variables.columns == 0 && !std::is_sorted(result.begin(), result.end()))
+    throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " + shown(Json(result)) +
+                     ", needs ascending times");
   return result;
 }
 

@@ -94,8 +94,8 @@ PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time,
 }
 
 /// The settings of a change. Voxels of a file become 2^Dim elements.
-Config varied_config(const Variation& variation) {
-  Config config = make_config(variation.document, "");
+Config varied_config(const Variation& variation, const Config& unchanged) {
+  Config config = make_config(variation.document, "", unchanged.part.mesh);
   config.part.announce = variation.finer;  // else as of the unchanged part
   if (auto* voxels = std::get_if<VoxelFile>(&config.part.source); voxels != nullptr && variation.finer)
     voxels->repeat = 2;
@@ -107,7 +107,7 @@ Config varied_config(const Variation& variation) {
 template <int Dim>
 VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
                            bool more, PhaseTimer& timer) {
-  const Config config = varied_config(variation);
+  const Config config = varied_config(variation, setup.config);
   const Setup<Dim> varied(setup.world(), config);
   varied.require_memory_of_layers();
   const Problem<Dim> problem(varied, config.optimizer.constraint_margin);

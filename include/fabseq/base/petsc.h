@@ -13,6 +13,8 @@ namespace fabseq {
 /// Throws NumericalError with PETSc's own message if `code` is not 0. Wrap every PETSc call in it. Not
 /// collective.
 void check(PetscErrorCode code);
+/// The same for calls that read the user's options: throws InputError.
+void check_options(PetscErrorCode code);
 
 /// Sole owner of a PETSc object; the destructor destroys it. Destruction is collective on the object's
 /// communicator, as PETSc's own Destroy is, so handles must be destroyed in the same order on all ranks. The

@@ -8,6 +8,7 @@
 #include "fabseq/optimize/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -42,9 +43,10 @@ struct Config : ModelSettings {
 };
 
 /// Validates `document` (the parsed config with -set and flat options applied) against the sections of keys
-/// and fills in defaults. `directory`: absolute directory that relative paths in the config refer to. Not
-/// collective; the result is the same on all ranks. Throws InputError with the JSON pointer of the offending
-/// key, what was found and what is allowed.
-Config make_config(const Json& document, const std::string& directory);
+/// and fills in defaults. `directory`: absolute directory that relative paths in the config refer to. `mesh`:
+/// the placed mesh of a config whose part is one. Not collective; the result is the same on all ranks. Throws
+/// InputError with the JSON pointer of the offending key, what was found and what is allowed.
+Config make_config(const Json& document, const std::string& directory,
+                   std::shared_ptr<const PlacedMesh> mesh = nullptr);
 
 }  // namespace fabseq

@@ -28,5 +28,8 @@ std::vector<std::string> flat_options();
 /// of the sections, defaults filled in, paths absolute (relative ones refer to `directory`), without the key
 /// "run". make_config() checks the relations between keys. Throws InputError.
 Json complete_config(const Json& document, const std::string& directory);
+/// The same for one section of the config at `pointer`, for a domain of `dimension` dimensions.
+Json complete_section(const Json& value, const std::string& pointer, const std::string& path, int dimension,
+                      const std::string& directory);
 
 }  // namespace fabseq

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/files/run_lock.h"
+
 #include <mpi.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -11,17 +14,19 @@ namespace fabseq {
 /// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
 
-/// The directory of a run, which it creates and into which it writes small text files. Rank 0 of comm() does
-/// the work. Calls that say "collective" are so on comm().
+/// The directory of a run, which it keeps for itself (RunLock), which it creates and into which it writes
+/// small text files. Rank 0 of comm() does the work. Calls that say "collective" are so on comm().
 class OutputDirectory {
  public:
   /// Creates the directory. With `overwrite`, removes what an earlier run left there: only files and folders
   /// that a run writes, and the files `stop` and `output_now`. Throws InputError if `path` holds a run
-  /// already (a config.json) and `overwrite` is false. Throws OutputError if the directory cannot be made or
+  /// already (a config.json) and `overwrite` is false, or if a
+  /// run that has not ended holds it. Throws OutputError if the directory cannot be made or
   /// written to. Collective.
   OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
   /// The directory of a run that continues there. What the run left stays, except for its summary.json and
-  /// for incomplete files. Throws OutputError if the directory cannot be written to. Collective.
+  /// for incomplete files. Throws InputError if a run that has not ended holds the directory, OutputError if
+  /// it cannot be written to. Collective.
   static OutputDirectory continued(MPI_Comm comm, const std::string& path);
 
   /// Removes what runs on coarser grids have left in the directory. Collective.
@@ -51,6 +56,7 @@ class OutputDirectory {
 
   MPI_Comm comm_;
   std::string path_;
+  std::unique_ptr<const RunLock> lock_;  ///< on rank 0
 };
 
 }  // namespace fabseq

@@ -22,6 +22,7 @@ struct Domain {
   Point<Dim> size{};       ///< edge lengths, length unit
   Index<Dim> elements{};   ///< number of elements along each axis
   double thickness = 1.0;  ///< 2D plane stress only, length unit; 1 in 3D
+  Point<Dim> origin{};     ///< lower corner, length unit
 };
 
 /// Centre of an element, length unit, for callers without a grid.
@@ -29,7 +30,7 @@ template <int Dim>
 Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) {
   Point<Dim> center;
   for (int axis = 0; axis < Dim; ++axis)
-    center[axis] = (element[axis] + 0.5) * (domain.size[axis] / domain.elements[axis]);
+    center[axis] = domain.origin[axis] + (element[axis] + 0.5) * (domain.size[axis] / domain.elements[axis]);
   return center;
 }
 

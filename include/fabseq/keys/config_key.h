@@ -28,6 +28,8 @@ enum class KeyType {
   bounds,          ///< two ascending numbers
   strain,          ///< Voigt vector: 3 numbers in 2D, 6 in 3D; or an object with tangential and normal
   vectors,         ///< list of vectors
+  lengths,         ///< a number, or one per axis
+  turns,           ///< list of pairs of an axis (a name or a vector) and degrees
   points,          ///< list of pairs of numbers
   list,            ///< list of any number of numbers
   angles,          ///< list of directions: lists of one angle in 2D, of two in 3D

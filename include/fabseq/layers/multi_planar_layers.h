@@ -61,7 +61,7 @@ class MultiPlanarLayers : public Layers {
   std::vector<double> angles_, directions_;
   bool binary_;
   NegligibleLayers negligible_;
-  std::vector<double> centers_;  ///< of the part elements, [part element][axis]
+  std::vector<double> centers_;  ///< of the part elements, from the lower corner, [part element][axis]
 };
 
 }  // namespace fabseq

@@ -5,10 +5,17 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace fabseq {
+
+/// The neighbourhood of a surface, such as a face that was exported from a CAD program on its own.
+struct NearMesh {
+  std::string file;       ///< absolute path; placed like the part's mesh, where the part is one
+  double distance = 0.0;  ///< length unit, beside the tolerance of shapes
+};
 
 /// A node set as the config describes it: the nodes in or on `shape` that touch the part or the substrate, or
 /// `samples` of them.
@@ -16,7 +23,8 @@ struct NodeSetDescription {
   Shape shape;
   /// Number of nodes, equally spaced along the longest edge of the set's bounding box. 0: all nodes.
   int samples = 0;
-  double within = 0.0;   ///< nodes at most this far outside the shape count, too; length unit
+  double within = 0.0;  ///< nodes at most this far outside the shape count, too; length unit
+  std::optional<NearMesh> near = std::nullopt;  ///< nodes near a surface, in place of those in a shape
   bool all = false;      ///< every node of a part element, in place of those in a shape
   bool surface = false;  ///< only nodes with fewer than 2^Dim elements of part and substrate around them
 };

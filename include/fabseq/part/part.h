@@ -4,11 +4,13 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/part/mesh_part.h"
 #include "fabseq/part/pieces.h"
 #include "fabseq/part/shape.h"
 #include "fabseq/part/substrate.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,7 +32,7 @@ struct VoxelFile {
 
 /// The part as the config describes it.
 struct PartDescription {
-  std::variant<Shape, VoxelFile> source;
+  std::variant<Shape, VoxelFile, MeshFile> source;
   bool keep_connected = false;  ///< drop pieces that hang in the air instead of refusing the part
   bool announce = true;         ///< warn of dropped pieces
   /// Density of an element: mean over this number of equally spaced points along each axis.
@@ -38,14 +40,17 @@ struct PartDescription {
   /// What stands from the start. Elements in both shapes belong to the substrate, not to the part.
   std::optional<Shape> substrate = std::nullopt;
   std::optional<Shape> clamps = std::nullopt;  ///< nodes in it are held instead of the plate's
+  /// What a MeshFile holds, which must be there before densities are asked for.
+  std::shared_ptr<const PlacedMesh> mesh = nullptr;
 };
 
 /// Densities (0 to 1) of the elements of `box`, lexicographic. Voxel datasets may have any numeric type.
 /// `box` may be empty on some ranks. Collective on `comm` for voxel files (parallel read). Throws InputError
-/// on all ranks for a missing file or dataset, a wrong shape, or densities outside [0, 1].
+/// on all ranks for a missing file or dataset, a wrong shape, or densities outside [0, 1]. `clarity` is set
+/// to how clearly a mesh says what lies inside it, on this rank.
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
-                                 const IndexBox<Dim>& box);
+                                 const IndexBox<Dim>& box, Clarity* clarity = nullptr);
 
 /// Weights by which a decomposition is balanced: elements of part and substrate count 1, all others a tenth,
 /// because they take part in the heat problem only. `description` must outlive the returned function, whose
@@ -72,6 +77,9 @@ class Part {
   const Grid<Dim>& grid() const { return grid_; }
   const BuildPlate& plate() const { return plate_; }
   const Substrate<Dim>& substrate() const { return substrate_; }
+
+  /// What the part comes from, if that is a mesh; else null.
+  const PlacedMesh* mesh() const { return mesh_.get(); }
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
@@ -121,6 +129,7 @@ class Part {
   }
 
  private:
+  void warn_about(const Clarity& clarity) const;
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
   void drop_or_refuse_hanging_pieces(const PartDescription& description);
@@ -130,6 +139,7 @@ class Part {
   const Grid<Dim>& grid_;
   BuildPlate plate_;
   Substrate<Dim> substrate_;
+  std::shared_ptr<const PlacedMesh> mesh_;
   std::vector<double> density_, part_density_, contact_distance_;
   std::vector<int> elements_, first_corners_;
   std::vector<int> piece_of_element_;  ///< index into pieces_ for each owned element, -1 outside the part

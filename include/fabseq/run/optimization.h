@@ -28,6 +28,11 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
                              const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
                              Pipeline<Dim>& pipeline);
 
+/// Reads the file of -design, if there is one, and forgets it: what is wrong with it is said before a run that
+/// is to be replaced is touched. Throws InputError.
+template <int Dim>
+void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
+
 /// The planar sequence that others are compared with.
 template <int Dim>
 SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer);

@@ -138,7 +138,7 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetOptionsPrefix(solver_, settings_.options_prefix.c_str()));
   check(KSPSetOperators(solver_, matrix_, matrix_));
   set_up_preconditioner(solver_, matrix_, *numbering_, method_, relaxed_);
-  check(KSPSetFromOptions(solver_));
+  check_options(KSPSetFromOptions(solver_));
 }
 
 template <int Dim>

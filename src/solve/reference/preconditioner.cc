@@ -146,6 +146,16 @@ void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& 
     set_up_gamg(pc, matrix, numbering, safe);
 }
 
+void require_solver_options(const std::vector<std::string>& prefixes) {
+  for (const std::string& prefix : prefixes) {
+    KspHandle solver;
+    check(KSPCreate(PETSC_COMM_WORLD, solver.receive()));
+    check(KSPSetType(solver, KSPCG));
+    check(KSPSetOptionsPrefix(solver, prefix.c_str()));
+    check_options(KSPSetFromOptions(solver));
+  }
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(usable_method);
 FABSEQ_INSTANTIATE_FUNCTION(set_up_preconditioner);
 

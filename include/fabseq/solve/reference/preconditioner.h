@@ -34,4 +34,8 @@ template <int Dim>
 void set_up_preconditioner(KSP solver, Mat matrix, const UnknownNumbering<Dim>& numbering,
                            ReferenceMethod method, bool safe);
 
+/// Refuses values of PETSc's options for the solvers with these prefixes that PETSc refuses, before there are
+/// any systems. Throws InputError. Collective on PETSC_COMM_WORLD.
+void require_solver_options(const std::vector<std::string>& prefixes);
+
 }  // namespace fabseq

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace fabseq {
+
+/// Why a file cannot be read: it is missing, may not be read, or is no regular file (a directory, a pipe, a
+/// device), on which a read might never end. "" if it can be. Does not open pipes or devices. Not collective.
+std::string reading_problem(const std::string& path);
+
+}  // namespace fabseq

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// A part that comes from a CAD program as a triangle mesh: where it stands, and which elements it fills.
+#pragma once
+
+#include "fabseq/grid/grid.h"
+#include "fabseq/mesh/fill_fractions.h"
+#include "fabseq/mesh/triangle_mesh.h"
+#include "fabseq/part/pieces.h"
+
+#include <mpi.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// A turn by an angle around an axis through the origin, counterclockwise for who looks against the axis.
+struct Turn {
+  std::array<double, 3> axis{};  ///< of any length but 0
+  double degrees = 0.0;
+};
+
+/// A mesh file (STL, OBJ, PLY, 3MF) and where its mesh is to stand: scaled, then turned, then put on the
+/// plate.
+struct MeshFile {
+  std::string file;  ///< absolute path
+  double scale = 1.0;
+  std::vector<Turn> turns;  ///< one after the other
+  bool as_is = false;       ///< not moved to the plate
+  /// Elements count as 1 from this share inside the mesh on, all others as 0. None: the share is the density.
+  std::optional<double> fill = 0.5;
+  double least_elements = 3.0;  ///< fewer elements across a wall are refused
+};
+
+/// The mesh of a file in the coordinates of the config.
+class PlacedMesh {
+ public:
+  /// Rank 0 reads, all ranks get the mesh. Collective on `comm`. Throws what read_mesh() throws, and
+  /// InputError on all ranks for a mesh without volume.
+  PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate);
+  PlacedMesh(const PlacedMesh&) = delete;
+  PlacedMesh& operator=(const PlacedMesh&) = delete;
+
+  /// Corners of the bounding box, length unit.
+  const Point<3>& lower() const { return lower_; }
+  const Point<3>& upper() const { return upper_; }
+  std::size_t triangle_count() const { return mesh_.triangles.size(); }
+  /// The way from the file's coordinates x to the config's: [row][column] of A and b in A x + b.
+  std::array<std::array<double, 4>, 3> placement() const;
+  /// Another mesh of the same CAD file, in its place.
+  TriangleMesh placed(TriangleMesh mesh) const;
+  /// Volume that the triangles enclose, length unit cubed; positive for inside-out meshes, too.
+  double volume() const { return volume_; }
+
+  /// Share of each element of `box` of a domain that lies inside. Not collective.
+  FillFractions fill(const Domain<3>& domain, const IndexBox<3>& box) const;
+
+ private:
+  TriangleMesh mesh_;
+  std::array<Point<3>, 3> matrix_{};  ///< turns and scale, [row][column]
+  Point<3> shift_{};
+  Point<3> lower_{}, upper_{};
+  double volume_ = 0.0;
+  bool closed_ = false;
+  std::optional<WindingNumber> winding_;  ///< refers to mesh_
+};
+
+}  // namespace fabseq

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/part/mesh_part.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/mesh/read_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace fabseq {
+
+namespace {
+
+using Matrix = std::array<Point<3>, 3>;
+
+/// Meshes that enclose a smaller share of their bounding box count as without volume.
+constexpr double least_share_of_box = 1e-6;
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix result{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) result[i][j] += a[i][k] * b[k][j];
+  return result;
+}
+
+/// Sines and cosines of quarter turns are exact, so that faces stay on the planes of the grid.
+std::array<double, 2> sine_and_cosine(double degrees) {
+  const double quarters = degrees / 90.0;
+  if (quarters != std::floor(quarters)) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    return {std::sin(angle), std::cos(angle)};
+  }
+  const auto quarter = static_cast<int>(std::fmod(std::fmod(quarters, 4.0) + 4.0, 4.0));
+  constexpr std::array<std::array<double, 2>, 4> exact = {{{0, 1}, {1, 0}, {0, -1}, {-1, 0}}};
+  return exact[quarter];
+}
+
+/// Rodrigues' formula.
+Matrix rotation(const Turn& turn) {
+  const auto [sine, cosine] = sine_and_cosine(turn.degrees);
+  const double length = std::hypot(turn.axis[0], turn.axis[1], turn.axis[2]);
+  Point<3> n;
+  for (int i = 0; i < 3; ++i) n[i] = turn.axis[i] / length;
+  const Matrix across = {{{0, -n[2], n[1]}, {n[2], 0, -n[0]}, {-n[1], n[0], 0}}};
+  Matrix result{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      result[i][j] = (i == j ? cosine : 0.0) + sine * across[i][j] + (1.0 - cosine) * n[i] * n[j];
+  return result;
+}
+
+Matrix scaled_rotation(const MeshFile& description) {
+  Matrix result{};
+  for (int i = 0; i < 3; ++i) result[i][i] = description.scale;
+  for (const Turn& turn : description.turns) result = product(rotation(turn), result);
+  return result;
+}
+
+}  // namespace
+
+PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate) {
+  matrix_ = scaled_rotation(description);
+  const TriangleMesh read = read_mesh(comm, description.file, "/part/mesh/file").mesh;
+  if (!description.as_is) {
+    const Bounds turned = bounds(placed(read));
+    shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];
+  }
+  mesh_ = placed(read);
+  lower_ = bounds(mesh_).low;
+  upper_ = bounds(mesh_).high;
+  closed_ = is_closed(mesh_);
+  volume_ = std::abs(signed_volume(mesh_));
+  double volume_of_box = 1.0;
+  for (int axis = 0; axis < 3; ++axis) volume_of_box *= upper_[axis] - lower_[axis];
+  if (!(volume_of_box > 0.0) || (closed_ && volume_ < least_share_of_box * volume_of_box))
+    throw InputError("/part/mesh/file: '" + description.file + "' encloses no volume between " +
+                     to_text<3>(lower_) + " and " + to_text<3>(upper_) +
+                     "; allowed: the surface of a body in space");
+  winding_.emplace(mesh_);
+}
+
+TriangleMesh PlacedMesh::placed(TriangleMesh mesh) const {
+  return transformed(std::move(mesh), matrix_, shift_);
+}
+
+std::array<std::array<double, 4>, 3> PlacedMesh::placement() const {
+  std::array<std::array<double, 4>, 3> result;
+  for (int i = 0; i < 3; ++i) result[i] = {matrix_[i][0], matrix_[i][1], matrix_[i][2], shift_[i]};
+  return result;
+}
+
+FillFractions PlacedMesh::fill(const Domain<3>& domain, const IndexBox<3>& box) const {
+  ElementLattice lattice{domain.origin, {}};
+  for (int axis = 0; axis < 3; ++axis) lattice.spacing[axis] = domain.size[axis] / domain.elements[axis];
+  return fill_fractions(mesh_, *winding_, closed_, lattice, box);
+}
+
+}  // namespace fabseq
