@@ -62,7 +62,7 @@ set(FABSEQ_LABELS
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|own_layer|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
-    "quick=^(base|keys|parallel|grid|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
+    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)
   set(labels)
   foreach(entry ${FABSEQ_LABELS})

@@ -12,8 +12,8 @@ import re
 import sys
 from pathlib import Path
 
-MODULES = ["base", "keys", "parallel", "grid", "part", "files", "fem", "lanes", "solve", "sequence", "layers",
-           "process", "responses", "mma", "optimize", "config", "run"]
+MODULES = ["base", "keys", "parallel", "grid", "mesh", "part", "files", "fem", "lanes", "solve", "sequence",
+           "layers", "process", "responses", "mma", "optimize", "config", "run"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
 
 

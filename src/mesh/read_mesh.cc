@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/mesh/read_mesh.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/verdict.h"
+
+#include <algorithm>
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/scene.h>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+using Transformation = aiMatrix4x4t<double>;
+constexpr auto most_triangles = static_cast<std::int64_t>(std::numeric_limits<std::int32_t>::max());
+
+/// Opens regular files only: a pipe or a device, whether the mesh or a file that it names, would keep assimp
+/// waiting or reading for ever.
+class RegularFiles : public Assimp::DefaultIOSystem {
+ public:
+  Assimp::IOStream* Open(const char* file, const char* mode) override {  // NOLINT: assimp's name
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(file, ignored) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+};
+
+/// Numbers points in the order in which they come; those at the same position have one number.
+class PointNumbers {
+ public:
+  explicit PointNumbers(std::vector<Point<3>>& points) : points_(points), slots_(1 << 10, none) {}
+
+  std::int32_t number_of(const Point<3>& point) {
+    if (2 * points_.size() >= slots_.size()) grow();
+    std::int32_t& slot = slot_of(point);
+    if (slot == none) {
+      slot = static_cast<std::int32_t>(points_.size());
+      points_.push_back(point);
+    }
+    return slot;
+  }
+
+ private:
+  static constexpr std::int32_t none = -1;
+
+  /// The slot with the point's number, or the free one where it belongs.
+  std::int32_t& slot_of(const Point<3>& point) {
+    std::uint64_t hash = 0;
+    for (const double coordinate : point) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate)) * 0x9e3779b97f4a7c15;
+      hash ^= hash >> 32;
+    }
+    const std::size_t mask = slots_.size() - 1;  // the size is a power of two
+    std::size_t slot = hash & mask;
+    while (slots_[slot] != none && points_[slots_[slot]] != point) slot = (slot + 1) & mask;
+    return slots_[slot];
+  }
+
+  void grow() {
+    slots_.assign(2 * slots_.size(), none);
+    for (std::size_t p = 0; p < points_.size(); ++p) slot_of(points_[p]) = static_cast<std::int32_t>(p);
+  }
+
+  std::vector<Point<3>>& points_;
+  std::vector<std::int32_t> slots_;  ///< hash table of numbers
+};
+
+/// Calls f(mesh, transformation) for all meshes of a node and those below it.
+void for_each_mesh(const aiScene& scene, const aiNode& node, const Transformation& parent,
+                   const std::function<void(const aiMesh&, const Transformation&)>& f) {
+  const Transformation transformation = parent * Transformation(node.mTransformation);
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) f(*scene.mMeshes[node.mMeshes[m]], transformation);
+  for (unsigned c = 0; c < node.mNumChildren; ++c)
+    for_each_mesh(scene, *node.mChildren[c], transformation, f);
+}
+
+/// Joins the meshes of a scene into one.
+class MeshBuilder {
+ public:
+  void add(const aiMesh& mesh, const Transformation& transformation) {
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      for (unsigned i = 2; i < face.mNumIndices; ++i) {
+        std::array<std::int32_t, 3> triangle;
+        const unsigned corners[3] = {face.mIndices[0], face.mIndices[i - 1], face.mIndices[i]};
+        for (int c = 0; c < 3; ++c) triangle[c] = number_of(transformation, mesh.mVertices[corners[c]]);
+        const auto& [p, q, r] = triangle;
+        if (p == q || q == r || r == p)
+          ++result_.degenerate;
+        else
+          result_.mesh.triangles.push_back(triangle);
+      }
+    }
+  }
+
+  MeshInFile take() { return std::move(result_); }
+
+ private:
+  std::int32_t number_of(const Transformation& transformation, const aiVector3D& vertex) {
+    const aiVector3t<double> moved = transformation * aiVector3t<double>(vertex.x, vertex.y, vertex.z);
+    const Point<3> point = {moved.x + 0.0, moved.y + 0.0, moved.z + 0.0};  // -0.0 becomes 0.0
+    for (const double coordinate : point)
+      if (!std::isfinite(coordinate))
+        throw InputError("has a point " + to_text<3>(point) + ", needs finite coordinates");
+    return numbers_.number_of(point);
+  }
+
+  MeshInFile result_;
+  PointNumbers numbers_{result_.mesh.points};
+};
+
+/// Text of an error of assimp on one line.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
+}
+
+/// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
+MeshInFile read_alone(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    throw InputError("cannot be opened (" + error.message() + "), needs a readable file");
+  if (!std::filesystem::is_regular_file(status))
+    throw InputError("is a directory, pipe or device, needs a regular file");
+  Assimp::Importer importer;
+  importer.SetIOHandler(new RegularFiles);  // becomes the importer's
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene == nullptr || scene->mRootNode == nullptr)
+    throw InputError("cannot be read (" + one_line(importer.GetErrorString()) +
+                     "), needs an intact STL, OBJ, PLY or 3MF file");
+  std::int64_t triangles = 0;
+  for_each_mesh(*scene, *scene->mRootNode, {}, [&](const aiMesh& mesh, const Transformation&) {
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+      triangles += std::max<std::int64_t>(static_cast<std::int64_t>(mesh.mFaces[f].mNumIndices) - 2, 0);
+  });
+  if (triangles > most_triangles)
+    throw InputError("has " + std::to_string(triangles) + " triangles, allowed are up to " +
+                     std::to_string(most_triangles));
+  MeshBuilder builder;
+  for_each_mesh(*scene, *scene->mRootNode, {},
+                [&](const aiMesh& mesh, const Transformation& there) { builder.add(mesh, there); });
+  MeshInFile result = builder.take();
+  if (result.mesh.triangles.empty())
+    throw InputError("has no triangle, nor a polygon, with corners at different points; needs a surface");
+  return result;
+}
+
+/// Copies rank 0's entries to all ranks, in pieces that MPI can count. Collective.
+template <class T>
+void broadcast_entries(MPI_Comm comm, std::vector<T>& entries) {
+  auto count = static_cast<std::int64_t>(entries.size());
+  MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
+  entries.resize(static_cast<std::size_t>(count));
+  constexpr std::size_t piece = 1 << 30;
+  auto* bytes = reinterpret_cast<char*>(entries.data());
+  for (std::size_t left = entries.size() * sizeof(T); left > 0;) {
+    const std::size_t now = std::min(left, piece);
+    MPI_Bcast(bytes, static_cast<int>(now), MPI_BYTE, 0, comm);
+    bytes += now;
+    left -= now;
+  }
+}
+
+}  // namespace
+
+MeshInFile read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
+  MeshInFile result;
+  run_on_first(comm, [&] {
+    try {
+      result = read_alone(path);
+    } catch (const InputError& error) {
+      throw InputError(key + ": '" + path + "' " + error.what());
+    }
+  });
+  broadcast_entries(comm, result.mesh.points);
+  broadcast_entries(comm, result.mesh.triangles);
+  MPI_Bcast(&result.degenerate, 1, MPI_INT64_T, 0, comm);
+  return result;
+}
+
+}  // namespace fabseq
