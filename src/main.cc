@@ -91,7 +91,8 @@ void run_task(const CommandLine& command_line, const Config& config) {
     case Task::check_gradients:
       return run_check_gradients(command_line, setup, timer);
     case Task::check:
-      return run_check(setup);
+      run_check(setup);
+      if (command_line.picture) write_check_picture(setup, command_line);
   }
 }
 

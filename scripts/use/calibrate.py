@@ -26,7 +26,7 @@ import sys
 import numpy as np
 
 from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script, write_json
-from read_run import read_fields, read_json
+from read_run import origin_of, read_fields, read_json
 
 AXES = "xyz"
 UNDETERMINED = 1e-6  # of the largest singular value
@@ -93,7 +93,7 @@ def simulate(arguments, scale, points):
         if "release_displacement" not in result:
             raise RunError("the simulation knows no release of this part")
         field = field + result["release_displacement"]
-    return config, interpolate(field, result, config["domain"]["size"], points)
+    return config, interpolate(field, result, config["domain"]["size"], points - origin_of(config))
 
 
 def simulate_all(arguments, points, factors):

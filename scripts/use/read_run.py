@@ -87,7 +87,7 @@ class Run:
         if shape:
             size = self.config["domain"]["size"]
             slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
-            chosen &= contains(shape, node_positions(size, built.shape[::-1]), slack)
+            chosen &= contains(shape, node_positions(size, built.shape[::-1]) + origin_of(self.config), slack)
         return np.flatnonzero(chosen)
 
 
@@ -135,6 +135,11 @@ def node_positions(size, elements):
     """Coordinates of all nodes of a box, (n, dimension), x fastest."""
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, elements)]
     return np.stack([grid.ravel() for grid in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], axis=1)
+
+
+def origin_of(config):
+    """Lower corner of the box of a config."""
+    return np.array(config["domain"].get("origin", [0.0] * len(config["domain"]["size"])))
 
 
 def nodes_of(built):

@@ -13,9 +13,7 @@ using Keys = std::vector<const ConfigKey*>;
 
 std::vector<std::string> names(const Keys& keys) {
   std::vector<std::string> result;
-  for (const ConfigKey* key : keys) {
-    if (key->type != KeyType::unavailable) result.emplace_back(key->name);
-  }
+  for (const ConfigKey* key : keys) result.emplace_back(key->name);
   return result;
 }
 
@@ -82,15 +80,9 @@ class Completion {
                         const std::string& variant, const Keys& keys) const {
     for (const auto& [name, found] : value.items()) {
       const auto same = [&name = name](const ConfigKey* key) { return key->name == name; };
-      const auto place = std::find_if(keys.begin(), keys.end(), same);
-      if (place == keys.end()) {
-        refuse_other_dimension(pointer_to(pointer, name), found, path, name);
-        refuse_unknown_key(pointer, name, variant, keys);
-      }
-      if ((*place)->type == KeyType::unavailable) {
-        throw InputError(pointer_to(pointer, name) +
-                         ": not available in this version; allowed here: " + name_list(keys));
-      }
+      if (std::any_of(keys.begin(), keys.end(), same)) continue;
+      refuse_other_dimension(pointer_to(pointer, name), found, path, name);
+      refuse_unknown_key(pointer, name, variant, keys);
     }
   }
 

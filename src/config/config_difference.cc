@@ -12,7 +12,7 @@ namespace fabseq {
 namespace {
 
 /// JSON pointers of keys that may change, with all keys below them.
-constexpr std::array<std::string_view, 11> free_keys = {"/name",
+constexpr std::array<std::string_view, 12> free_keys = {"/name",
                                                         "/output",
                                                         "/run",
                                                         "/solver",
@@ -22,6 +22,7 @@ constexpr std::array<std::string_view, 11> free_keys = {"/name",
                                                         "/optimizer/window",
                                                         "/optimizer/later_iterations",
                                                         "/part/voxels/file",
+                                                        "/part/mesh/file",
                                                         "/domain/unit"};
 
 bool same_value(const Json& a, const Json& b) {

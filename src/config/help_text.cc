@@ -20,6 +20,7 @@ Usage:
 Options:
   -config FILE.json      what to do: a JSON file, comments allowed, with the keys listed below
   -task TASK             optimize (default), simulate, sensitivity, evaluate, check_gradients, or check (writes nothing)
+  -picture               with -task check: DIR/check.svg, a picture of elements, node sets, plate and first layers
   -output DIR            output directory (default: output/NAME)
   -overwrite             write into a directory that already holds a run
   -restart DIR           continue the run in DIR from its newest intact checkpoint, there or in -output; -restart auto
@@ -40,11 +41,9 @@ SIGUSR1, SIGUSR2, SIGTERM, SIGINT and a file "stop" in the output directory end 
 Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could not be written.
 )";
 
-bool is_listed(const ConfigKey& key) { return key.type != KeyType::unavailable; }
-
 /// Values that the key takes, with the dimension that it is restricted to.
 std::string allowed_text(const ConfigKey& key) {
-  if (key.type == KeyType::part) return "an object with one shape or voxels";
+  if (key.type == KeyType::part) return "an object with one shape, voxels or a mesh";
   if (key.type == KeyType::node_sets) return "an object of named shapes";
   std::string text = allowed_values(key, 0);
   if (key.dimension != 0) text += " (only in " + std::to_string(key.dimension) + "D)";
@@ -136,8 +135,7 @@ std::string help_text() {
   stream << "\nConfig keys:\n";
   for (const SectionKeys& section : config_sections()) {
     stream << "\n" << title(section) << "\n";
-    for (const ConfigKey& key : section.keys)
-      if (is_listed(key)) write_key(stream, key);
+    for (const ConfigKey& key : section.keys) write_key(stream, key);
   }
   return stream.str();
 }
@@ -146,8 +144,7 @@ std::string reference_table() {
   std::ostringstream stream;
   for (const SectionKeys& section : config_sections()) {
     stream << "### " << (section.path.empty() ? "" : code(section.path) + ": ") << section.title << "\n\n";
-    for (const ConfigKey& key : section.keys)
-      if (is_listed(key)) write_item(stream, reference_entry(key));
+    for (const ConfigKey& key : section.keys) write_item(stream, reference_entry(key));
     stream << "\n";
   }
   std::string text = stream.str();

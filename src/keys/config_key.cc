@@ -86,7 +86,6 @@ std::string plain_values(const ConfigKey& key, int dimension) {
     case KeyType::part:
     case KeyType::node_sets:
       return "an object";
-    case KeyType::unavailable:
     case KeyType::of_member:
       return "nothing";
   }

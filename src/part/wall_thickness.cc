@@ -57,14 +57,32 @@ class Depths {
     }
   }
 
-  /// Whether the element lies in a thin wall, and none around it lies deeper.
+  /// Whether the element lies in a thin wall, and none near it lies deeper: not at the surface of what is
+  /// thick, nor in the tip of a wedge.
   bool is_middle_of_thin_wall(const Index<Dim>& element) const {
-    const int here = depth(element);
-    return here > 0 && here < deep && std::none_of(steps_.begin(), steps_.end(), [&](const Index<Dim>& step) {
-             return depth(moved<Dim>(element, step, 1)) > here;
-           });
+    const int here = depth(element), reach = here + 1;
+    if (here == 0 || here == deep) return false;
+    IndexBox<Dim> near;
+    near.start = element;
+    for (int& start : near.start) start -= reach;
+    near.size.fill(2 * reach + 1);
+    for (std::int64_t i = 0; i < near.count(); ++i)
+      if (depth(near.index(i)) > here) return false;
+    return true;
   }
 
+  /// Thickness of the wall in the middle of which the element lies, in smallest spacings: that of its
+  /// neighbour where this is more, because runs across the edge of a wall are short.
+  double thickness(const Index<Dim>& element) const {
+    double largest = shortest_run(element);
+    for (const Index<Dim>& step : steps_) {
+      const Index<Dim> other = moved<Dim>(element, step, 1);
+      if (depth(other) == depth(element)) largest = std::max(largest, shortest_run(other));
+    }
+    return largest;
+  }
+
+ private:
   /// Length of the shortest run of elements through this one, in smallest spacings.
   double shortest_run(const Index<Dim>& element) const {
     double shortest = thick_wall;
@@ -78,7 +96,6 @@ class Depths {
     return shortest;
   }
 
- private:
   int depth(const Index<Dim>& element) const {
     return halo_.box().contains(element) ? depth_[halo_.box().offset(element)] : 0;
   }
@@ -115,7 +132,7 @@ ThinWall<Dim> thinnest_wall(const Part<Dim>& part) {
   std::int64_t place = grid.all_elements().count();
   for (const int offset : part.elements()) {
     const Index<Dim> element = grid.owned_elements().index(offset);
-    const double run = depths.is_middle_of_thin_wall(element) ? depths.shortest_run(element) : thick_wall;
+    const double run = depths.is_middle_of_thin_wall(element) ? depths.thickness(element) : thick_wall;
     if (run >= least && place != grid.all_elements().count()) continue;
     least = run;
     place = number(offset);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/gradient_check.h"
+#include "fabseq/run/svg.h"
 
 #include <algorithm>
 #include <array>
@@ -52,9 +53,8 @@ std::string GradientCheck::svg(const std::string& title) const {
   const Frame frame;
   const double height = std::max(460.0, frame.top + 20.0 + 18.0 * static_cast<double>(errors.size()));
   std::ostringstream text;
-  text << "<svg xmlns='http://www.w3.org/2000/svg' width='800' height='" << height
-       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='white'/>\n"
-       << "<text x='" << frame.left << "' y='30' font-size='16'>" << title << "</text>\n";
+  text << svg::begin(800, height) << "<text x='" << frame.left << "' y='30' font-size='16'>"
+       << svg::escaped(title) << "</text>\n";
   draw_axes(text, frame);
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const char* color = colors[i % colors.size()];

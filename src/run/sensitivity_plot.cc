@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/sensitivity.h"
+#include "fabseq/run/svg.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,14 +47,6 @@ std::vector<double> ticks(const Frame& frame) {
   return result;
 }
 
-/// Text as XML takes it.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char character : text)
-    result += character == '&' ? "&amp;" : character == '<' ? "&lt;" : std::string(1, character);
-  return result;
-}
-
 void draw_axis(std::ostringstream& text, const Frame& frame) {
   text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
        << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
@@ -81,9 +74,8 @@ void draw_legend(std::ostringstream& text, const Frame& frame) {
 std::string SensitivityTable::svg() const {
   const Frame frame(*this);
   std::ostringstream text;
-  text << "<svg xmlns='http://www.w3.org/2000/svg' width='760' height='" << frame.bottom + 50
-       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='white'/>\n"
-       << "<text x='20' y='28' font-size='16'>Sensitivity of " << escaped(name) << "</text>\n";
+  text << svg::begin(760, frame.bottom + 50) << "<text x='20' y='28' font-size='16'>Sensitivity of "
+       << svg::escaped(name) << "</text>\n";
   draw_axis(text, frame);
   draw_legend(text, frame);
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -165,7 +165,6 @@ TEST(CommandLineTest, HelpAndReferenceNameEveryKey) {
     for (const ConfigKey& key : section.keys) {
       EXPECT_EQ(key.section, section.path) << key.name;
       EXPECT_FALSE(key.meaning.empty()) << key.name;
-      if (key.type == KeyType::unavailable) continue;
       EXPECT_NE(help.find(key.meaning), std::string::npos) << key.name;
       EXPECT_NE(reference.find("- `" + key.name + "`"), std::string::npos) << key.name;
       if (!key.option.empty()) {

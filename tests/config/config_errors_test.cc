@@ -55,7 +55,7 @@ TEST(ConfigErrorsTest, UnknownKeys) {
   EXPECT_EQ(solid_error("part.bx", "1"),
             "/part/bx: unknown key; did you mean \"box\"? allowed here: box, half_space, cylinder, sphere, "
             "polygon, union, "
-            "intersection, difference, voxels, keep, sampling");
+            "intersection, difference, voxels, mesh, keep, sampling");
   EXPECT_EQ(solid_error("a/b~c\nd", "1").rfind("/a~1b~0c\\nd: unknown key; allowed here: ", 0), 0U);
 }
 
@@ -186,10 +186,10 @@ TEST(ConfigErrorsTest, Shapes) {
   EXPECT_EQ(solid_error("part", "{}"),
             "/part: found no shape; allowed: exactly one of box, half_space, cylinder, sphere, polygon, "
             "union, intersection, "
-            "difference, voxels");
+            "difference, voxels, mesh");
   EXPECT_EQ(solid_error("node_sets.top.sphere", R"({"center": [0, 0, 0], "radius": 1})"),
             "/node_sets/top: found box, sphere; allowed: exactly one of box, half_space, cylinder, sphere, "
-            "polygon, union, intersection, difference, all");
+            "polygon, union, intersection, difference, all, near");
   EXPECT_EQ(solid_error("part.box.min.1", "1.5"),
             "/part/box/max/1: found 1; allowed: a number >= 1.5 (that entry of min)");
   EXPECT_EQ(solid_error("part", R"({"union": [{"sphere": {"center": [0, 0, 0], "radius": 0}}]})"),
@@ -212,12 +212,6 @@ TEST(ConfigErrorsTest, Shapes) {
             "/part/polygon/points/1: found [1,0,2]; allowed: a list of 2 numbers");
   EXPECT_EQ(plane_error("part", R"({"polygon": {"points": [[0, 0], [1, 0]]}})"),
             "/part/polygon/points: found [[0,0],[1,0]]; allowed: a list of three or more pairs of numbers");
-}
-
-TEST(ConfigErrorsTest, FeaturesOfLaterVersionsAreRefused) {
-  EXPECT_EQ(solid_error("part", R"({"stl": {"file": "a.stl"}})")
-                .rfind("/part/stl: not available in this version; allowed here: box, ", 0),
-            0U);
 }
 
 }  // namespace

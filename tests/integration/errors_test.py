@@ -104,11 +104,6 @@ class ConfigErrorsTest(BadInputTest):
     def test_word_that_belongs_to_no_option(self):
         self.assert_refused(plate_2d(), "stray", words=['"stray"'])
 
-    def test_features_of_later_versions_are_not_ignored(self):
-        config = plate_2d()
-        config["part"] = {"stl": {"file": "part.stl"}}
-        self.assert_refused(config, words=["/part/stl"])
-
     def test_a_measure_that_is_no_sum_of_squares(self):
         config = plate_2d()
         config["objective"][0]["measure"] = "layerwise"

@@ -41,7 +41,6 @@ enum class KeyType {
   shape,           ///< object with exactly one shape, or a word
   part,            ///< shape or voxel file
   node_sets,       ///< object of named shapes
-  unavailable,     ///< documented but not implemented: refused
 };
 
 /// Declaration of a key. A Section fills in name, meaning, section and variant. From the member that the key

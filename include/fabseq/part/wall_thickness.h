@@ -16,9 +16,9 @@ struct ThinWall {
 };
 
 /// Looks for the thinnest wall of part and substrate together. A wall is measured at the elements that lie
-/// deepest in it, which leaves out edges and corners: it is the shortest run of elements through one of them
-/// along the axes and all diagonals. At the edge of walls of one or two elements it says up to a third less.
-/// Collective on the grid's communicator; the result is the same on all ranks.
+/// deepest in it, which leaves out edges, corners and the tips of wedges: it is the shortest run of elements
+/// through one of them along the axes and all diagonals, so up to a third less in bars of one or two
+/// elements. Collective on the grid's communicator; the result is the same on all ranks.
 template <int Dim>
 ThinWall<Dim> thinnest_wall(const Part<Dim>& part);
 

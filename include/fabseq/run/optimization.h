@@ -28,8 +28,8 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
                              const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
                              Pipeline<Dim>& pipeline);
 
-/// Reads the file of -design, if there is one, and forgets it: what is wrong with it is said before a run that
-/// is to be replaced is touched. Throws InputError.
+/// Reads the file of -design, if there is one, and forgets it: what is wrong with it is said before a run
+/// that is to be replaced is touched. Throws InputError.
 template <int Dim>
 void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
 

@@ -41,5 +41,9 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
 /// -task check: prints the part, the node sets and what a run will cost; writes nothing.
 template <int Dim>
 void run_check(const Setup<Dim>& setup);
+/// -task check -picture: writes DIR/check.svg, elements in the colours of the layers of the start design, the
+/// plate and the node sets. Collective. Throws OutputError.
+template <int Dim>
+void write_check_picture(const Setup<Dim>& setup, const CommandLine& command_line);
 
 }  // namespace fabseq
