@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A page about a run, or about several beside each other, for any browser: figures, curves and the part in 3D.
+"""A page about a run, or several beside each other, for any browser: figures, curves and the part in 3D.
 
     scripts/use/report.py OUTPUT_DIR... [-o PAGE.html]
 
 The page of one run goes to OUTPUT_DIR/report.html, that of several to report_compare.html in the first of
-them. It is one file that loads nothing else and works without a server. Runs of `-task optimize` and
-`-task simulate` have everything that their files hold; one that is going on, was stopped or has failed has
-its settings and curves.
+them. It is one file that loads nothing else and works without a server. Of a run of `-task optimize` or
+`simulate` it shows what the files hold; of one that is going on, was stopped or has failed, settings and
+curves.
 """
 
 import json
@@ -18,9 +18,9 @@ from string import Template
 from command_line import ROOT, parser_of, run_script
 from read_run import Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
-from report_tables import (STATES, comparison, facts_table, headline, model_of, results, run_name, sensitivity, unit_of,
-                           worst_case)
+from report_tables import comparison, facts_table, results, sensitivity
 from report_views import packed_scene, views_of
+from report_words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
 
 PARTS = os.path.join(ROOT, "scripts", "use", "report")
 NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
@@ -42,7 +42,17 @@ class ReportRun(Run):
                   optional("result.h5", lambda folder, name: read_fields(os.path.join(folder, name)), {}))
         self.sensitivity = optional("sensitivity.json", read_json, None)
         self.label = os.path.basename(os.path.abspath(directory))
-        self.settings = {key: value for key, value in flat(self.config) if key.split(".")[0] not in NOT_COMPARED}
+        self.settings = settings_of(self.config)
+
+
+def settings_of(config):
+    """Values by path as of -set; lists of numbers in one piece."""
+    settings = {}
+    for key, value in flat({key: value for key, value in config.items() if key not in NOT_COMPARED}):
+        names = key.split(".")
+        whole = next((position for position in range(len(names)) if all(map(str.isdigit, names[position:]))), len(names))
+        settings.setdefault(".".join(names[:whole]), []).append(value)
+    return {key: values[0] if len(values) == 1 else values for key, values in settings.items()}
 
 
 def page_of(runs):
@@ -59,8 +69,8 @@ def page_of(runs):
 def view_labels(run, runs):
     """Which states are shown in 3D: all of one run; of several the result of each."""
     if len(runs) > 1:
-        return {"binary": run.label, "simulated": run.label}
-    return {"start": "start design", "baseline": "planar layers", "binary": "optimized", "simulated": STATES["simulated"]}
+        return {state: run.label for state in ("binary", "simulated") if state in run.summary}
+    return states_of(runs[0]) | ({"binary": "optimized"} if "binary" in runs[0].summary else {})
 
 
 def read(name):
@@ -77,9 +87,12 @@ def body_of(runs, notes):
         lines.append(f'<p class="headline">{label}{escape(headline(each))}</p>')
         if worst_case(each):
             lines.append(f'<p class="worst">{escape(worst_case(each))}</p>')
-    views = f'<section id="viewer"></section>{"".join(f"<p class=note>{escape(note)}</p>" for note in notes)}'
+    if not several:
+        lines.append(f'<p class="note">{escape(summary_line(run))}</p>')
+    views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
     sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
-                ("Under other assumptions, binary layers", "" if several else sensitivity(run)), ("Curves", '<section id="charts"></section>'),
+                ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
+                ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]
     return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
 

@@ -4,7 +4,7 @@ the layers it ended with."""
 
 import math
 
-from report_tables import STATES, Figures, band, model_of, unit_of
+from report_words import STATES, Figures, band, model_of, unit_of
 
 PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "output")
 
@@ -13,13 +13,14 @@ def charts_of(runs):
     """The charts of one run, or of several with a curve each."""
     several = len(runs) > 1
     charts = [distortion(runs), violation(runs), thickness_history(runs[0]) if not several else None,
-              over_iterations(runs, "beta", "Sharpness β"), over_iterations(runs, "change", "Largest change of a variable", log=True),
+              over_iterations(runs, "beta", "Sharpness β"),
+              over_iterations(runs, "change", "Largest change of a variable", log=True),
               layers(runs, "thickness"), layers(runs, "volume"), seconds(runs)]
     return [chart for chart in charts if chart and any(any(y is not None for y in s["y"]) for s in chart["series"])]
 
 
 def chart(title, curves, label, **more):
-    """`curves`: dictionaries with `label`, `role` (the colour) and `points`, pairs of x and y; they share x."""
+    """`curves`: dictionaries with `label`, `role` (the colour) and `points`, pairs of x and y."""
     xs = sorted({x for curve in curves for x, _ in curve["points"]})
     series = []
     for curve in curves:
@@ -89,7 +90,8 @@ def layers(runs, key):
     """Thickness or volume of each layer: of all states of one run, or of the binary layers of several."""
     run = runs[0]
     if len(runs) > 1:
-        curves = [{**role(n, run, runs, ""), **layer_points(run, "binary", key)} for n, run in enumerate(runs) if "binary" in run.summary]
+        curves = [{**role(n, run, runs, ""), **layer_points(run, "binary", key)} for n, run in enumerate(runs)
+                  if "binary" in run.summary]
     else:
         curves = [{"label": words, "role": state, **layer_points(run, state, key)}
                   for state, words in STATES.items() if state in run.summary]
@@ -99,7 +101,7 @@ def layers(runs, key):
     if key == "volume" and len(run.config["domain"]["size"]) == 2:
         title = "Volume of each layer"
     return chart(title.replace("units³", "units cubed"), curves, "layer", dotted=True,
-                 note="shaded: allowed" if more else "", **more) if curves else None
+                 log=key == "thickness", note="shaded: allowed" if more else "", **more) if curves else None
 
 
 def layer_points(run, state, key):

@@ -20,7 +20,7 @@ SHOWN_THICKNESS = 3.0     # times the target: no larger ones are told apart
 FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "pseudo-time", "colours": "layers"},
           "displacement": {"label": "displacement", "colours": "heat", "length": True},
           "stress": {"label": "residual stress (von Mises)", "colours": "heat"},
-          "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True},
+          "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
           "blocked": {"label": "depth of collisions with the tool", "colours": "heat", "length": True},
           "tilt": {"label": "tilt", "colours": "heat", "unit": "degrees"},
           "hanging": {"label": "hanging", "colours": "heat"}}
@@ -70,23 +70,27 @@ def von_mises(stress):
 def local_thickness(run, state, group):
     """Step of a layer in pseudo-time over |grad t|, in each element: NaN where the time does not rise. Empty
     where the files do not tell: times of elements, multi-planar layers, varying time points of the start."""
-    config = run.config
+    kind, cut = run.config.get("sequence", {}).get("type"), run.config.get("layers", {})
     time, layer = run.fields[group + "time"], run.fields[group + "layer"]
     block = run.summary.get(state, {}).get("layers") or []
-    planar = state == "baseline" or config["sequence"]["type"] == "planar"
-    if not block or not planar and (config["layers"]["type"] != "curved" or group + "temperature" not in run.fields):
+    planar = state == "baseline" or kind == "planar"
+    if not block or not planar and (cut.get("type") != "curved" or group + "temperature" not in run.fields):
         return {}
     steps = np.full(len(block), 1.0 / len(block))
-    if not planar and config["layers"].get("time_points") == "variable":
+    if not planar and cut.get("time_points") == "variable":
         if group:
             return {}
         steps = np.diff(np.concatenate([[0.0], run.fields["time_points"], [1.0]]))
-    spacing = [length / n for length, n in zip(config["domain"]["size"], config["domain"]["elements"])][::-1]
+    spacing = element_edges(run.config)[::-1]
     slopes = element_slopes(time, run.fields["density"] > 0, spacing) if planar else node_slopes(
         run.fields[group + "temperature"], spacing)
     steepness = np.sqrt(sum(slope**2 for slope in slopes))
     step = np.take(steps, np.clip(layer.astype(int) - 1, 0, len(steps) - 1))
     return {"local_thickness": np.where(steepness > 0, step / np.where(steepness > 0, steepness, 1.0), np.nan)}
+
+
+def element_edges(config):
+    return [length / n for length, n in zip(config["domain"]["size"], config["domain"]["elements"])]
 
 
 def node_slopes(values, spacing):
@@ -115,8 +119,8 @@ def element_slopes(values, built, spacing):
 
 
 def packed_scene(runs):
-    """Parts and views of all runs, ready for JSON: (run, views) each, on coarser grids where the page would grow
-    too large. Also by how many elements an edge each part is coarser."""
+    """Parts and views of all runs, (run, views) each, ready for JSON, on coarser grids where the page would
+    grow too large. Also by how many elements an edge each part is coarser."""
     factors = [1] * len(runs)
     for number, (run, views) in enumerate(runs):
         while views and (coarsened(run.fields["density"], factors[number], "largest") > 0).sum() > MOST_ELEMENTS:
@@ -143,7 +147,7 @@ def add_part(scene, run, views, factor):
         return
     part = run.fields["density"] > 0
     built = coarsened(part, factor, "largest") > 0
-    spacing = [factor * length / n for length, n in zip(run.config["domain"]["size"], run.config["domain"]["elements"])]
+    spacing = [factor * edge for edge in element_edges(run.config)]
     scene["parts"].append({"spacing": spacing, "plate": run.config.get("build_plate", "z-"), "built": pack(built)})
     for view in views:
         time = coarsened(np.where(part, view["time"], np.nan), factor, "mean")
@@ -192,18 +196,21 @@ def coarsened_nodes(values, part, factor):
     total, count = np.zeros(shape), np.zeros(shape)
     padded = [np.pad(array, [(factor, (k - 1) * factor + 1 + factor - n) for k, n in zip(shape, array.shape)])
               for array in (np.where(touched, values, 0.0), touched.astype(float))]
-    own = None
-    for offset in np.ndindex(*[2 * factor + 1] * values.ndim):
+
+    def around(offset):
         at = tuple(slice(o, o + (k - 1) * factor + 1, factor) for o, k in zip(offset, shape))
-        total, count = total + padded[0][at], count + padded[1][at]
-        if all(o == factor for o in offset):
-            own = padded[0][at], padded[1][at]
-    return np.where(own[1] > 0, own[0], total / np.maximum(count, 1.0))
+        return padded[0][at], padded[1][at]
+
+    for offset in np.ndindex(*[2 * factor + 1] * values.ndim):
+        value, there = around(offset)
+        total, count = total + value, count + there
+    own, known = around([factor] * values.ndim)
+    return np.where(known > 0, own, total / np.maximum(count, 1.0))
 
 
 def pack(values, leading=0):
-    """Values as 16-bit steps between the smallest and the largest; differences along each axis, which are small
-    where a field is smooth; low bytes before high ones; deflated. `leading` axes are not differed along."""
+    """Values as 16-bit steps between the smallest and the largest; differences along each axis but the
+    `leading` ones, which are small where a field is smooth; low bytes before high ones; deflated."""
     values = values.astype(float)
     known = np.isfinite(values)
     low, high = (float(values[known].min()), float(values[known].max())) if known.any() else (0.0, 0.0)

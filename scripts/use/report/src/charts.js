@@ -4,9 +4,11 @@
 import uPlot from 'uplot';
 import style from 'uplot/dist/uPlot.min.css';
 import { curveColour, pageColour } from './colours.js';
-import { element, number } from './dom.js';
+import { element } from './dom.js';
+import { number, plainAbove, plainBelow } from './numbers.js';
 
 const HEIGHT = 240;
+const LOGARITHMIC = 8;  // times the smallest value: where the largest is less, the axis is linear
 let drawn = [];
 let observer = null;
 
@@ -40,7 +42,7 @@ function options(chart, width) {
     width, height: HEIGHT,
     scales: { x: { time: false }, y: yScale(chart) },
     axes: [{ ...axis, label: chart.xLabel, labelSize: 20, size: 34, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] },
-      { ...axis, size: 64, values: (_, ticks) => ticks.map((tick) => (tick == null ? '' : number(tick))) }],
+      { ...axis, size: 64, values: (_, ticks) => ticks.map((tick) => (tick == null ? '' : number(tick).replace(/\.?0*·/, '·'))) }],
     series: [{ label: chart.xLabel },
       ...chart.series.map((s) => curve(s, { points: points(chart, s), width: s.dots ? 0 : 2 })),
       ...(chart.lines ?? []).map((line) => curve(line, { dash: [6, 4], width: 1.5, points: { show: false } }))],
@@ -59,7 +61,7 @@ function yScale(chart) {
   const known = all.filter((value) => value != null);
   const [low, high] = [Math.min(...known), Math.max(...known)];
   if (chart.symmetric) return { distr: 4, asinh: 1 };
-  if (chart.log && low > 0) return { distr: 3, range: () => [low / 1.25, high * 1.25] };
+  if (chart.log && low > 0 && high > LOGARITHMIC * low) return { distr: 3, range: () => [plainBelow(low), plainAbove(high)] };
   const margin = 0.06 * (high - low || Math.abs(high) || 1);
   return { range: () => [low >= 0 ? Math.max(low - margin, 0) : low - margin, high + margin] };
 }

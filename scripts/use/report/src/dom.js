@@ -10,10 +10,3 @@ export function element(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
-
-// Three digits, as scripts/use/read_run.py writes them.
-export function number(value) {
-  if (value === 0 || (Math.abs(value) >= 1e-2 && Math.abs(value) < 1e4)) return String(Number(value.toPrecision(3)));
-  const [mantissa, exponent] = value.toExponential(2).split('e');
-  return `${mantissa}·10` + [...String(Number(exponent))].map((digit) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(digit)]).join('');
-}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How faces are drawn: placed, hidden and coloured on the graphics card, from textures with a number for each
-// element or node.
+// How faces are drawn: placed and coloured on the graphics card, from textures with a number for each element
+// or node.
 
 import * as THREE from 'three';
 
@@ -9,9 +9,9 @@ precision highp float;
 precision highp int;
 precision highp sampler3D;
 uniform mat4 projectionMatrix, modelViewMatrix;
-uniform sampler3D times, values, displacements;
-uniform vec3 counts, spacing, centre, eye, lamp;
-uniform float now, magnification;
+uniform sampler3D values, displacements;
+uniform vec3 spacing, centre, eye, lamp;
+uniform float magnification;
 uniform bool ghost, ofNodes;
 in vec2 corner;
 in vec4 face;
@@ -19,27 +19,21 @@ out vec2 within;
 out float value;
 out float shade;
 
-float timeOf(ivec3 element) {
-  bool outside = any(lessThan(element, ivec3(0))) || any(greaterThanEqual(element, ivec3(counts)));
-  return outside ? 2.0 : texelFetch(times, element, 0).r;
-}
-
 void main() {
-  ivec3 along = ivec3(face.w == 0.0, face.w == 1.0, face.w == 2.0);
+  bool ofBehind = face.w > 2.5;
+  float axis = ofBehind ? face.w - 3.0 : face.w;
+  ivec3 along = ivec3(axis == 0.0, axis == 1.0, axis == 2.0);
   ivec3 behind = ivec3(face.xyz);
-  ivec3 before = behind - along;
-  float first = timeOf(before), second = timeOf(behind);
-  bool seen = min(first, second) <= now && max(first, second) > now;
-  vec3 normal = vec3(along) * (first <= second ? 1.0 : -1.0);
-  if (!seen || ghost && dot(normal, eye) > 0.0) {
+  vec3 normal = vec3(along) * (ofBehind ? -1.0 : 1.0);
+  if (ghost && dot(normal, eye) > 0.0) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
+  bool flat2d = spacing.z == 0.0;
   ivec3 node = behind + ivec3(corner.x) * along.zxy + ivec3(corner.y) * along.yzx;
-  vec3 moved = texelFetch(displacements, min(node, ivec3(counts)), 0).xyz;
-  if (spacing.z == 0.0) moved = texelFetch(displacements, ivec3(node.xy, 0), 0).xyz;
-  value = ofNodes ? length(moved) : texelFetch(values, first <= second ? before : behind, 0).r;
-  shade = spacing.z == 0.0 ? 1.0 : 0.78 + 0.23 * dot(normal, lamp);
+  vec3 moved = texelFetch(displacements, flat2d ? ivec3(node.xy, 0) : node, 0).xyz;
+  value = ofNodes ? length(moved) : texelFetch(values, ofBehind ? behind : behind - along, 0).r;
+  shade = flat2d ? 1.0 : 0.78 + 0.23 * dot(normal, lamp);
   within = corner;
   vec3 place = vec3(node) * spacing - centre + magnification * moved;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(place, 1.0);
@@ -102,11 +96,11 @@ export function faceMaterial(uniforms, ghost) {
   });
 }
 
-export function faceGeometry(faces) {
+// Room for so many faces; the attribute `face` has four numbers each.
+export function faceGeometry(most) {
   const geometry = new THREE.InstancedBufferGeometry();
   geometry.setAttribute('corner', new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
-  geometry.setAttribute('face', new THREE.InstancedBufferAttribute(faces, 4));
+  geometry.setAttribute('face', new THREE.InstancedBufferAttribute(new Uint16Array(4 * most), 4));
   geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  geometry.instanceCount = faces.length / 4;
   return geometry;
 }

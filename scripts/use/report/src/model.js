@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The part as one view shows it: one mesh, whose faces the graphics card hides until their time has come.
+// The part as one view shows it: one mesh of the faces that are seen at a time.
 
 import * as THREE from 'three';
-import { facesOf } from './faces.js';
+import { chooseFaces, facesOf } from './faces.js';
 import { faceGeometry, faceMaterial, gridTexture } from './material.js';
 import { unpack } from './unpack.js';
 
@@ -17,9 +17,8 @@ export async function readPart(packed) {
   const grid = flat ? [1, ...shape] : shape;
   const spacing = flat ? [...packed.spacing, 0] : packed.spacing;
   const counts = [grid[2], grid[1], grid[0]];
-  const { faces, surface } = facesOf(built, grid, flat);
-  return { built, grid, flat, counts, spacing, plate: packed.plate, size: counts.map((n, k) => n * spacing[k]),
-    geometry: faceGeometry(faces), surface, faces: faces.length / 4 };
+  return { built, grid, flat, spacing, plate: packed.plate, size: counts.map((n, k) => n * spacing[k]),
+    faces: facesOf(built, grid, flat) };
 }
 
 export class Model {
@@ -29,14 +28,13 @@ export class Model {
     this.textures = {};
     const half = part.size.map((length) => 0.5 * length);
     this.uniforms = {
-      times: { value: null }, values: { value: null }, displacements: { value: null }, colours: { value: null },
-      counts: { value: new THREE.Vector3(...part.counts) }, spacing: { value: new THREE.Vector3(...part.spacing) },
+      values: { value: null }, displacements: { value: null }, colours: { value: null },
+      spacing: { value: new THREE.Vector3(...part.spacing) },
       centre: { value: new THREE.Vector3(...half) }, eye: { value: new THREE.Vector3() }, lamp: { value: lamp },
-      now: { value: 1 }, magnification: { value: 0 }, low: { value: 0 }, high: { value: 1 },
+      magnification: { value: 0 }, low: { value: 0 }, high: { value: 1 },
       ofNodes: { value: false }, banded: { value: false },
     };
-    this.geometry = part.geometry.clone();
-    this.geometry.instanceCount = part.surface;
+    this.geometry = faceGeometry(part.faces.before.length);
     this.scene = new THREE.Scene();
     const [mesh, ghost] = [false, true].map((pale) => new THREE.Mesh(this.geometry, faceMaterial(this.uniforms, pale)));
     this.ghost = ghost;
@@ -52,7 +50,8 @@ export class Model {
     const time = await unpack(packed.time);
     time.values.forEach((_, i) => { if (!part.built[i]) time.values[i] = NEVER; });
     this.rememberProgress(time.values);
-    this.uniforms.times.value = this.textures.time = gridTexture(time.values, part.grid);
+    this.times = time.values;
+    this.textures.time = gridTexture(time.values, part.grid);
     const moved = await unpack(packed.displacement);
     const nodes = part.flat ? [1, ...moved.shape.slice(1)] : moved.shape.slice(1);
     this.uniforms.displacements.value = gridTexture(moved.values, nodes, moved.shape[0]);
@@ -85,10 +84,19 @@ export class Model {
     return { share: low / this.sortedTimes.length, layer, layers: this.layerBegins?.length };
   }
 
-  // Faces between elements matter only while something is missing.
+  build(now) {
+    if (now === this.now) return;
+    this.now = now;
+    const { face } = this.geometry.attributes;
+    this.geometry.instanceCount = chooseFaces(this.part.faces, this.times, now, face.array);
+    face.clearUpdateRanges();
+    face.addUpdateRange(0, 4 * this.geometry.instanceCount);
+    face.needsUpdate = true;
+  }
+
   show(now, magnification, name, [low, high], colours) {
     const { uniforms } = this;
-    uniforms.now.value = now;
+    this.build(now);
     uniforms.magnification.value = magnification;
     uniforms.ofNodes.value = name === 'displacement';
     uniforms.banded.value = name === 'layer';
@@ -96,7 +104,6 @@ export class Model {
     uniforms.low.value = low;
     uniforms.high.value = high > low ? high : low + 1;
     uniforms.colours.value = colours;
-    this.geometry.instanceCount = now >= 1 ? this.part.surface : this.part.faces;
     this.ghost.visible = magnification > 0;
   }
 }

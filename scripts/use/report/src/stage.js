@@ -4,7 +4,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-const MARGIN = 1.12;
+const MARGIN = 1.18;  // room for the plate and for displacements
 
 export class Stage {
   // `size`: the largest box that must fit; `plate`: the face it stands on; `flat`: seen straight from above.

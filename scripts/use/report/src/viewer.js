@@ -2,9 +2,10 @@
 // The views of the part side by side, and the controls above them.
 
 import { colourGradient, colourTable } from './colours.js';
-import { element, number } from './dom.js';
+import { element } from './dom.js';
 import { colourTexture } from './material.js';
 import { Model, readPart } from './model.js';
+import { number, plainBelow } from './numbers.js';
 import { Stage } from './stage.js';
 
 const DRAWN = 0.1;       // of the box's longest edge: how far the largest displacement is drawn at first
@@ -44,7 +45,7 @@ class Viewer {
     this.fields = data.scene.fields;
     this.colours = Object.fromEntries(Object.values(this.fields).map(({ colours }) => [colours, colourTexture(colourTable(colours))]));
     const most = Math.max(...views.map((view) => view.ranges.displacement[1]));
-    this.usualMagnification = most > 0 ? plain((DRAWN * longest) / most) : 1;
+    this.usualMagnification = most > 0 ? plainBelow((DRAWN * longest) / most) : 1;
     const known = (key, usual) => (Number.isFinite(Number(address.get(key) ?? NaN)) ? Number(address.get(key)) : usual);
     this.time = Math.min(Math.max(known('time', 1), 0), 1);
     this.magnification = Math.max(known('magnification', this.usualMagnification), 0);
@@ -97,10 +98,10 @@ class Viewer {
       const range = this.range(view);
       view.model.show(this.time, moved ? this.magnification : 0, this.field, range, this.colours[field.colours]);
       view.colours.style.background = colourGradient(field.colours);
-      view.low.textContent = number(range[0]);
-      view.high.textContent = `${number(range[1])} ${unit}`;
+      view.low.textContent = (field.open ? '≤ ' : '') + number(range[0]);
+      view.high.textContent = `${field.open ? '≥ ' : ''}${number(range[1])} ${unit}`;
       const { share, layer, layers } = view.model.progress(this.time);
-      const largest = moved ? `; largest displacement ${number(view.ranges.displacement[1])} ${unit}` : '';
+      const largest = moved ? `; displaced by ${number(view.ranges.displacement[1])} at most` : '';
       view.state.textContent = `${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built${largest}`;
     }
     this.stage.request();
@@ -136,10 +137,4 @@ class Viewer {
     this.button.textContent = '▶ Play';
     this.set({ time: Number(this.time.toFixed(3)) });
   }
-}
-
-// The largest 1, 2 or 5 times a power of ten up to a number.
-function plain(value) {
-  const power = 10 ** Math.floor(Math.log10(value));
-  return power * [5, 2, 1].find((step) => step * power <= value * (1 + 1e-9));
 }
