@@ -10,11 +10,12 @@ import numpy as np
 
 from read_run import nodes_of
 
-LARGEST = 3_600_000       # bytes of all views together, as text
-MOST_ELEMENTS = 400_000   # of one part; more would turn too slowly
-STEPS = 4095              # between the smallest and the largest value of a field
-MISSING = 65535           # where a field has no value
-SHOWN_THICKNESS = 3.0     # times the target: no larger ones are told apart
+LARGEST = 4_000_000      # bytes of all views together, as text
+MOST_ELEMENTS = 800_000  # of one part; with more the slider would be slow
+STEPS = {"time": 4095, "displacement": 1023}  # between the smallest and the largest value
+OTHER_STEPS = 255        # of colours only
+MISSING = 65535          # where a field has no value
+SHOWN_THICKNESS = 1.5    # times the usual one: no larger ones are told apart
 
 # What of result.h5 is shown in the views, and under which name.
 FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "pseudo-time", "colours": "layers"},
@@ -158,7 +159,8 @@ def add_part(scene, run, views, factor):
         ranges = {"time": [0.0, 1.0], "displacement": [0.0, float(length)]}
         ranges |= {name: shown_range(name, values, run) for name, values in fields.items()}
         scene["views"].append({"label": view["label"], "part": len(scene["parts"]) - 1, "ranges": ranges,
-                               "time": pack(time), "displacement": pack(nodes, 1),
+                               "time": pack(time, STEPS["time"]),
+                               "displacement": pack(nodes, STEPS["displacement"], 1),
                                "fields": {name: pack(values) for name, values in fields.items()}})
         scene["fields"] |= {name: FIELDS[name] for name in FIELDS if name in ranges}
 
@@ -208,13 +210,13 @@ def coarsened_nodes(values, part, factor):
     return np.where(known > 0, own, total / np.maximum(count, 1.0))
 
 
-def pack(values, leading=0):
-    """Values as 16-bit steps between the smallest and the largest; differences along each axis but the
+def pack(values, steps=OTHER_STEPS, leading=0):
+    """Values as so many steps between the smallest and the largest; differences along each axis but the
     `leading` ones, which are small where a field is smooth; low bytes before high ones; deflated."""
     values = values.astype(float)
     known = np.isfinite(values)
     low, high = (float(values[known].min()), float(values[known].max())) if known.any() else (0.0, 0.0)
-    step = (high - low) / STEPS if high > low else 1.0
+    step = (high - low) / steps if high > low else 1.0
     if not np.any(values[known] % 1) and high - low < MISSING:
         step = 1.0  # whole numbers stay what they are
     whole = np.where(known, np.rint((np.where(known, values, low) - low) / step), MISSING).astype(np.uint16)
