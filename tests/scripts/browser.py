@@ -23,7 +23,8 @@ class Browser:
         to_browser, self.writing = os.pipe()
         self.reading, from_browser = os.pipe()
         words = ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run",
-                 "--disable-dev-shm-usage", "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}"]
+                 "--disable-dev-shm-usage", "--hide-scrollbars", "--remote-debugging-pipe",
+                 f"--user-data-dir={self.profile.name}"]
         # The browser reads from 3 and writes to 4; the pipes' own numbers may be these.
         script = f'exec "$0" "$@" 3<&{to_browser} 4>&{from_browser}'
         self.process = subprocess.Popen(["bash", "-c", script, PROGRAM, *words, "about:blank"],

@@ -41,7 +41,7 @@ def change(path, edit):
 
 
 def write_run(directory, density, size, noise=0.0):
-    """A made-up run with what fake_results leaves out: start design, both models of deposition, sensitivity."""
+    """A made-up run with what fake_results leaves out: start design, both deposition models, sensitivity."""
     fake_results.write_run(directory, "v_shape", density, size)
     with h5py.File(directory / "result.h5", "r+") as file:
         for name in ("time", "layer", "displacement"):
@@ -71,8 +71,8 @@ def report(*arguments):
 
 
 class Page(HTMLParser):
-    """`loads`: what the page would load. `tables`: rows of cells by the table's id, a cell as its text and its
-    title. `text`: all that is to be read."""
+    """`loads`: what the page would load. `tables`: rows of cells by the table's id, a cell as its text and
+    its title. `text`: all that is to be read."""
 
     def __init__(self, path):
         super().__init__()
@@ -294,7 +294,8 @@ class InBrowser(Report):
                                                           "field=displacement")}
         states = list(pictures)
         for first, second in zip(states, states[1:]):
-            self.assertGreater(float(np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()), 0.005, (first, second))
+            difference = np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()
+            self.assertGreater(float(difference), 0.005, (first, second))
         labels = self.words(".legend span")
         self.assertTrue(labels[2].endswith("length units"), labels)
         with h5py.File(self.solid / "result.h5") as file:
