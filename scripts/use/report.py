@@ -18,7 +18,7 @@ from string import Template
 from command_line import ROOT, parser_of, run_script
 from read_run import Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
-from report_tables import comparison, facts_table, results, sensitivity
+from report_tables import comparison, constraints, facts_table, results, sensitivity
 from report_views import packed_scene, views_of
 from report_words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
 
@@ -92,7 +92,7 @@ def body_of(runs, notes):
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
     sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
                 ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
-                ("Curves", '<section id="charts"></section>'),
+                ("Constraints", "" if several else constraints(run)), ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]
     return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
 

@@ -12,8 +12,8 @@ PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "outp
 def charts_of(runs):
     """The charts of one run, or of several with a curve each."""
     several = len(runs) > 1
-    charts = [distortion(runs), violation(runs), thickness_history(runs[0]) if not several else None,
-              over_iterations(runs, "beta", "Sharpness β"),
+    charts = [distortion(runs), None if several else terms(runs[0]), violation(runs),
+              None if several else thickness_history(runs[0]), over_iterations(runs, "beta", "Sharpness β"),
               over_iterations(runs, "change", "Largest change of a variable", log=True),
               layers(runs, "thickness"), layers(runs, "volume"), seconds(runs)]
     return [chart for chart in charts if chart and any(any(y is not None for y in s["y"]) for s in chart["series"])]
@@ -65,6 +65,21 @@ def distortion(runs):
     title = f"Distortion, {unit}" if run.distortion_config.get("type") == "distortion" else "First objective"
     return chart(title, curves, "iteration", log=True, lines=[line for line in lines if line["y"]],
                  note="root of the first distortion term", mark=None if len(runs) > 1 else run.summary.get("best_iteration"))
+
+
+def terms(run):
+    """All terms of the objective, where there is more than one, relative to the first iteration."""
+    kinds = [term["type"].replace("_", " ") for term in run.config.get("objective", [])]
+    curves = [{"label": kind, "role": position,
+               "points": [(line["iteration"], relative(line["objective"], run.history[0]["objective"], position))
+                          for line in run.history]} for position, kind in enumerate(kinds)]
+    return chart("Objective terms over their first values", curves, "iteration", log=True,
+                 note="a distortion is the square of a length here") if len(kinds) > 1 else None
+
+
+def relative(values, first, position):
+    known = position < len(values) and None not in (values[position], first[position])
+    return values[position] / first[position] if known and first[position] else None
 
 
 def violation(runs):

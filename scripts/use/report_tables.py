@@ -5,15 +5,17 @@ import math
 from html import escape
 
 from read_run import factor, number
-from report_words import (DISPLACEMENTS, MODELS, Figures, band, facts, model_of, ratio, run_name, states_of, thickness_span,
-                          unit_of, verdict, violation)
+from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, run_name, states_of,
+                          thickness_span, unit_of, verdict, violation)
 
 
 def digits(value):
     """A figure in a table: whole numbers as they are, others with three digits, zeros included."""
     if isinstance(value, int):
         return f"{value:,}"
-    return f"{value:#.3g}".rstrip(".") if 1e-2 <= abs(value) < 1e4 else number(value)
+    if 1e3 <= abs(value) < 1e4:
+        return f"{value:,.0f}"
+    return f"{value:#.3g}".rstrip(".") if 1e-2 <= abs(value) < 1e3 else number(value)
 
 
 def cell(value, show=digits, **attributes):
@@ -106,6 +108,21 @@ def layer_rows(run, states):
 def inside(span, low, high):
     slack = 1e-9 * high
     return low - slack <= span[0] and span[1] <= high + slack
+
+
+def constraints(run):
+    """What each constraint allows, and the values it has: of the smallest and the largest component."""
+    states = {state: words for state, words in states_of(run).items() if state in ("optimized", "binary", "simulated")}
+    rows = []
+    for position, constraint in enumerate(run.config.get("constraints", [])):
+        cells = [f"<td>{escape(allowed_words(constraint))}</td>"]
+        for state in states:
+            values = [r["value"] for r in run.summary[state]["responses"] if r["name"].startswith(f"constraint_{position}_")]
+            values = [value for value in values if value is not None]
+            span = list(dict.fromkeys([min(values), max(values)])) if values else []
+            cells.append(cell(" to ".join(map(digits, span)) or None, title=" to ".join(map(repr, span))))
+        rows.append((constraint["type"].replace("_", " "), cells))
+    return table(["constraint", "allowed", *states.values()], rows, id="constraints") if rows and states else ""
 
 
 def facts_table(runs):

@@ -7,9 +7,9 @@ from read_run import duration, factor, number
 
 STATES = {"start": "start design", "baseline": "planar", "optimized": "optimized, smooth", "binary": "optimized, binary",
           "simulated": "simulated"}
-DISPLACEMENTS = [(what, key, f"displacement of {words}, {kind}")
+DISPLACEMENTS = [(what, key, f"{kind} displacement of {words}")
                  for what, words in (("nodes", "the objective's nodes"), ("part", "the whole part"))
-                 for key, kind in (("rms", "root mean square"), ("max", "largest"))]
+                 for key, kind in (("rms", "rms"), ("max", "largest"))]
 MODELS = {"nominal": "nominal deposition", "follow": "deposition that follows the part"}
 
 
@@ -93,7 +93,7 @@ def summary_line(run):
     parts += [f"{len(run.layers('binary'))} layers"] if "binary" in run.summary else []
     parts += [f"{run.summary['iterations']} iterations"] if "iterations" in run.summary else []
     parts += [told["time"]] if "time" in told else []
-    return "; ".join([*parts, told["status"].replace("_", " ")]) + "."
+    return "; ".join([*parts, told["status"]]) + "."
 
 
 def thickness_span(run, state):
@@ -128,11 +128,10 @@ def facts(run):
     elements = f", {summary['part_elements']:,} of them in the part" if "part_elements" in summary else ""
     reason = summary.get("reason")
     words = {
-        "status": summary.get("status", "going on or interrupted") + (f" ({reason})" if reason else ""),
+        "status": (summary.get("status", "going on or interrupted") + (f" ({reason})" if reason else "")).replace("_", " "),
         "part": part_words(config.get("part", {})),
         "box": f"{by(domain['size'])} {unit_of(run)}, {by(domain['elements'])} elements of {by(spacing)}{elements}",
-        "layers": f"{layers.get('type', '')}, {layers.get('count') or layers.get('subparts', '')}, "
-                  f"time points {layers.get('time_points', 'uniform')}" if layers else None,
+        "layers": settings_words({"type": "", **layers}) if layers else None,
         "sequence": " ".join(f"{key.replace('_', ' ')} {value}" for key, value in config.get("sequence", {}).items()
                              if key in ("type", "characteristic_length", "bounds", "filter_radius")),
         "process": f"{MODELS[model_of(run)]}, void {config.get('process', {}).get('void', 'absent')}",
@@ -148,7 +147,7 @@ def facts(run):
 
 def effort_words(seconds, summary):
     ranks, memory = summary.get("ranks"), summary.get("peak_memory_bytes")
-    words = [f"{duration(seconds)}{f' on {ranks} ranks' if ranks else ''}"]
+    words = [f"{duration(seconds)}{f' on {ranks} rank' + 's' * (ranks > 1) if ranks else ''}"]
     return ", ".join(words + [f"at most {memory / 2**30:.2g} GiB"] * bool(memory))
 
 
@@ -180,6 +179,18 @@ def objective_words(term):
 def settings_words(constraint):
     shown = {key: f"{value:.4g}" if isinstance(value, float) else str(value) for key, value in constraint.items()}
     return " ".join(value if key == "type" else f"{key} {value}" for key, value in shown.items()).replace("_", " ")
+
+
+def allowed_words(constraint):
+    """Which values of a constraint, as summary.json has them, are allowed (docs/formulation.md 6 and 7)."""
+    kind, tolerance, limit = constraint["type"], constraint.get("tolerance", 0.1), constraint.get("limit")
+    if kind == "layer_thickness":
+        return f"{1 - tolerance:g} to {1 + tolerance:g} of the target {constraint['target']:g}"
+    if kind == "distortion" and limit is not None:
+        return f"root up to {limit:g}"
+    words = {"last_layer": "up to 0.25", "continuity": f"up to {limit}", "subpart_volume": f"up to {tolerance:g}",
+             "deposition_speed": f"-{constraint.get('slack')} to 0", "minimum_layer_volume": "up to 0"}
+    return words.get(kind) or ", ".join(f"{key} {value}" for key, value in constraint.items() if key != "type").replace("_", " ")
 
 
 def iteration_words(run):

@@ -143,8 +143,8 @@ class Contents(Report):
             self.assertEqual(rows["root of the sum of squared displacements of top edge"],
                              [*lengths, lengths[1] / lengths[3], lengths[0] / lengths[3]])
             for what, words in (("nodes", "the objective's nodes"), ("displacement", "the whole part")):
-                for key, kind in (("rms", "root mean square"), ("max", "largest")):
-                    self.assertEqual(rows[f"displacement of {words}, {kind}"][:4], [figures[what][key] for figures in told])
+                for key, kind in (("rms", "rms"), ("max", "largest")):
+                    self.assertEqual(rows[f"{kind} displacement of {words}"][:4], [figures[what][key] for figures in told])
         layers = self.page.rows_after("results", "Layers")
         thickness = [layer["thickness"] for layer in self.summary["binary"]["layers"]]
         self.assertEqual([layers[f"{word} layer"][3] for word in ("thinnest", "thickest")], [min(thickness), max(thickness)])

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Colour maps as a few colours in equal steps (viridis, YlOrRd and RdBu of Matplotlib), and the colours of
+// Colour maps as a few colours in equal steps (viridis, YlOrRd and RdYlBu of Matplotlib), and the colours of
 // curves in both schemes.
 
 const MAPS = {
   layers: ['440154', '472d7b', '3b528b', '2c728e', '21918c', '28ae80', '5ec962', 'addc30', 'fde725'],
   heat: ['ffffcc', 'ffeda0', 'fed976', 'feb24c', 'fd8d3c', 'fc4e2a', 'e31a1c', 'bd0026', '800026'],
-  diverging: ['2166ac', '67a9cf', 'd1e5f0', 'f7f7f7', 'fddbc7', 'ef8a62', 'b2182b'],
+  diverging: ['313695', '74add1', 'e0f3f8', 'ffffbf', 'fee090', 'f46d43', 'a50026'],
 };
 
 const CURVES = {

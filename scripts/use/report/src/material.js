@@ -44,7 +44,7 @@ precision highp float;
 precision highp int;
 uniform sampler2D colours;
 uniform float low, high;
-uniform bool ghost, banded;
+uniform bool ghost, banded, known;
 in vec2 within;
 in float value;
 in float shade;
@@ -56,7 +56,7 @@ void main() {
     return;
   }
   float share = clamp((value - low) / (high - low), 0.0, 1.0);
-  vec3 paint = value > 1e29 ? vec3(0.6) : texture(colours, vec2((255.0 * share + 0.5) / 256.0, 0.5)).rgb;
+  vec3 paint = !known || value > 1e29 ? vec3(0.6) : texture(colours, vec2((255.0 * share + 0.5) / 256.0, 0.5)).rgb;
   if (banded && mod(floor(value + 0.5), 2.0) == 0.0) paint *= 0.84;
   vec2 width = fwidth(within);
   vec2 distance = min(within, 1.0 - within) / width;

@@ -32,7 +32,7 @@ export class Model {
       spacing: { value: new THREE.Vector3(...part.spacing) },
       centre: { value: new THREE.Vector3(...half) }, eye: { value: new THREE.Vector3() }, lamp: { value: lamp },
       magnification: { value: 0 }, low: { value: 0 }, high: { value: 1 },
-      ofNodes: { value: false }, banded: { value: false },
+      ofNodes: { value: false }, banded: { value: false }, known: { value: true },
     };
     this.geometry = faceGeometry(part.faces.before.length);
     this.scene = new THREE.Scene();
@@ -100,6 +100,7 @@ export class Model {
     uniforms.magnification.value = magnification;
     uniforms.ofNodes.value = name === 'displacement';
     uniforms.banded.value = name === 'layer';
+    uniforms.known.value = uniforms.ofNodes.value || name in this.textures;
     uniforms.values.value = this.textures[name] ?? this.textures.time;
     uniforms.low.value = low;
     uniforms.high.value = high > low ? high : low + 1;

@@ -101,8 +101,9 @@ class Viewer {
       view.low.textContent = (field.open ? '≤ ' : '') + number(range[0]);
       view.high.textContent = `${field.open ? '≥ ' : ''}${number(range[1])} ${unit}`;
       const { share, layer, layers } = view.model.progress(this.time);
+      const missing = this.field in view.ranges ? '' : `; ${field.label} is not stored here`;
       const largest = moved ? `; displaced by ${number(view.ranges.displacement[1])} at most` : '';
-      view.state.textContent = `${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built${largest}`;
+      view.state.textContent = `${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built${largest}${missing}`;
     }
     this.stage.request();
   }
