@@ -12,7 +12,7 @@ function remember(key, value) {
   if (value === null) address.delete(key);
   else address.set(key, value);
   try {
-    history.replaceState(null, '', '#' + address.toString());
+    history.replaceState(null, '', '#' + address.toString().replaceAll('%2C', ','));
   } catch {
     // Some browsers allow no more than a few changes a second: the next one counts.
   }

@@ -19,7 +19,12 @@ export class Stage {
     this.camera = new THREE.OrthographicCamera();
     this.target = new THREE.Vector3();
     this.flat = flat;
+    this.controls = [];
     this.aim(size, plate);
+    // The wheel scrolls the page until a view is touched.
+    const zoom = (on) => this.controls.forEach((one) => { one.enableZoom = on; });
+    place.addEventListener('pointerdown', () => zoom(true), true);
+    place.addEventListener('pointerleave', () => zoom(false));
     new ResizeObserver(() => this.request()).observe(place);
   }
 
@@ -48,7 +53,7 @@ export class Stage {
     this.camera.position.copy(this.home);
     this.camera.zoom = 1;
     this.camera.lookAt(this.target);
-    this.controls?.forEach((one) => one.update());
+    this.controls.forEach((one) => one.update());
     this.request();
   }
 
@@ -57,7 +62,8 @@ export class Stage {
     const controls = new OrbitControls(this.camera, surface);
     controls.target = this.target;
     controls.enableRotate = !this.flat;
-    controls.screenSpacePanning = true;
+    controls.enableZoom = false;
+    controls.keyRotateSpeed = 6;
     if (this.flat) {
       controls.mouseButtons.LEFT = THREE.MOUSE.PAN;
       controls.touches.ONE = THREE.TOUCH.PAN;
@@ -65,7 +71,8 @@ export class Stage {
     controls.listenToKeyEvents(surface);
     controls.addEventListener('change', () => this.request());
     controls.addEventListener('end', () => this.onCamera(this.cameraWords()));
-    this.controls = [...(this.controls ?? []), controls];
+    surface.addEventListener('keyup', () => this.onCamera(this.cameraWords()));
+    this.controls.push(controls);
     this.views.push({ surface, scene });
   }
 
@@ -82,7 +89,7 @@ export class Stage {
     this.target.fromArray(numbers, 3).multiplyScalar(this.reach);
     this.camera.position.fromArray(numbers).setLength(this.reach).add(this.target);
     this.camera.zoom = numbers[6];
-    this.controls?.forEach((one) => one.update());
+    this.controls.forEach((one) => one.update());
     this.request();
   }
 
