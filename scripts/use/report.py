@@ -105,9 +105,10 @@ def notes_of(runs, scene, factors):
     if max(factors) > 1:
         notes.append(f"Drawn on a coarser grid, with blocks of {max(factors)} elements an edge, so that the page stays small.")
     if "displacement" in scene["fields"]:
-        model = model_of(runs[0])
-        notes.append(f"Displacements are those of the finished part on its plate ({model} deposition, binary layers where the "
-                     "file has them), also while the slider shows the part half built.")
+        models = {model_of(run) for run in runs}
+        model = f"{models.pop()} deposition" if len(models) == 1 else "each run's own model of deposition"
+        notes.append(f"Displacements are those of the finished part on its plate ({model}, binary layers where the file has "
+                     "them), also while the slider shows the part half built.")
     if any(term.get("after_release") for run in runs for term in run.config.get("objective", [])) and not any(
             "release_displacement" in run.fields for run in runs):
         notes.append("The objective measures the part after its release, which result.h5 of an optimization does not hold: "

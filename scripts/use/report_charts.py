@@ -4,7 +4,7 @@ the layers it ended with."""
 
 import math
 
-from report_words import STATES, Figures, band, model_of, unit_of
+from report_words import STATES, Figures, band, model_of, result_of, unit_of
 
 PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "output")
 
@@ -94,8 +94,9 @@ def thickness_history(run):
     if "layer_thickness" not in names or not run.history:
         return None
     position, tolerance = names.index("layer_thickness"), run.thickness_constraint()["tolerance"]
-    curves = [{"label": word, "role": which, "points": [(line["iteration"], pick(line["constraints"][position]))
-                                                        for line in run.history if len(line["constraints"]) > position]}
+    seen = [(line["iteration"], [d for d in line["constraints"][position] if d is not None])
+            for line in run.history if len(line["constraints"]) > position]
+    curves = [{"label": word, "role": which, "points": [(iteration, pick(values, default=None)) for iteration, values in seen]}
               for word, which, pick in (("thickest layer", "binary", max), ("thinnest layer", "optimized", min))]
     return chart("Thickness over target", curves, "iteration", log=True, band=[1 - tolerance, 1 + tolerance],
                  note="slivers that the constraint leaves out may lie outside")
@@ -105,8 +106,8 @@ def layers(runs, key):
     """Thickness or volume of each layer: of all states of one run, or of the binary layers of several."""
     run = runs[0]
     if len(runs) > 1:
-        curves = [{**role(n, run, runs, ""), **layer_points(run, "binary", key)} for n, run in enumerate(runs)
-                  if "binary" in run.summary]
+        curves = [{**role(n, run, runs, ""), **layer_points(run, result_of(run), key)} for n, run in enumerate(runs)
+                  if result_of(run) in run.summary]
     else:
         curves = [{"label": words, "role": state, **layer_points(run, state, key)}
                   for state, words in STATES.items() if state in run.summary]

@@ -5,8 +5,8 @@ import math
 from html import escape
 
 from read_run import factor, number
-from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, run_name, states_of,
-                          thickness_span, unit_of, verdict, violation)
+from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, result_of, run_name,
+                          states_of, thickness_span, unit_of, verdict, violation)
 
 
 def digits(value):
@@ -115,7 +115,7 @@ def constraints(run):
     states = {state: words for state, words in states_of(run).items() if state in ("optimized", "binary", "simulated")}
     rows = []
     for position, constraint in enumerate(run.config.get("constraints", [])):
-        cells = [f"<td>{escape(allowed_words(constraint))}</td>"]
+        cells = [cell(allowed_words(constraint))]
         for state in states:
             values = [r["value"] for r in run.summary[state]["responses"] if r["name"].startswith(f"constraint_{position}_")]
             values = [value for value in values if value is not None]
@@ -151,18 +151,18 @@ def sensitivity(run):
 
 
 def comparison(runs):
-    """The figures of binary layers with a column per run, and the settings in which the runs differ."""
+    """The figures of the results with a column per run, and the settings in which the runs differ."""
     rows, models = [], {model_of(run) for run in runs}
     for model in sorted(MODELS, key=lambda model: model not in models):
-        figures = {state: [Figures(run, state, model) for run in runs] for state in ("binary", "baseline", "start")}
+        figures = {state: [Figures(run, state or result_of(run), model) for run in runs] for state in (None, "baseline", "start")}
         lengths = {state: [f.first(run) for f, run in zip(figures[state], runs)] for state in figures}
-        if not any(length is not None for length in lengths["binary"]):
+        if not any(length is not None for length in lengths[None]):
             continue
         rows += [f"{MODELS[model].capitalize()}, binary layers",
-                 ("first distortion term, length", list(map(cell, lengths["binary"]))),
-                 *((f"{words} / binary", [cell(ratio(*pair), times) for pair in zip(lengths[state], lengths["binary"])])
+                 ("first distortion term, length", list(map(cell, lengths[None]))),
+                 *((f"{words} / binary", [cell(ratio(*pair), times) for pair in zip(lengths[state], lengths[None])])
                    for state, words in (("baseline", "planar"), ("start", "start"))),
-                 *((words, [cell(getattr(f, what).get(key)) for f in figures["binary"]]) for what, key, words in DISPLACEMENTS)]
+                 *((words, [cell(getattr(f, what).get(key)) for f in figures[None]]) for what, key, words in DISPLACEMENTS)]
     rows += ["Layers and run", *comparison_of_runs(runs)]
     keys = [key for key in dict.fromkeys(key for run in runs for key in run.settings)
             if len({repr(run.settings.get(key)) for run in runs}) > 1]
@@ -172,7 +172,7 @@ def comparison(runs):
 
 
 def comparison_of_runs(runs):
-    spans = [thickness_span(run, "binary") if "binary" in run.summary else None for run in runs]
+    spans = [thickness_span(run, result_of(run)) if result_of(run) in run.summary else None for run in runs]
     worst = [(run.sensitivity or {}).get("worst", {}).get("length", {}) for run in runs]
     return [("worst planar / binary under a change", [cell(w.get("ratio"), times) for w in worst]),
             ("the change", [cell(w.get("change")) for w in worst]),

@@ -124,7 +124,7 @@ def packed_scene(runs):
     grow too large. Also by how many elements an edge each part is coarser."""
     factors = [1] * len(runs)
     for number, (run, views) in enumerate(runs):
-        while views and (coarsened(run.fields["density"], factors[number], "largest") > 0).sum() > MOST_ELEMENTS:
+        while views and (coarsened(run.fields["density"], factors[number], np.max) > 0).sum() > MOST_ELEMENTS:
             factors[number] += 1
     while True:
         scene = {"parts": [], "views": [], "fields": {}}
@@ -147,12 +147,12 @@ def add_part(scene, run, views, factor):
     if not views:
         return
     part = run.fields["density"] > 0
-    built = coarsened(part, factor, "largest") > 0
+    built = coarsened(part.astype(float), factor, np.max) > 0
     spacing = [factor * edge for edge in element_edges(run.config)]
     scene["parts"].append({"spacing": spacing, "plate": run.config.get("build_plate", "z-"), "built": pack(built)})
     for view in views:
-        time = coarsened(np.where(part, view["time"], np.nan), factor, "mean")
-        fields = {name: coarsened(np.where(part, values, np.nan), factor, "largest" if name == "layer" else "mean")
+        time = coarsened(np.where(part, view["time"], np.nan), factor, np.mean)
+        fields = {name: coarsened(np.where(part, values, np.nan), factor, np.max if name == "layer" else np.mean)
                   for name, values in view["fields"].items()}
         nodes = np.array([coarsened_nodes(component, part, factor) for component in view["displacement"]])
         length = np.sqrt((nodes**2).sum(axis=0))[nodes_of(built).reshape(nodes.shape[1:])].max()
@@ -174,19 +174,14 @@ def shown_range(name, values, run):
 
 
 def coarsened(values, factor, how):
-    """Blocks of factor^d elements as one: their largest value, or the mean of those that are not NaN."""
+    """Blocks of factor^d elements as one: np.max or np.mean of those that are not NaN."""
     if factor == 1:
         return values
-    empty = np.nan if values.dtype.kind == "f" else 0
-    values = np.pad(values, [(0, -n % factor) for n in values.shape], constant_values=empty)
+    values = np.pad(values, [(0, -n % factor) for n in values.shape], constant_values=np.nan)
     shape = [k for n in values.shape for k in (n // factor, factor)]
-    blocks = np.moveaxis(values.reshape(shape), range(1, 2 * values.ndim, 2), range(values.ndim, 2 * values.ndim))
-    blocks = blocks.reshape([n // factor for n in values.shape] + [-1])
-    if how == "largest":
-        return np.max(np.where(np.isnan(blocks), -np.inf, blocks), axis=-1) if empty else blocks.max(axis=-1)
-    known = np.isfinite(blocks)
-    count = known.sum(axis=-1)
-    return np.where(count > 0, np.where(known, blocks, 0.0).sum(axis=-1) / np.maximum(count, 1), np.nan)
+    inner = tuple(range(1, 2 * values.ndim, 2))
+    blocks = np.ma.masked_invalid(values.reshape(shape))
+    return (blocks.max(axis=inner) if how is np.max else blocks.mean(axis=inner)).filled(np.nan)
 
 
 def coarsened_nodes(values, part, factor):

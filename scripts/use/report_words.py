@@ -10,6 +10,7 @@ STATES = {"start": "start design", "baseline": "planar", "optimized": "optimized
 DISPLACEMENTS = [(what, key, f"{kind} displacement of {words}")
                  for what, words in (("nodes", "the objective's nodes"), ("part", "the whole part"))
                  for key, kind in (("rms", "rms"), ("max", "largest"))]
+SEQUENCE = ("type", "location", "characteristic_length", "bounds", "filter_radius")  # settings that matter
 MODELS = {"nominal": "nominal deposition", "follow": "deposition that follows the part"}
 
 
@@ -24,6 +25,11 @@ def model_of(run):
 
 def states_of(run):
     return {state: words for state, words in STATES.items() if state in run.summary}
+
+
+def result_of(run):
+    """The state that the run is about."""
+    return "simulated" if "simulated" in run.summary else "binary"
 
 
 class Figures:
@@ -66,12 +72,11 @@ def headline(run):
     model, term = model_of(run), run.distortion_config
     lengths = {state: Figures(run, state, model).first(run) for state in STATES}
     planar, start = (ratio(lengths[state], lengths["binary"]) for state in ("baseline", "start"))
-    if "simulated" in run.summary:
-        return f"{run.name.replace('_', ' ').capitalize()}: one simulation."
-    if planar is None:
-        return f"{run.name.replace('_', ' ').capitalize()}: {run.summary.get('status', 'no result yet')}"
+    if not planar:
+        status = run.summary.get("status", "no result yet").replace("_", " ")
+        return f"{run_name(run).capitalize()}: {'one simulation' if 'simulated' in run.summary else status}."
     words = f"{sentence(term).format(less(planar))} than in planar layers"
-    words += f", {less(start)} than the unoptimized start" if start is not None else ""
+    words += f", {less(start)} than the unoptimized start" if start else ""
     notes = ["binary layers", MODELS[model], *["after release"] * bool(term.get("after_release"))]
     if term.get("aggregate", "nominal") != "nominal":
         notes.append(f"{term['aggregate']} over the scenarios")
@@ -123,7 +128,7 @@ def verdict(worst):
 def facts(run):
     """What was run, as (name, words)."""
     config, summary = run.config, run.summary
-    domain, layers, seconds = config["domain"], config.get("layers", {}), summary.get("seconds", {}).get("total")
+    domain, seconds = config["domain"], summary.get("seconds", {}).get("total")
     spacing = [length / n for length, n in zip(domain["size"], domain["elements"])]
     elements = f", {summary['part_elements']:,} of them in the part" if "part_elements" in summary else ""
     reason = summary.get("reason")
@@ -131,9 +136,8 @@ def facts(run):
         "status": (summary.get("status", "going on or interrupted") + (f" ({reason})" if reason else "")).replace("_", " "),
         "part": part_words(config.get("part", {})),
         "box": f"{by(domain['size'])} {unit_of(run)}, {by(domain['elements'])} elements of {by(spacing)}{elements}",
-        "layers": settings_words({"type": "", **layers}) if layers else None,
-        "sequence": " ".join(f"{key.replace('_', ' ')} {value}" for key, value in config.get("sequence", {}).items()
-                             if key in ("type", "characteristic_length", "bounds", "filter_radius")),
+        "layers": settings_words(config.get("layers", {})),
+        "sequence": settings_words({key: value for key, value in config.get("sequence", {}).items() if key in SEQUENCE}),
         "process": f"{MODELS[model_of(run)]}, void {config.get('process', {}).get('void', 'absent')}",
         "inherent strain": strain_words(config.get("material", {})),
         "objective": "; ".join(map(objective_words, config.get("objective", []))),
@@ -176,8 +180,9 @@ def objective_words(term):
     return f"{kind}, weight {term.get('weight', 1):g}".replace("_", " ")
 
 
-def settings_words(constraint):
-    shown = {key: f"{value:.4g}" if isinstance(value, float) else str(value) for key, value in constraint.items()}
+def settings_words(settings):
+    """The type, and whatever else it has."""
+    shown = {key: f"{value:.4g}" if isinstance(value, float) else str(value) for key, value in settings.items()}
     return " ".join(value if key == "type" else f"{key} {value}" for key, value in shown.items()).replace("_", " ")
 
 
@@ -190,7 +195,7 @@ def allowed_words(constraint):
         return f"root up to {limit:g}"
     words = {"last_layer": "up to 0.25", "continuity": f"up to {limit}", "subpart_volume": f"up to {tolerance:g}",
              "deposition_speed": f"-{constraint.get('slack')} to 0", "minimum_layer_volume": "up to 0"}
-    return words.get(kind) or ", ".join(f"{key} {value}" for key, value in constraint.items() if key != "type").replace("_", " ")
+    return words.get(kind) or settings_words({**constraint, "type": ""}).strip()
 
 
 def iteration_words(run):

@@ -186,7 +186,7 @@ class Contents(Report):
             change(run / "summary.json", lambda summary: (summary.pop("optimized"), summary.pop("binary"),
                                                           summary.update(status="stopped")))
             self.assertEqual(report(run).returncode, 0)
-            self.assertIn("Arm: stopped", Page(run / "report.html").text)
+            self.assertIn("Arm: stopped.", Page(run / "report.html").text)
             (run / "summary.json").unlink()
             self.assertEqual(report(run).returncode, 0)
             self.assertIn("going on or interrupted", Page(run / "report.html").text)
@@ -235,8 +235,8 @@ class Fields(unittest.TestCase):
 
     def test_coarser_grids(self):
         values = np.array([[1.0, 3.0, np.nan], [np.nan, 2.0, 5.0]])
-        np.testing.assert_array_equal(report_views.coarsened(values, 2, "mean"), [[2.0, 5.0]])
-        np.testing.assert_array_equal(report_views.coarsened(values, 2, "largest"), [[3.0, 5.0]])
+        np.testing.assert_array_equal(report_views.coarsened(values, 2, np.mean), [[2.0, 5.0]])
+        np.testing.assert_array_equal(report_views.coarsened(values, 2, np.max), [[3.0, 5.0]])
         part = np.array([[True, True, False], [True, False, False]])
         nodes = np.arange(12.0).reshape(3, 4)
         # The last node has none of its own: the mean of those around it that belong to the part.
