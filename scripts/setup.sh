@@ -5,7 +5,7 @@
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
-#   --ci           also install what scripts/dev/lint.sh needs, and, if it can be had, Slurm, in which the tests run the batch scripts
+#   --ci           also install what scripts/dev/lint.sh and all tests need, and, if it can be had, Slurm, in which the tests run the batch scripts
 #   --benchmarks   also install Google Benchmark and build benchmarks/kernels, now and with this preset from now on
 #   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail
@@ -14,7 +14,7 @@ source scripts/environment.sh
 
 packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev nlohmann-json3-dev
   libassimp-dev libgtest-dev libopenblas0-serial python3-numpy python3-h5py python3-matplotlib python3-paraview xvfb)
-ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8)
+ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8 chromium)
 slurm_packages=()
 preset=release
 cmake_options=()

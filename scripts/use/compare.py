@@ -24,7 +24,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
-from read_run import Run, read_json
+from read_run import Run, flat, read_json
 
 BLOCKS = {"optimized": ("smooth layers", OPTIMIZED), "binary": ("binary layers", INK),
           "baseline": ("planar layers", PLANAR)}
@@ -52,20 +52,6 @@ class Result:
         layers = [layer for layer in self.run.layers(block) if layer["cv"] is not None]
         volume = sum(layer["volume"] for layer in layers)
         return sum(layer["volume"] * layer["cv"] for layer in layers) / volume if volume else None
-
-
-def flat(value, path=""):
-    """(path as of -set, value) of a config's entries. Entries of lists go by their type if it is unique."""
-    if isinstance(value, (dict, list)):
-        for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
-            yield from flat(entry, f"{path}.{key}" if path else str(key))
-    else:
-        yield path, value
-
-
-def entry_names(entries):
-    types = [entry.get("type") if isinstance(entry, dict) else None for entry in entries]
-    return [kind if kind and types.count(kind) == 1 else number for number, kind in enumerate(types)]
 
 
 def differing_keys(results):

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib import colormaps, ticker
 
 import render_part
-from read_run import Run, duration
+from read_run import Run, duration, factor, number
 from virtual_display import ensure_display
 
 WIDTH = 16.0  # inches
@@ -153,19 +153,6 @@ def write_title(sheet, run):
 
 def compared(planar, other):
     return f"{factor(planar / other)} times smaller" if other <= planar else f"{factor(other / planar)} times larger"
-
-
-def factor(value):
-    """As many digits as mean something: 1.3, 41, 1,060."""
-    return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
-
-
-def number(value):
-    """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
-    if value == 0 or 1e-2 <= abs(value) < 1e4:
-        return f"{value:.3g}"
-    mantissa, exponent = f"{value:.2e}".split("e")
-    return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def draw_pictures(sheet, run, pictures):

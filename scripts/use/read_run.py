@@ -19,14 +19,16 @@ class Run:
     """
 
     def __init__(self, directory, with_fields=True):
-        self.config = read_json(directory, "config.json")
-        self.summary = read_json(directory, "summary.json")
-        if "optimized" not in self.summary:
-            status = self.summary.get("status", "none")
+        config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
+        if "optimized" not in summary:
+            status = summary.get("status", "none")
             raise RunError(f"{directory}: holds no finished optimization (status: {status})")
-        self.history = read_history(directory)
+        self.take(config, summary, read_history(directory),
+                  read_fields(os.path.join(directory, "result.h5")) if with_fields else {})
+
+    def take(self, config, summary, history, fields):
+        self.config, self.summary, self.history, self.fields = config, summary, history, fields
         self.iterations = np.array([line["iteration"] for line in self.history])
-        self.fields = read_fields(os.path.join(directory, "result.h5")) if with_fields else {}
         self.name = self.config.get("name", "part")
         terms = self.config.get("objective", [])
         self.distortion_term = next((i for i, term in enumerate(terms) if term["type"] == "distortion"), 0)
@@ -42,9 +44,9 @@ class Run:
         value = self.distortion(block)
         return math.sqrt(value) if self.distortion_config.get("type") == "distortion" else value
 
-    def measure(self):
-        """What the length is, in words."""
-        term = self.distortion_config
+    def measure(self, term=None):
+        """What the length of a distortion term, by default the first, is, in words."""
+        term = term or self.distortion_config
         place = f" of {term['nodes'].replace('_', ' ')}" if term.get("nodes") else ""
         displacement = f"root of the {'mean' if term.get('mean') else 'sum'} of squared displacements{place}"
         if "norm" in term:
@@ -129,6 +131,33 @@ def duration(seconds):
     if seconds < 120:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+def factor(value):
+    """As many digits as mean something: 1.3, 41, 1,060."""
+    return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
+
+
+def number(value):
+    """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
+    if value == 0 or 1e-2 <= abs(value) < 1e4:
+        return f"{value:.3g}"
+    mantissa, exponent = f"{value:.2e}".split("e")
+    return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def flat(value, path=""):
+    """(path as of -set, value) of a config's entries. Entries of lists go by their type if it is unique."""
+    if isinstance(value, (dict, list)):
+        for key, entry in value.items() if isinstance(value, dict) else zip(entry_names(value), value):
+            yield from flat(entry, f"{path}.{key}" if path else str(key))
+    else:
+        yield path, value
+
+
+def entry_names(entries):
+    types = [entry.get("type") if isinstance(entry, dict) else None for entry in entries]
+    return [kind if kind and types.count(kind) == 1 else number for number, kind in enumerate(types)]
 
 
 def node_positions(size, elements):

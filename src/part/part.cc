@@ -75,7 +75,7 @@ void Part<Dim>::warn_about(const Clarity& clarity) const {
                 100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
                 static_cast<long long>(asked));
   warn(std::string(
-           "/part/mesh: the mesh is open or overlaps itself: whether they lie inside is not clear for ") +
+           "/part/mesh: the mesh has holes, or faces that are turned round: inside is not clear for ") +
        share.data() + ", least at " + to_text<3>(place));
 }
 

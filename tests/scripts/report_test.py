@@ -1,0 +1,340 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""scripts/use/report.py on made-up results: what its page says, and what a browser shows of it."""
+
+import hashlib
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from html.parser import HTMLParser
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib import image
+
+PROJECT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(Path(__file__).parent), str(PROJECT / "scripts/use"), str(PROJECT / "tests/integration")]
+import browser
+import fake_results
+import report_views
+from read_run import nodes_of
+from report import ReportRun
+from run_fabseq import Runner
+
+SIZE = (2.0, 1.0, 2.0)
+MODELS = ("nominal", "follow")
+BLOCKS = {"start design": "start", "planar": "baseline", "optimized, smooth": "optimized", "optimized, binary": "binary"}
+CHANGES = [{"change": "unchanged", "sequence": {"distortion": [{"name": "objective_0", "length": 0.02}]},
+            "planar": {"distortion": [{"name": "objective_0", "length": 0.6}]}, "ratio": {"length": 30.0, "rms": 2.0}},
+           {"change": "void quiet", "sequence": {"distortion": [{"name": "objective_0", "length": 0.1}]},
+            "planar": {"distortion": [{"name": "objective_0", "length": 0.5}]}, "ratio": {"length": 5.0, "rms": 1.5}},
+           {"change": "grid twice as fine", "skipped": "the part is <too> large"}]
+
+
+def change(path, edit):
+    content = json.loads(path.read_text(encoding="utf-8"))
+    edit(content)
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
+def write_run(directory, density, size, noise=0.0):
+    """A made-up run with what fake_results leaves out: start design, both deposition models, sensitivity."""
+    fake_results.write_run(directory, "v_shape", density, size)
+    with h5py.File(directory / "result.h5", "r+") as file:
+        for name in ("time", "layer", "displacement"):
+            file[f"start/{name}"] = file[name][:] if name != "displacement" else 0.5 * file["planar/displacement"][:]
+        if noise:
+            for name in ("displacement", "planar/displacement", "start/displacement"):
+                file[name][:] += noise * np.random.default_rng(1).standard_normal(file[name].shape)
+
+    def add_models(summary):
+        summary["start"] = {**summary["baseline"], "layers": summary["binary"]["layers"]}
+        for k, block in enumerate(BLOCKS.values(), start=1):
+            summary[block]["deposition"] = {
+                model: {"displacement": {"max": 0.1 / k + j, "rms": 0.011 / k + j}, "nodes": {"max": 0.09 / k, "rms": 0.017 * k},
+                        "distortion": [{"name": "objective_0", "value": (0.7 / k + j)**2, "length": 0.7 / k + j}]}
+                for j, model in enumerate(MODELS)}
+
+    change(directory / "summary.json", add_models)
+    change(directory / "config.json", lambda config: config.update(process={"deposition": "nominal"}))
+    (directory / "sensitivity.json").write_text(json.dumps(
+        {"name": "v_shape", "changes": CHANGES, "worst": {key: {"ratio": CHANGES[1]["ratio"][key], "change": "void quiet"}
+                                                          for key in ("length", "rms")}}), encoding="utf-8")
+
+
+def report(*arguments):
+    return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/report.py", *map(str, arguments)], capture_output=True,
+                          text=True, check=False)
+
+
+class Page(HTMLParser):
+    """`loads`: what the page would load. `tables`: rows of cells by the table's id, a cell as its text and
+    its title. `text`: all that is to be read."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.loads, self.tables, self.texts, self.rows, self.in_cell = [], {}, [], None, False
+        self.source = path.read_text(encoding="utf-8")
+        self.feed(self.source)
+        self.text = " ".join(self.texts)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.loads += [attributes[key] for key in ("src", "href", "data", "srcset") if key in attributes]
+        if tag == "table":
+            self.rows = self.tables.setdefault(attributes.get("id"), [])
+        elif tag == "tr":
+            self.rows.append([])
+        elif tag in ("td", "th"):
+            self.rows[-1].append(["", attributes.get("title")])
+            self.in_cell = True
+
+    def handle_endtag(self, tag):
+        self.in_cell = self.in_cell and tag not in ("td", "th")
+
+    def handle_data(self, text):
+        if self.cdata_elem:  # a script or a style
+            return
+        self.texts.append(text.strip())
+        if self.in_cell:
+            self.rows[-1][-1][0] += text
+
+    def rows_after(self, table, heading):
+        """Rows by name, below the heading and above the next one; a row's cells are its numbers."""
+        rows = self.tables[table]
+        begin = next(k for k, row in enumerate(rows) if row[0][0].startswith(heading)) + 1
+        end = next((k for k, row in enumerate(rows) if k >= begin and len(row) == 1), len(rows))
+        return {row[0][0]: [None if title is None else float(title) for _, title in row[1:]] for row in rows[begin:end]}
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.solid, cls.flat = (Path(cls.folder.name) / name for name in ("solid", "flat"))
+        write_run(cls.solid, fake_results.v_shape_density((20, 10, 20)), SIZE)
+        fake_results.write_run(cls.flat, "plate", np.ones((8, 12)), (3.0, 2.0))
+        for directory in (cls.solid, cls.flat):
+            done = report(directory)
+            if done.returncode != 0:
+                raise AssertionError(done.stderr)
+        cls.page = Page(cls.solid / "report.html")
+        cls.summary = json.loads((cls.solid / "summary.json").read_text(encoding="utf-8"))
+
+
+class Contents(Report):
+    def test_it_loads_nothing(self):
+        self.assertEqual(self.page.loads, [])
+        self.assertIn("default-src 'none'", self.page.source)
+        for words in ("@import", "url(", "XMLHttpRequest(", "importScripts"):
+            self.assertNotIn(words, self.page.source.split("<script")[0], words)
+
+    def test_figures_are_those_of_the_summary(self):
+        header = [text for text, _ in self.page.tables["results"][0]]
+        self.assertEqual(header, ["", *BLOCKS, "planar / binary", "start / binary"])
+        for model, heading in zip(MODELS, ("Nominal deposition", "Deposition that follows")):
+            rows = self.page.rows_after("results", heading)
+            told = [self.summary[block]["deposition"][model] for block in BLOCKS.values()]
+            lengths = [figures["distortion"][0]["length"] for figures in told]
+            self.assertEqual(rows["root of the sum of squared displacements of top edge"],
+                             [*lengths, lengths[1] / lengths[3], lengths[0] / lengths[3]])
+            for what, words in (("nodes", "the objective's nodes"), ("displacement", "the whole part")):
+                for key, kind in (("rms", "rms"), ("max", "largest")):
+                    self.assertEqual(rows[f"{kind} displacement of {words}"][:4], [figures[what][key] for figures in told])
+        layers = self.page.rows_after("results", "Layers")
+        thickness = [layer["thickness"] for layer in self.summary["binary"]["layers"]]
+        self.assertEqual([layers[f"{word} layer"][3] for word in ("thinnest", "thickest")], [min(thickness), max(thickness)])
+
+    def test_headline_is_a_ratio_of_lengths_of_binary_layers(self):
+        self.assertIn("The top edge moves 2.0 times less than in planar layers, 4.0 times less than the unoptimized start "
+                      "(binary layers, nominal deposition).", self.page.text)
+        self.assertIn("Under the worst of the changes that were tried, 5.0 times less than in planar layers (void quiet).",
+                      self.page.text)
+
+    def test_sensitivity(self):
+        rows = self.page.tables["sensitivity-table"]
+        self.assertEqual([title for _, title in rows[2][1:]], ["0.5", "0.1", "5.0", "1.5"])
+        self.assertEqual(rows[3][1][0], "left out: the part is <too> large")
+
+    def test_page_of_a_hundred_thousand_triangles_is_small(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write_run(Path(folder), np.ones((91, 91, 91)), (1.0, 1.0, 1.0), noise=1e-2)
+            self.assertEqual(report(folder).returncode, 0)
+            page = Page(Path(folder) / "report.html")
+            self.assertLess(len(page.source.encode()), 5e6)
+            self.assertIn("coarser grid", page.text)
+
+    def test_comparison(self):
+        done = report(self.solid, self.flat)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = Page(self.solid / "report_compare.html")
+        header = [text for text, _ in page.tables["results"][0]]
+        self.assertEqual(header, ["", "solid", "flat"])
+        lengths = page.rows_after("results", "Nominal deposition")["first distortion term, length"]
+        self.assertEqual(lengths, [self.summary["binary"]["deposition"]["nominal"]["distortion"][0]["length"], None])
+        self.assertEqual(report(self.solid, self.flat, "-o", self.flat / "both.html").stdout, f"{self.flat}/both.html\n")
+
+    def test_runs_without_a_result(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Path(folder)
+            fake_results.write_run(run, "arm", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
+            (run / "result.h5").unlink()
+            change(run / "summary.json", lambda summary: (summary.pop("optimized"), summary.pop("binary"),
+                                                          summary.update(status="stopped")))
+            self.assertEqual(report(run).returncode, 0)
+            self.assertIn("Arm: stopped.", Page(run / "report.html").text)
+            (run / "summary.json").unlink()
+            self.assertEqual(report(run).returncode, 0)
+            self.assertIn("going on or interrupted", Page(run / "report.html").text)
+            done = report(run / "nothing")
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+            self.assertIn("config.json is missing", done.stderr)
+
+    def test_simulation(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Path(folder)
+            fake_results.write_run(run, "arm", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
+            change(run / "summary.json", lambda summary: (summary.update(summary.pop("binary")), summary.pop("optimized"),
+                                                          summary.pop("baseline")))
+            with h5py.File(run / "result.h5", "r+") as file:
+                del file["planar"]
+                file["residual_stress"] = np.tile([3.0, 0, 0, 0, 0, 0], (4, 4, 4, 1))
+                file["release_displacement"] = file["displacement"][:]
+            self.assertEqual(report(run).returncode, 0)
+            page = Page(run / "report.html")
+            scene = json.loads(page.source.split('type="application/json">')[1].split("</script>")[0])["scene"]
+            self.assertEqual([view["label"] for view in scene["views"]], ["simulated", "simulated, released"])
+            self.assertEqual(scene["views"][0]["ranges"]["stress"], [0.0, 3.0])
+
+    def test_bundle_is_of_these_sources(self):
+        folder = PROJECT / "scripts/use/report"
+        names = sorted([*(f"src/{path.name}" for path in (folder / "src").glob("*.js")), "package-lock.json"])
+        expected = hashlib.sha256(b"".join((folder / name).read_bytes() for name in names)).hexdigest()
+        with open(folder / "bundle.js", encoding="utf-8") as file:
+            self.assertIn(expected, file.readline(), "scripts/use/report/build.sh has to make bundle.js again")
+        self.assertNotIn("resolved", (folder / "package-lock.json").read_text(encoding="utf-8"))
+
+
+class Fields(unittest.TestCase):
+    def test_local_thickness(self):
+        """Five layers in a time that rises with the square of the height: the thickness falls with it."""
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "bar", np.ones((10, 2, 2)), (0.2, 0.2, 1.0), count=5, planar_count=10)
+            z = fake_results.node_coordinates((2, 2, 10), (0.2, 0.2, 1.0))[2]
+            with h5py.File(Path(folder) / "result.h5", "r+") as file:
+                file["temperature"] = 1.0 - z**2
+            change(Path(folder) / "config.json", lambda config: config.update(layers={"type": "curved", "count": 5}))
+            run = ReportRun(folder)
+            height = fake_results.element_centres((2, 2, 10), (0.2, 0.2, 1.0))[2]
+            np.testing.assert_allclose(report_views.local_thickness(run, "binary", "")["local_thickness"], 0.2 / (2 * height))
+            np.testing.assert_allclose(report_views.local_thickness(run, "baseline", "planar/")["local_thickness"], 0.1)
+
+    def test_coarser_grids(self):
+        values = np.array([[1.0, 3.0, np.nan], [np.nan, 2.0, 5.0]])
+        np.testing.assert_array_equal(report_views.coarsened(values, 2, np.mean), [[2.0, 5.0]])
+        np.testing.assert_array_equal(report_views.coarsened(values, 2, np.max), [[3.0, 5.0]])
+        part = np.array([[True, True, False], [True, False, False]])
+        nodes = np.arange(12.0).reshape(3, 4)
+        # The last node has none of its own: the mean of those around it that belong to the part.
+        np.testing.assert_allclose(report_views.coarsened_nodes(nodes, part, 2)[0], [0.0, 2.0, (2.0 + 6.0) / 2])
+
+
+@unittest.skipIf(browser.PROGRAM is None, "chromium is not installed: scripts/setup.sh --ci")
+class InBrowser(Report):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = browser.Browser()
+        cls.addClassCleanup(cls.browser.close)
+        cls.browser.size(1200, 900)
+
+    def open(self, state, directory=None, page="report.html"):
+        """Opens the page and returns the pixels of its views."""
+        path = (directory or self.solid) / page
+        self.browser.open(f"file://{path}#{state}")
+        self.assertEqual(self.browser.complaints, [])
+        self.assertLessEqual({address.split("#")[0] for address in self.browser.requests} - {"about:blank"}, {f"file://{path}"})
+        self.browser.requests.clear()
+        self.browser.value("document.querySelector('.views').scrollIntoView()")
+        picture = Path(self.folder.name) / "picture.png"
+        self.browser.picture(picture)
+        boxes = self.browser.value("""[...document.querySelectorAll('.surface')].map((surface) => {
+          const box = surface.getBoundingClientRect(); return [box.top, box.bottom, box.left, box.right].map(Math.round); })""")
+        pixels = image.imread(picture)[..., :3]
+        return [pixels[top + 2:bottom - 2, left + 2:right - 2] for top, bottom, left, right in boxes]
+
+    def coloured(self, pixels):
+        return float((pixels.max(axis=-1) - pixels.min(axis=-1) > 0.15).mean())
+
+    def words(self, selector):
+        return self.browser.value(f"[...document.querySelectorAll('{selector}')].map((each) => each.textContent)")
+
+    def test_slider_builds_the_part(self):
+        with h5py.File(self.solid / "result.h5") as file:
+            built, time, layer = file["density"][:] > 0, file["time"][:], file["layer"][:]
+        shares = []
+        for now in (0.2, 0.5, 1.0):
+            views = self.open(f"time={now}&field=layer")
+            self.assertEqual(len(views), 3)
+            shares.append([self.coloured(view) for view in views])
+            done = time[built] <= now
+            self.assertIn(f"{round(100 * done.mean())} % built", self.words(".state")[2])
+            self.assertIn(f"layer {int(layer[built][done].max())} of {int(layer.max())}", self.words(".state")[2])
+        for earlier, later in zip(shares, shares[1:]):
+            for view in range(3):
+                self.assertGreater(later[view], earlier[view] + 0.01)
+        self.assertGreater(shares[0][0], 0.005)
+
+    def test_fields_look_different_and_displacement_deforms(self):
+        pictures = {state: self.open(state) for state in ("field=layer", "field=time", "field=displacement&magnification=0",
+                                                          "field=displacement")}
+        states = list(pictures)
+        for first, second in zip(states, states[1:]):
+            difference = np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()
+            self.assertGreater(float(difference), 0.005, (first, second))
+        labels = self.words(".legend span")
+        self.assertTrue(labels[2].endswith("length units"), labels)
+        with h5py.File(self.solid / "result.h5") as file:
+            lengths = np.sqrt((file["planar/displacement"][:]**2).sum(axis=-1)).ravel()
+            largest = lengths[nodes_of(file["density"][:] > 0)].max()
+        self.assertAlmostEqual(float(labels[2].split()[0]), largest, delta=0.01 * largest)
+
+    def test_keys_move_the_slider_and_the_address_follows(self):
+        self.open("time=0.5")
+        self.browser.value("document.querySelector('.time input').focus()")
+        for kind in ("keyDown", "keyUp"):
+            self.browser.call("Input.dispatchKeyEvent", type=kind, key="ArrowRight", code="ArrowRight", windowsVirtualKeyCode=39)
+        self.assertIn("time=0.505", self.browser.value("location.hash"))
+
+    def test_one_camera_for_all_views(self):
+        views = self.open("camera=1,0,0,0,0,0,2")
+        turned = self.open("camera=0,0,1,0,0,0,1")
+        for before, after in zip(views, turned):
+            self.assertGreater(float(np.abs(before - after).mean()), 0.01)
+
+    def test_narrow_and_dark(self):
+        for width in (390, 1200):
+            self.browser.size(width, 800)
+            light = self.open("scheme=light")
+            self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
+            self.assertGreater(min(map(self.coloured, light[:1])), 0.03)
+            background = self.open("scheme=dark")[0][0, 0]
+            self.assertLess(background.max(), 0.2)
+        self.browser.size(1200, 900)
+
+    def test_flat_parts_and_comparisons(self):
+        whole, half = (self.open(f"time={now}", self.flat) for now in (1, 0.5))
+        self.assertGreater(self.coloured(whole[0]), self.coloured(half[0]) + 0.1)
+        self.assertEqual(report(self.solid, self.flat).returncode, 0)
+        views = self.open("", self.solid, "report_compare.html")
+        self.assertEqual(len(views), 2)
+        self.assertGreater(min(map(self.coloured, views)), 0.03)
+        self.assertGreater(len(self.words(".chart h3")), 5)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2, testRunner=Runner)
