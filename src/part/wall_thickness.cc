@@ -14,8 +14,10 @@ namespace {
 
 /// Elements this deep below the surface are in thick walls: with as many on either side.
 constexpr int deep = 3;
-/// Of elements around a rank's own, so that runs of `thick_wall` elements can be followed.
-constexpr int halo_width = 5;
+/// Elements in a tip of this length and of so many elements more as it is deep are not looked at.
+constexpr int tip = 2;
+/// Of elements around a rank's own: those that can be near, and those that decide how deep they lie.
+constexpr int halo_width = 6;
 
 /// All steps to the elements around one, over faces, edges and corners; the second half is the first one
 /// reversed.
@@ -60,7 +62,7 @@ class Depths {
   /// Whether the element lies in a thin wall, and none near it lies deeper: not at the surface of what is
   /// thick, nor in the tip of a wedge.
   bool is_middle_of_thin_wall(const Index<Dim>& element) const {
-    const int here = depth(element), reach = here + 1;
+    const int here = depth(element), reach = here + tip;
     if (here == 0 || here == deep) return false;
     IndexBox<Dim> near;
     near.start = element;
