@@ -53,35 +53,35 @@ class Questions {
     return static_cast<double>(inside) / samples;
   }
 
-  /// 1 for the elements of `box` whose centres lie inside, 0 for others, lexicographic. Only elements of
+  /// 1 for the elements of `elements` whose centres lie inside, 0 for others, lexicographic. Only elements of
   /// `counted` count for clarity().
-  std::vector<char> centers(const IndexBox<3>& box, const IndexBox<3>& counted) {
-    std::vector<char> inside(static_cast<std::size_t>(box.count()));
-    // Blocks start at multiples of their size, whatever the box: what is shared with neighbours in a block,
+  std::vector<char> centers(const IndexBox<3>& elements, const IndexBox<3>& counted) {
+    std::vector<char> inside(static_cast<std::size_t>(elements.count()));
+    // Blocks start at multiples of their size, whatever is asked: what is shared with neighbours in a block,
     // the center and the radius, must not depend on it.
     IndexBox<3> blocks;
     for (int axis = 0; axis < 3; ++axis) {
-      blocks.start[axis] = block_of(box.start[axis]);
-      blocks.size[axis] = block_of(box.start[axis] + box.size[axis] - 1) + 1 - blocks.start[axis];
+      blocks.start[axis] = block_of(elements.start[axis]);
+      blocks.size[axis] = block_of(elements.start[axis] + elements.size[axis] - 1) + 1 - blocks.start[axis];
     }
-    std::vector<Index<3>> elements;
+    std::vector<Index<3>> asked;
     std::vector<Point<3>> points;
     std::array<double, samples> values;
     blocks.for_each([&](const Index<3>& block, std::int64_t) {
       const IndexBox<3> whole = {{block[0] * block_size, block[1] * block_size, block[2] * block_size},
                                  {block_size, block_size, block_size}};
-      elements.clear();
+      asked.clear();
       points.clear();
       whole.for_each([&](const Index<3>& element, std::int64_t) {
-        if (!box.contains(element)) return;
-        elements.push_back(element);
+        if (!elements.contains(element)) return;
+        asked.push_back(element);
         points.push_back(point_at(element, {0.5, 0.5, 0.5}));
       });
       const double half = 0.5 * block_size;
       winding_.at(points, point_at(whole.start, {half, half, half}), block_size * radius_, values);
       for (std::size_t i = 0; i < points.size(); ++i)
-        inside[box.offset(elements[i])] =
-            counted.contains(elements[i]) ? count(points[i], values[i]) : is_inside(values[i]);
+        inside[elements.offset(asked[i])] =
+            counted.contains(asked[i]) ? count(points[i], values[i]) : is_inside(values[i]);
     });
     return inside;
   }

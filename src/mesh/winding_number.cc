@@ -37,16 +37,15 @@ struct WindingNumber::Group {
   double far[group_limit] = {};  ///< solid angle of nodes far away
   /// Half the solid angle of the triangles close by is the argument of the product of their cosine + i sine,
   /// plus so many full turns. So a single arctangent does for all of them.
-  double cosine[group_limit], sine[group_limit], turns[group_limit] = {};
+  double cosine[group_limit], sine[group_limit] = {}, turns[group_limit] = {};
 
   explicit Group(std::span<const Point<3>> points) : count(points.size()) {
     for (std::size_t i = 0; i < count; ++i) {
       x[i] = points[i][0];
       y[i] = points[i][1];
       z[i] = points[i][2];
-      cosine[i] = 1.0;
-      sine[i] = 0.0;
     }
+    std::fill_n(cosine, group_limit, 1.0);
   }
 
   void add_far(const Node& node) {

@@ -139,7 +139,7 @@ class ReadMeshTest : public testing::Test {
     return read_mesh(PETSC_COMM_WORLD, write(name, text), "/part/mesh/file");
   }
   static std::string refusal_of(const std::string& path) {
-    const std::string text =
+    std::string text =
         test::error_text<InputError>([&] { (void)read_mesh(PETSC_COMM_WORLD, path, "/part/mesh/file"); });
     EXPECT_EQ(text.rfind("/part/mesh/file: '" + path + "': ", 0), 0u) << text;
     return text;
