@@ -15,11 +15,11 @@ namespace {
 class SamplePlane {
  public:
   explicit SamplePlane(const IndexBox<3>& box)
-      : elements_(box.size[0]),
+      : samples_(samples_per_axis * box.size[0]),
         lines_(samples_per_axis * box.size[1]),
         first_sample_(samples_per_axis * box.start[0]),
         first_line_(samples_per_axis * box.start[1]),
-        changes_(static_cast<std::size_t>(lines_) * length()),
+        changes_(static_cast<std::size_t>(lines_) * samples_),
         touched_(static_cast<std::size_t>(lines_)) {}
 
   /// Crosses the plane at `z` with a triangle; `points` are in samples.
@@ -37,12 +37,14 @@ class SamplePlane {
     }
     if (found == 0) return;
     if (ends[0].y > ends[1].y) std::swap(ends[0], ends[1]);
-    const int begin = clamped(ends[0].y - first_line_, lines_),
-              end = clamped(ends[1].y - first_line_, lines_);
+    const int begin = first_from(ends[0].y, first_line_, lines_);
+    const int end = first_from(ends[1].y, first_line_, lines_);
     for (int line = begin; line < end; ++line) {
       const double share = (line + first_line_ - ends[0].y) / (ends[1].y - ends[0].y);
       const double x = ends[0].x + share * (ends[1].x - ends[0].x);
-      changes_[line * length() + clamped(x - first_sample_, static_cast<int>(length()) - 1)] += ends[1].sign;
+      const int sample = first_from(x, first_sample_, samples_);
+      if (sample == samples_) continue;
+      changes_[static_cast<std::size_t>(line) * samples_ + sample] += ends[1].sign;
       touched_[line] = 1;
     }
   }
@@ -54,10 +56,11 @@ class SamplePlane {
     for (int line = 0; line < lines_; ++line) {
       if (touched_[line] == 0) continue;
       touched_[line] = 0;
-      double* row = fractions + static_cast<std::ptrdiff_t>(line / samples_per_axis) * elements_;
-      std::int32_t* change = &changes_[line * length()];
+      const int elements = samples_ / samples_per_axis;
+      double* row = fractions + static_cast<std::ptrdiff_t>(line / samples_per_axis) * elements;
+      std::int32_t* change = &changes_[static_cast<std::size_t>(line) * samples_];
       std::int32_t winding = 0;
-      for (int e = 0; e < elements_; ++e, change += samples_per_axis) {
+      for (int e = 0; e < elements; ++e, change += samples_per_axis) {
         int inside = 0;
         for (int s = 0; s < samples_per_axis; ++s) {
           winding += change[s];
@@ -66,7 +69,6 @@ class SamplePlane {
         }
         row[e] += inside * sample;
       }
-      *change = 0;
     }
   }
 
@@ -77,14 +79,12 @@ class SamplePlane {
     int sign;
   };
 
-  /// Samples of a line, and one more place for what lies beyond them.
-  std::size_t length() const { return static_cast<std::size_t>(samples_per_axis) * elements_ + 1; }
-  /// The first number from 0 to `last` that is not below `value`, `last` if there is none.
-  static int clamped(double value, int last) {
-    return static_cast<int>(std::clamp(std::ceil(value), 0.0, static_cast<double>(last)));
+  /// The first i from 0 to `count` - 1 with `first` + i >= `value`, `count` if there is none.
+  static int first_from(double value, int first, int count) {
+    return static_cast<int>(std::clamp(std::ceil(value) - first, 0.0, static_cast<double>(count)));
   }
 
-  int elements_, lines_, first_sample_, first_line_;
+  int samples_, lines_, first_sample_, first_line_;
   std::vector<std::int32_t> changes_;  ///< [line][sample]: change of the winding number before the sample
   std::vector<char> touched_;          ///< [line]: whether there is a change
 };
