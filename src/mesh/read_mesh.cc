@@ -13,6 +13,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -24,14 +25,19 @@ namespace {
 using Transformation = aiMatrix4x4t<double>;
 constexpr auto most_triangles = static_cast<std::int64_t>(std::numeric_limits<std::int32_t>::max());
 
-/// Opens regular files only: a pipe or a device, whether the mesh or a file that it names, would keep assimp
+/// Sees regular files only: a pipe or a device, whether the mesh or a file that it names, would keep assimp
 /// waiting or reading for ever.
 class RegularFiles : public Assimp::DefaultIOSystem {
  public:
-  Assimp::IOStream* Open(const char* file, const char* mode) override {  // NOLINT: assimp's name
+  // NOLINTBEGIN(readability-identifier-naming): assimp's names
+  bool Exists(const char* file) const override {
     std::error_code ignored;
-    return std::filesystem::is_regular_file(file, ignored) ? DefaultIOSystem::Open(file, mode) : nullptr;
+    return std::filesystem::is_regular_file(file, ignored);
   }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return Exists(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+  // NOLINTEND(readability-identifier-naming)
 };
 
 /// Numbers points in the order in which they come; those at the same position have one number.
@@ -125,6 +131,15 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// Whether the file is PLY with a header that is cut off: assimp 5.2 would look for its end for ever.
+bool lacks_end_of_header(const std::string& path) {
+  std::string start(1 << 20, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  return start.rfind("ply", 0) == 0 && start.find("end_header") == std::string::npos;
+}
+
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
 MeshInFile read_alone(const std::string& path) {
   std::error_code error;
@@ -133,13 +148,14 @@ MeshInFile read_alone(const std::string& path) {
     throw InputError("cannot be opened (" + error.message() + "), needs a readable file");
   if (!std::filesystem::is_regular_file(status))
     throw InputError("is a directory, pipe or device, needs a regular file");
+  const std::string needs = ", needs an intact STL, OBJ, PLY or 3MF file";
+  if (lacks_end_of_header(path)) throw InputError("ends before its header does" + needs);
   Assimp::Importer importer;
   importer.SetIOHandler(new RegularFiles);  // becomes the importer's
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene == nullptr || scene->mRootNode == nullptr)
-    throw InputError("cannot be read (" + one_line(importer.GetErrorString()) +
-                     "), needs an intact STL, OBJ, PLY or 3MF file");
+    throw InputError("cannot be read (" + one_line(importer.GetErrorString()) + ")" + needs);
   std::int64_t triangles = 0;
   for_each_mesh(*scene, *scene->mRootNode, {}, [&](const aiMesh& mesh, const Transformation&) {
     for (unsigned f = 0; f < mesh.mNumFaces; ++f)
@@ -181,7 +197,7 @@ MeshInFile read_mesh(MPI_Comm comm, const std::string& path, const std::string& 
     try {
       result = read_alone(path);
     } catch (const InputError& error) {
-      throw InputError(key + ": '" + path + "' " + error.what());
+      throw InputError(key + ": '" + path + "': " + error.what());
     }
   });
   broadcast_entries(comm, result.mesh.points);

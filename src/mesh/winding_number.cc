@@ -15,7 +15,7 @@ namespace {
 /// (Barill et al. 2018, section 4).
 constexpr double accuracy = 2.0;
 /// With fewer triangles in a leaf, the nodes would take more memory than the triangles.
-constexpr std::ptrdiff_t leaf_size = 8;
+constexpr std::size_t leaf_size = 8;
 
 /// tan of half the solid angle of a triangle at the origin, as `sine` / `cosine` up to a common positive
 /// factor (Van Oosterom & Strackee 1983).
@@ -37,16 +37,15 @@ struct WindingNumber::Group {
   double far[group_limit] = {};  ///< solid angle of nodes far away
   /// Half the solid angle of the triangles close by is the argument of the product of their cosine + i sine,
   /// plus so many full turns. So a single arctangent does for all of them.
-  double cosine[group_limit], sine[group_limit], turns[group_limit] = {};
+  double cosine[group_limit], sine[group_limit] = {}, turns[group_limit] = {};
 
   explicit Group(std::span<const Point<3>> points) : count(points.size()) {
     for (std::size_t i = 0; i < count; ++i) {
       x[i] = points[i][0];
       y[i] = points[i][1];
       z[i] = points[i][2];
-      cosine[i] = 1.0;
-      sine[i] = 0.0;
     }
+    std::fill_n(cosine, group_limit, 1.0);
   }
 
   void add_far(const Node& node) {
@@ -108,7 +107,7 @@ NormalMoments WindingNumber::build(const TriangleMesh& mesh, std::span<Item> ite
   nodes_.push_back({});
   std::int32_t second_child = 0;
   NormalMoments moments;
-  if (std::ssize(items) <= leaf_size) {
+  if (items.size() <= leaf_size) {
     std::array<NormalMoments, leaf_size> parts;
     for (std::size_t t = 0; t < items.size(); ++t) {
       triangles_.push_back(mesh.triangles[items[t].triangle]);
@@ -126,7 +125,8 @@ NormalMoments WindingNumber::build(const TriangleMesh& mesh, std::span<Item> ite
     int longest = 0;
     for (const int axis : {1, 2})
       if (high[axis] - low[axis] > high[longest] - low[longest]) longest = axis;
-    const std::size_t half = items.size() / 2;
+    // A multiple of the size of a leaf, so that all leaves but one are full.
+    const std::size_t half = (items.size() / 2 + leaf_size - 1) / leaf_size * leaf_size;
     std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
                      [=](const Item& a, const Item& b) { return a.centroid[longest] < b.centroid[longest]; });
     std::array<NormalMoments, 2> children;

@@ -9,7 +9,6 @@
 namespace fabseq {
 namespace {
 
-using test::append;
 using test::box_mesh;
 
 TEST(TriangleMeshTest, MeasuresOfABox) {

@@ -23,6 +23,9 @@ struct MeshInFile {
 /// orientation, is still that of the polygon. Triangles in which all points differ stay even if their area is
 /// 0, since a surface may be open without them; lines and points do not count.
 ///
+/// assimp does not notice every kind of damage: text files and PLY files that are cut off may lack triangles,
+/// which leaves the mesh open, and 3MF or PLY files with wrong bits can make it crash.
+///
 /// Throws InputError on all ranks, with `key` and the file in the message, if there is no such file, if it is
 /// damaged or has another format, if it has no triangle or more than 2^31 - 1, or a coordinate that is not
 /// finite. Collective on `comm`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/fill_fractions.h"
+#include "fabseq/mesh/mesh_interior.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using test::append;
 using test::box_mesh;
 
 FillFractions fractions(const TriangleMesh& mesh, const ElementLattice& lattice, const IndexBox<3>& box) {
-  return fill_fractions(mesh, WindingNumber(mesh), is_closed(mesh), lattice, box);
+  return MeshInterior(mesh).fill_fractions(lattice, box);
 }
 
 /// n elements along each axis from -extent to extent, and a little more on one side.
@@ -33,7 +33,7 @@ double volume(const TriangleMesh& mesh, double extent, int n) {
   return volume(fractions(mesh, lattice, {{0, 0, 0}, {n, n, n}}), lattice);
 }
 
-TEST(FillFractionsTest, SphereConverges) {
+TEST(MeshInteriorTest, SphereConverges) {
   const TriangleMesh sphere = test::sphere_mesh(1, 60);
   const double exact = signed_volume(sphere);
   EXPECT_NEAR(volume(sphere, 1.1, 10), exact, 4e-3 * exact);
@@ -41,7 +41,7 @@ TEST(FillFractionsTest, SphereConverges) {
   EXPECT_NEAR(volume(sphere, 1.1, 40), exact, 2.5e-4 * exact);
 }
 
-TEST(FillFractionsTest, TorusConverges) {
+TEST(MeshInteriorTest, TorusConverges) {
   const TriangleMesh torus = test::torus_mesh(1, 0.3, 160, 60);
   const double exact = signed_volume(torus);
   // Whole circles of it touch planes of samples: samples of the exact torus have these errors, too.
@@ -50,7 +50,7 @@ TEST(FillFractionsTest, TorusConverges) {
   EXPECT_NEAR(volume(torus, 1.4, 80), exact, 1e-3 * exact);
 }
 
-TEST(FillFractionsTest, AlignedBoxIsExact) {
+TEST(MeshInteriorTest, AlignedBoxIsExact) {
   const ElementLattice lattice = {{-1, -2, -3}, {0.5, 0.25, 2}};
   const TriangleMesh box = box_mesh({0, -1, -1}, {2, 0.5, 5});  // elements 2 to 5, 4 to 9, 1 to 3
   const IndexBox<3> elements = {{0, 0, 0}, {8, 12, 6}}, inside = {{2, 4, 1}, {4, 6, 3}};
@@ -62,7 +62,7 @@ TEST(FillFractionsTest, AlignedBoxIsExact) {
 }
 
 /// Faces through the midpoints of samples: of two opposite ones, one gets them.
-TEST(FillFractionsTest, FacesThroughSamplesAreClear) {
+TEST(MeshInteriorTest, FacesThroughSamplesAreClear) {
   const ElementLattice lattice = {{0, 0, 0}, {1, 1, 1}};
   for (const double start : {0.125, 0.375, 0.625, 0.875}) {
     const double end = start + 3;
@@ -73,7 +73,7 @@ TEST(FillFractionsTest, FacesThroughSamplesAreClear) {
   }
 }
 
-TEST(FillFractionsTest, MisalignedAndTurnedBox) {
+TEST(MeshInteriorTest, MisalignedAndTurnedBox) {
   const ElementLattice lattice = {{0, 0, 0}, {1, 1, 1}};
   const FillFractions shifted =
       fractions(box_mesh({0.25, 1.5, 1}, {3.5, 3, 2.75}), lattice, {{0, 0, 0}, {4, 4, 4}});
@@ -86,14 +86,14 @@ TEST(FillFractionsTest, MisalignedAndTurnedBox) {
   EXPECT_NEAR(volume(turned, 1.5, 40), 2.8, 0.001);
 }
 
-TEST(FillFractionsTest, OverlapCountsOnce) {
+TEST(MeshInteriorTest, OverlapCountsOnce) {
   TriangleMesh boxes = box_mesh({-1, -1, -1}, {0.5, 0.5, 0.5});
   append(boxes, box_mesh({0, 0, 0}, {1, 1, 1}));
   const double exact = 1.5 * 1.5 * 1.5 + 1 - 0.125;
   EXPECT_NEAR(volume(boxes, 1.2, 40), exact, 0.01 * exact);
 }
 
-TEST(FillFractionsTest, InsideOutIsTheSame) {
+TEST(MeshInteriorTest, InsideOutIsTheSame) {
   const TriangleMesh sphere = test::sphere_mesh(1, 10);
   const ElementLattice lattice = around_origin(1.2, 12);
   const IndexBox<3> box = {{0, 0, 0}, {12, 12, 12}};
@@ -101,7 +101,7 @@ TEST(FillFractionsTest, InsideOutIsTheSame) {
             fractions(test::inside_out(sphere), lattice, box).of_element);
 }
 
-TEST(FillFractionsTest, OpenBoxIsFilledUpToItsRim) {
+TEST(MeshInteriorTest, OpenBoxIsFilledUpToItsRim) {
   const TriangleMesh box = test::open_box_mesh({-0.5, -0.5, -1}, {0.5, 0.5, 1});
   const ElementLattice lattice = around_origin(1.2, 36);
   const IndexBox<3> elements = {{0, 0, 0}, {36, 36, 36}};
@@ -123,22 +123,24 @@ TEST(FillFractionsTest, OpenBoxIsFilledUpToItsRim) {
 }
 
 /// The half ball's missing base is where its winding number is 1/2: a plane that no triangle touches.
-TEST(FillFractionsTest, MissingPlaneGoesThroughElements) {
+TEST(MeshInteriorTest, MissingPlaneGoesThroughElements) {
   const TriangleMesh half = test::hemisphere_mesh(1, 40);
   const double exact = 2 * M_PI / 3;
   EXPECT_NEAR(volume(half, 1.1, 20), exact, 0.02 * exact);
   EXPECT_NEAR(volume(half, 1.1, 40), exact, 0.01 * exact);
 }
 
-void expect_independent_of_boxes(const TriangleMesh& mesh) {
-  const ElementLattice lattice = around_origin(1.2, 15);
-  const IndexBox<3> whole = {{0, 0, 0}, {15, 15, 15}};
+void expect_independent_of_boxes(const TriangleMesh& mesh, double exact) {
+  const ElementLattice lattice = {{0, 0, 0}, around_origin(1.2, 15).spacing};
+  const IndexBox<3> whole = {{-7, -7, -7}, {15, 15, 15}};
   const FillFractions all = fractions(mesh, lattice, whole);
+  EXPECT_NEAR(volume(all, lattice), exact, 0.02 * exact);
   Clarity sum;
-  for (const IndexBox<3>& part : {IndexBox<3>{{0, 0, 0}, {7, 15, 15}},
-                                  {{7, 0, 0}, {8, 6, 15}},
-                                  {{7, 6, 0}, {8, 9, 3}},
-                                  {{7, 6, 3}, {8, 9, 12}}}) {
+  for (const IndexBox<3>& part : {IndexBox<3>{{-7, -7, -7}, {7, 15, 15}},
+                                  {{0, -7, -7}, {8, 6, 15}},
+                                  {{0, -1, -7}, {8, 9, 3}},
+                                  {{0, -1, -4}, {5, 9, 12}},
+                                  {{5, -1, -4}, {3, 9, 12}}}) {
     const FillFractions some = fractions(mesh, lattice, part);
     part.for_each([&](const Index<3>& element, std::int64_t offset) {
       EXPECT_EQ(some.of_element[offset], all.of_element[whole.offset(element)]) << to_text<3>(element);
@@ -147,38 +149,79 @@ void expect_independent_of_boxes(const TriangleMesh& mesh) {
     sum.unclear += some.clarity.unclear;
   }
   EXPECT_EQ(sum.unclear, all.clarity.unclear);
-  if (!is_closed(mesh)) {
-    EXPECT_EQ(sum.asked, all.clarity.asked);
+  EXPECT_EQ(sum.asked, all.clarity.asked);
+}
+
+TEST(MeshInteriorTest, IndependentOfBoxesClosed) {
+  expect_independent_of_boxes(test::sphere_mesh(1, 20), 4 * M_PI / 3);
+}
+TEST(MeshInteriorTest, IndependentOfBoxesOpen) {
+  expect_independent_of_boxes(test::hemisphere_mesh(1, 20), 2 * M_PI / 3);
+}
+
+/// Lines of samples and winding numbers of the tree are two ways to the same answer.
+TEST(MeshInteriorTest, ClosedMeshesTakenForOpenOnes) {
+  TriangleMesh boxes = box_mesh({-0.9, -0.7, -0.8}, {0.3, 0.5, 0.4});
+  append(boxes, transformed(test::inside_out(box_mesh({-0.2, -0.3, -0.4}, {0.8, 0.7, 0.6})),
+                            {{{0.8, -0.6, 0}, {0.48, 0.64, -0.6}, {0.36, 0.48, 0.8}}}, {}));
+  const ElementLattice lattice = around_origin(1.4, 24);
+  const IndexBox<3> box = {{0, 0, 0}, {24, 24, 24}};
+  for (const TriangleMesh& mesh : {test::torus_mesh(1, 0.3, 40, 20), test::sphere_mesh(1.3, 7), boxes}) {
+    ASSERT_TRUE(MeshInterior(mesh).closed());
+    EXPECT_EQ(fractions(mesh, lattice, box).of_element,
+              open_fractions(mesh, WindingNumber(mesh), lattice, box).of_element);
   }
 }
 
-TEST(FillFractionsTest, IndependentOfBoxesClosed) { expect_independent_of_boxes(test::sphere_mesh(1, 20)); }
-TEST(FillFractionsTest, IndependentOfBoxesOpen) { expect_independent_of_boxes(test::hemisphere_mesh(1, 20)); }
-
-/// Asked element by element, an uncut mesh must give the same as with runs.
-TEST(FillFractionsTest, RunsAgreeWithSingleQuestions) {
-  const TriangleMesh torus = test::torus_mesh(1, 0.3, 40, 20);
-  const ElementLattice lattice = around_origin(1.4, 24);
-  const IndexBox<3> box = {{0, 0, 0}, {24, 24, 24}};
-  const WindingNumber winding(torus);
-  const FillFractions closed = fill_fractions(torus, winding, true, lattice, box);
-  const FillFractions open = fill_fractions(torus, winding, false, lattice, box);
-  EXPECT_EQ(closed.of_element, open.of_element);
-  EXPECT_LT(closed.clarity.asked, open.clarity.asked);
-  EXPECT_EQ(closed.clarity.unclear, 0);
+/// Corners and edges of this mesh, too, lie exactly on lines of samples.
+TEST(MeshInteriorTest, LinesThroughEdgesAndCorners) {
+  const Point<3>& shift = sample_shift;
+  const ElementLattice lattice = {{-shift[0], -shift[1], -shift[2]}, {1, 1, 1}};
+  const TriangleMesh octahedron = {
+      {{0.125, 2.125, 2.125},
+       {4.125, 2.125, 2.125},
+       {2.125, 0.125, 2.125},
+       {2.125, 4.125, 2.125},
+       {2.125, 2.125, 0.125},
+       {2.125, 2.125, 4.125}},
+      {{0, 4, 2}, {2, 4, 1}, {1, 4, 3}, {3, 4, 0}, {2, 5, 0}, {1, 5, 2}, {3, 5, 1}, {0, 5, 3}}};
+  ASSERT_TRUE(is_closed(octahedron));
+  const FillFractions result = fractions(octahedron, lattice, {{-1, -1, -1}, {7, 7, 7}});
+  EXPECT_NEAR(volume(result, lattice), 4.0 / 3 * 8, 0.1);
+  // Behind it, every line is outside again.
+  const FillFractions behind = fractions(octahedron, lattice, {{5, -1, -1}, {2, 7, 7}});
+  for (const double fraction : behind.of_element) EXPECT_EQ(fraction, 0.0);
 }
 
-TEST(FillFractionsTest, ClarityNamesTheLeastClearPoint) {
+/// The diagonals of these cubes' faces run through samples, but for rounding: a line through one must neither
+/// miss both triangles nor cross both.
+TEST(MeshInteriorTest, LinesThroughDiagonals) {
+  const ElementLattice lattice = {
+      {-0.5 - 4 * sample_shift[0], -0.5 - 4 * sample_shift[1], -0.5 - 4 * sample_shift[2]}, {4, 4, 4}};
+  for (const double start : {0.1, 0.3, 0.7, 1.3, 2.9}) {
+    const double end = start + 50.0 / 3;
+    const TriangleMesh cube = box_mesh({start, start, start}, {end, end, end});
+    const FillFractions result = fractions(cube, lattice, {{0, 0, 0}, {7, 7, 7}});
+    const double samples = std::floor(end) - std::floor(start);
+    EXPECT_NEAR(volume(result, lattice), samples * samples * samples, 1e-9) << start;
+  }
+}
+
+TEST(MeshInteriorTest, ClarityNamesTheLeastClearPoint) {
   const TriangleMesh box = box_mesh({0, 0, 0}, {2, 2, 2});
-  const FillFractions clear = fractions(box, {{-1, -1, -1}, {1, 1, 1}}, {{0, 0, 0}, {4, 4, 4}});
+  const FillFractions clear =
+      open_fractions(box, WindingNumber(box), {{-1, -1, -1}, {1, 1, 1}}, {{0, 0, 0}, {4, 4, 4}});
   EXPECT_EQ(clear.clarity.unclear, 0);
   EXPECT_GT(clear.clarity.asked, 0);
-  const double distance = std::abs(std::abs(clear.clarity.least_winding) - 0.5);
-  EXPECT_GT(distance, 0.48);
-  const TriangleMesh nothing;
-  const FillFractions empty = fractions(nothing, {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {0, 4, 4}});
-  EXPECT_TRUE(empty.of_element.empty());
-  EXPECT_EQ(empty.clarity.asked, 0);
+  EXPECT_GT(std::abs(std::abs(clear.clarity.least_winding) - 0.5), 0.48);
+}
+
+TEST(MeshInteriorTest, NoElements) {
+  for (const TriangleMesh& mesh : {test::sphere_mesh(1, 5), test::hemisphere_mesh(1, 5), TriangleMesh{}}) {
+    const FillFractions empty = fractions(mesh, {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {0, 4, 4}});
+    EXPECT_TRUE(empty.of_element.empty());
+    EXPECT_EQ(empty.clarity.asked, 0);
+  }
 }
 
 }  // namespace

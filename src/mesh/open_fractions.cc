@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/fill_fractions.h"
+#include "fabseq/mesh/open_fractions.h"
 
+#include "fabseq/mesh/cut_elements.h"
 #include "fabseq/mesh/vectors.h"
 
 #include <algorithm>
@@ -11,14 +12,8 @@ namespace fabseq {
 
 namespace {
 
-/// Samples of an element along each axis, and in all. They fit into one group of WindingNumber.
-constexpr int samples_per_axis = 4;
-constexpr int samples = samples_per_axis * samples_per_axis * samples_per_axis;
-static_assert(samples <= WindingNumber::group_limit);
-/// All points are shifted by this, in elements. With round numbers, faces of a part often run through the
-/// midpoints of samples; shifted ones are clear, and of two opposite faces one gets them. Different along the
-/// axes for the sake of slanted faces.
-constexpr Point<3> sample_shift = {1.0e-4, 1.6e-4, 2.7e-4};
+// The samples of an element are one group of points.
+static_assert(samples_per_element <= WindingNumber::group_limit);
 /// Distance from the nearest integer from which on a winding number is unclear; far above the error of
 /// WindingNumber.
 constexpr double unclear_from = 0.2;
@@ -31,57 +26,51 @@ class Questions {
   Questions(const WindingNumber& winding, const ElementLattice& lattice)
       : winding_(winding), lattice_(lattice), radius_(0.5 * norm(lattice.spacing)) {}
 
-  /// Whether the centre of an element lies inside.
-  bool center(const Index<3>& element) {
-    const Point<3> point = point_at(element, {0.5, 0.5, 0.5});
-    return count(point, winding_.at(point));
-  }
-
   /// Share of an element's samples that lie inside.
   double share(const Index<3>& element) {
-    std::array<Point<3>, samples> points;
+    std::array<Point<3>, samples_per_element> points;
     const IndexBox<3> all = {{}, {samples_per_axis, samples_per_axis, samples_per_axis}};
     all.for_each([&](const Index<3>& sample, std::int64_t i) {
       Point<3> share;
       for (int axis = 0; axis < 3; ++axis) share[axis] = (sample[axis] + 0.5) / samples_per_axis;
       points[i] = point_at(element, share);
     });
-    std::array<double, samples> values;
+    std::array<double, samples_per_element> values;
     winding_.at(points, point_at(element, {0.5, 0.5, 0.5}), radius_, values);
     int inside = 0;
-    for (int i = 0; i < samples; ++i) inside += count(points[i], values[i]) ? 1 : 0;
-    return static_cast<double>(inside) / samples;
+    for (int i = 0; i < samples_per_element; ++i) inside += count(points[i], values[i]) ? 1 : 0;
+    return static_cast<double>(inside) / samples_per_element;
   }
 
-  /// 1 for the elements of `box` whose centres lie inside, 0 for others, lexicographic. Only elements of
+  /// 1 for the elements of `elements` whose centres lie inside, 0 for others, lexicographic. Only elements of
   /// `counted` count for clarity().
-  std::vector<char> centers(const IndexBox<3>& box, const IndexBox<3>& counted) {
-    std::vector<char> inside(static_cast<std::size_t>(box.count()));
-    // Blocks start at multiples of their size, whatever the box: what is shared with neighbours in a block,
+  std::vector<char> centers(const IndexBox<3>& elements, const IndexBox<3>& counted) {
+    std::vector<char> inside(static_cast<std::size_t>(elements.count()));
+    // Blocks start at multiples of their size, whatever is asked: what is shared with neighbours in a block,
     // the center and the radius, must not depend on it.
     IndexBox<3> blocks;
     for (int axis = 0; axis < 3; ++axis) {
-      blocks.start[axis] = block_of(box.start[axis]);
-      blocks.size[axis] = block_of(box.start[axis] + box.size[axis] - 1) + 1 - blocks.start[axis];
+      blocks.start[axis] = block_of(elements.start[axis]);
+      blocks.size[axis] = block_of(elements.start[axis] + elements.size[axis] - 1) + 1 - blocks.start[axis];
     }
-    std::vector<Index<3>> elements;
+    std::vector<Index<3>> asked;
     std::vector<Point<3>> points;
-    std::array<double, samples> values;
+    std::array<double, samples_per_element> values;
     blocks.for_each([&](const Index<3>& block, std::int64_t) {
       const IndexBox<3> whole = {{block[0] * block_size, block[1] * block_size, block[2] * block_size},
                                  {block_size, block_size, block_size}};
-      elements.clear();
+      asked.clear();
       points.clear();
       whole.for_each([&](const Index<3>& element, std::int64_t) {
-        if (!box.contains(element)) return;
-        elements.push_back(element);
+        if (!elements.contains(element)) return;
+        asked.push_back(element);
         points.push_back(point_at(element, {0.5, 0.5, 0.5}));
       });
       const double half = 0.5 * block_size;
       winding_.at(points, point_at(whole.start, {half, half, half}), block_size * radius_, values);
       for (std::size_t i = 0; i < points.size(); ++i)
-        inside[box.offset(elements[i])] =
-            counted.contains(elements[i]) ? count(points[i], values[i]) : is_inside(values[i]);
+        inside[elements.offset(asked[i])] =
+            counted.contains(asked[i]) ? count(points[i], values[i]) : is_inside(values[i]);
     });
     return inside;
   }
@@ -118,53 +107,31 @@ class Questions {
   Clarity clarity_;
 };
 
-/// Fractions for a closed mesh: without a triangle between them, two elements have the same answer.
-std::vector<double> closed_fractions(const std::vector<char>& cut, const IndexBox<3>& box, Questions& ask) {
-  std::vector<double> fractions(cut.size());
-  const int length = box.size[0];
-  double of_run = 0.0;
-  box.for_each([&](const Index<3>& element, std::int64_t offset) {
-    if (cut[offset] != 0)
-      fractions[offset] = ask.share(element);
-    else if (offset % length == 0 || cut[offset - 1] != 0)
-      fractions[offset] = of_run = ask.center(element) ? 1.0 : 0.0;
-    else
-      fractions[offset] = of_run;
-  });
-  return fractions;
-}
+}  // namespace
 
-/// Fractions for an open mesh: where the surface is missing, elements that no triangle touches may still
-/// have parts inside and outside, and then a neighbour is likely to give another answer.
-std::vector<double> open_fractions(const std::vector<char>& cut, const IndexBox<3>& box, Questions& ask) {
+FillFractions open_fractions(const TriangleMesh& mesh, const WindingNumber& winding,
+                             const ElementLattice& lattice, const IndexBox<3>& box) {
+  if (box.count() == 0) return {};
   IndexBox<3> wider = box;
   for (int axis = 0; axis < 3; ++axis) {
     wider.start[axis] -= 1;
     wider.size[axis] += 2;
   }
-  const std::vector<char> inside = ask.centers(wider, box);
+  Questions ask(winding, lattice);
+  const std::vector<char> cut = cut_elements(mesh, lattice, box), inside = ask.centers(wider, box);
   const std::array<std::int64_t, 3> steps = {1, wider.size[0],
                                              static_cast<std::int64_t>(wider.size[0]) * wider.size[1]};
-  std::vector<double> fractions(cut.size());
+  FillFractions result;
+  result.of_element.resize(cut.size());
   box.for_each([&](const Index<3>& element, std::int64_t offset) {
     const std::int64_t here = wider.offset(element);
+    // Where the surface is missing, elements that no triangle touches may still have parts inside and
+    // outside, and then a neighbour is likely to give another answer.
     const bool contradicted = std::any_of(steps.begin(), steps.end(), [&](std::int64_t step) {
       return inside[here - step] != inside[here] || inside[here + step] != inside[here];
     });
-    fractions[offset] = cut[offset] != 0 || contradicted ? ask.share(element) : inside[here];
+    result.of_element[offset] = cut[offset] != 0 || contradicted ? ask.share(element) : inside[here];
   });
-  return fractions;
-}
-
-}  // namespace
-
-FillFractions fill_fractions(const TriangleMesh& mesh, const WindingNumber& winding, bool closed,
-                             const ElementLattice& lattice, const IndexBox<3>& box) {
-  if (box.count() == 0) return {};
-  Questions ask(winding, lattice);
-  const std::vector<char> cut = cut_elements(mesh, lattice, box);
-  FillFractions result;
-  result.of_element = closed ? closed_fractions(cut, box, ask) : open_fractions(cut, box, ask);
   result.clarity = ask.clarity();
   return result;
 }

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/mesh/read_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include "support/io_support.h"
+#include "support/meshes.h"
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <sys/stat.h>
+#include <utility>
+
+namespace fabseq {
+namespace {
+
+using test::box_mesh;
+using test::contains;
+using test::is_first;
+
+const TriangleMesh box = box_mesh({1, 2, 3}, {2, 4, 7});
+
+std::string line(const std::string& words, const Point<3>& point) {
+  std::string text = words;
+  for (const double coordinate : point) text += " " + std::to_string(coordinate);
+  return text + "\n";
+}
+
+template <class T>
+std::string bytes(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+std::string ascii_stl(const TriangleMesh& mesh) {
+  std::string text = "solid part\n";
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const Point<3>& corner : mesh.corners(t)) text += line("vertex", corner);
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid part\n";
+}
+
+std::string binary_stl(const TriangleMesh& mesh) {
+  std::string text(80, ' ');
+  text += bytes(static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    text += std::string(12, '\0');
+    for (const Point<3>& corner : mesh.corners(t))
+      for (const double coordinate : corner) text += bytes(static_cast<float>(coordinate));
+    text += std::string(2, '\0');
+  }
+  return text;
+}
+
+std::string obj(const TriangleMesh& mesh) {
+  std::string text = "# a part\no part\n";
+  for (const Point<3>& point : mesh.points) text += line("v", point);
+  for (const auto& [a, b, c] : mesh.triangles)
+    text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
+  return text;
+}
+
+std::string ply(const TriangleMesh& mesh) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
+                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                     std::to_string(mesh.triangles.size()) +
+                     "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Point<3>& point : mesh.points) text += line("", point).substr(1);
+  for (const auto& [a, b, c] : mesh.triangles)
+    text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+  return text;
+}
+
+std::uint32_t checksum(const std::string& text) {
+  std::uint32_t value = 0xffffffff;
+  for (const unsigned char byte : text) {
+    value ^= byte;
+    for (int bit = 0; bit < 8; ++bit) value = value >> 1 ^ ((value & 1) != 0 ? 0xedb88320 : 0);
+  }
+  return ~value;
+}
+
+/// A zip archive whose entries are not compressed.
+std::string zip(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::string text, directory;
+  for (const auto& [name, content] : entries) {
+    const auto size = static_cast<std::uint32_t>(content.size());
+    const std::string common = bytes<std::uint16_t>(20) + std::string(8, '\0') + bytes(checksum(content)) +
+                               bytes(size) + bytes(size) + bytes(static_cast<std::uint16_t>(name.size())) +
+                               bytes<std::uint16_t>(0);
+    directory += "PK\1\2" + bytes<std::uint16_t>(20) + common + std::string(10, '\0') +
+                 bytes(static_cast<std::uint32_t>(text.size())) + name;
+    text += "PK\3\4" + common + name + content;
+  }
+  const auto count = static_cast<std::uint16_t>(entries.size());
+  return text + directory + "PK\5\6" + std::string(4, '\0') + bytes(count) + bytes(count) +
+         bytes(static_cast<std::uint32_t>(directory.size())) +
+         bytes(static_cast<std::uint32_t>(text.size())) + bytes<std::uint16_t>(0);
+}
+
+/// A 3MF file with the mesh, shifted by (10, 0, 0) in the transformation of its item.
+std::string three_mf(const TriangleMesh& mesh) {
+  std::string model =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" "
+      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources><object id=\"1\" "
+      "type=\"model\"><mesh><vertices>";
+  for (const auto& [x, y, z] : mesh.points)
+    model += "<vertex x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" z=\"" +
+             std::to_string(z) + "\"/>";
+  model += "</vertices><triangles>";
+  for (const auto& [a, b, c] : mesh.triangles)
+    model += "<triangle v1=\"" + std::to_string(a) + "\" v2=\"" + std::to_string(b) + "\" v3=\"" +
+             std::to_string(c) + "\"/>";
+  model +=
+      "</triangles></mesh></object></resources><build><item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 10 "
+      "0 0\"/></build></model>";
+  const std::string relations =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationships "
+      "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship "
+      "Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
+      "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+  const std::string types =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Types "
+      "xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"><Default Extension=\"rels\" "
+      "ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/><Default "
+      "Extension=\"model\" ContentType=\"application/vnd.ms-package.3dmanufacturing-3dmodel+xml\"/></Types>";
+  return zip({{"[Content_Types].xml", types}, {"_rels/.rels", relations}, {"3D/3dmodel.model", model}});
+}
+
+class ReadMeshTest : public testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text) const {
+    if (is_first()) std::ofstream(scratch_.file(name), std::ios::binary) << text;
+    MPI_Barrier(PETSC_COMM_WORLD);
+    return scratch_.file(name);
+  }
+  MeshInFile read(const std::string& name, const std::string& text) const {
+    return read_mesh(PETSC_COMM_WORLD, write(name, text), "/part/mesh/file");
+  }
+  static std::string refusal_of(const std::string& path) {
+    std::string text =
+        test::error_text<InputError>([&] { (void)read_mesh(PETSC_COMM_WORLD, path, "/part/mesh/file"); });
+    EXPECT_EQ(text.rfind("/part/mesh/file: '" + path + "': ", 0), 0u) << text;
+    return text;
+  }
+  std::string refusal_of(const std::string& name, const std::string& text) const {
+    return refusal_of(write(name, text));
+  }
+  std::string file(const std::string& name) const { return scratch_.file(name); }
+
+ private:
+  test::ScratchDirectory scratch_;
+};
+
+void expect_box(const MeshInFile& found, double shift = 0.0) {
+  EXPECT_EQ(found.mesh.points.size(), 8u);
+  EXPECT_EQ(found.mesh.triangles.size(), 12u);
+  EXPECT_EQ(found.degenerate, 0);
+  EXPECT_TRUE(is_closed(found.mesh));
+  EXPECT_NEAR(signed_volume(found.mesh), 8.0, 1e-12);
+  EXPECT_EQ(bounds(found.mesh).low, (Point<3>{1 + shift, 2, 3}));
+  EXPECT_EQ(bounds(found.mesh).high, (Point<3>{2 + shift, 4, 7}));
+}
+
+TEST_F(ReadMeshTest, EachFormat) {
+  expect_box(read("ascii.stl", ascii_stl(box)));
+  expect_box(read("binary.stl", binary_stl(box)));
+  expect_box(read("upper case.STL", binary_stl(box)));
+  expect_box(read("part.obj", obj(box)));
+  expect_box(read("part.ply", ply(box)));
+  expect_box(read("part.3mf", three_mf(box)), 10.0);
+}
+
+TEST_F(ReadMeshTest, JoinsSeveralSolids) {
+  const TriangleMesh other = box_mesh({5, 5, 5}, {6, 6, 6});
+  const MeshInFile found = read("two.stl", ascii_stl(box) + ascii_stl(other));
+  EXPECT_EQ(found.mesh.points.size(), 16u);
+  EXPECT_NEAR(signed_volume(found.mesh), 9.0, 1e-12);
+  EXPECT_TRUE(is_closed(found.mesh));
+}
+
+TEST_F(ReadMeshTest, ManyPointsAreJoined) {
+  const TriangleMesh torus = test::torus_mesh(2, 1, 100, 60);
+  const MeshInFile found = read("torus.stl", binary_stl(torus));
+  EXPECT_EQ(found.mesh.points.size(), torus.points.size());
+  EXPECT_EQ(found.mesh.triangles.size(), torus.triangles.size());
+  EXPECT_TRUE(is_closed(found.mesh));
+  EXPECT_NEAR(signed_volume(found.mesh), signed_volume(torus), 1e-5);
+}
+
+/// A prism over an L, its faces polygons, among lines, points and points that nothing uses.
+TEST_F(ReadMeshTest, PolygonsLinesAndPoints) {
+  const std::string prism =
+      "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n"
+      "v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\nv 9 9 9\n"
+      "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\n"
+      "f 6 1 7 12\nl 1 9\np 2\n";
+  const MeshInFile found = read("l.obj", prism);
+  EXPECT_EQ(found.mesh.points.size(), 12u);
+  EXPECT_EQ(found.mesh.triangles.size(), 20u);
+  EXPECT_TRUE(is_closed(found.mesh));
+  EXPECT_NEAR(signed_volume(found.mesh), 3.0, 1e-12);
+  EXPECT_EQ(bounds(found.mesh).high, (Point<3>{2, 2, 1}));
+}
+
+TEST_F(ReadMeshTest, DegenerateTrianglesAreCounted) {
+  TriangleMesh mesh = box;
+  mesh.triangles.push_back({3, 3, 5});
+  mesh.triangles.push_back({7, 7, 7});
+  mesh.points.push_back({-0.0, 0, 0});
+  mesh.points.push_back({0, -0.0, 0});
+  mesh.triangles.push_back({8, 1, 9});  // zeros of either sign are the same point
+  for (const MeshInFile& found : {read("a.stl", binary_stl(mesh)), read("a.ply", ply(mesh))}) {
+    EXPECT_EQ(found.degenerate, 3);
+    EXPECT_EQ(found.mesh.triangles.size(), 12u);
+    EXPECT_TRUE(is_closed(found.mesh));
+  }
+}
+
+/// Without the flat triangle in the seam, the surface would have a slit.
+TEST_F(ReadMeshTest, TrianglesOfNoAreaStay) {
+  const std::string seam = "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\nf 3 2 4\nf 1 4 2\n";
+  const MeshInFile found = read("seam.obj", seam);
+  EXPECT_EQ(found.mesh.triangles.size(), 4u);
+  EXPECT_TRUE(is_closed(found.mesh));
+}
+
+TEST_F(ReadMeshTest, RefusesWhatIsNoRegularFile) {
+  EXPECT_TRUE(
+      contains(refusal_of(file("missing.stl")), "(No such file or directory), needs a readable file"));
+  EXPECT_TRUE(contains(refusal_of("/dev/zero"), "is a directory, pipe or device, needs a regular file"));
+  if (is_first()) {
+    std::filesystem::create_directory(file("folder.stl"));
+    EXPECT_EQ(mkfifo(file("pipe.stl").c_str(), 0600), 0);
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+  EXPECT_TRUE(contains(refusal_of(file("folder.stl")), "needs a regular file"));
+  EXPECT_TRUE(contains(refusal_of(file("pipe.stl")), "needs a regular file"));
+}
+
+TEST_F(ReadMeshTest, RefusesOtherFormatsAndDamage) {
+  const std::string needs = "needs an intact STL, OBJ, PLY or 3MF file";
+  EXPECT_TRUE(contains(refusal_of("part.step", "ISO-10303-21;\nHEADER;\n"), needs));
+  EXPECT_TRUE(contains(refusal_of("empty.stl", ""), needs));
+  EXPECT_TRUE(contains(refusal_of("noise.3mf", "PK no archive"), needs));
+  EXPECT_TRUE(contains(refusal_of("short.stl", binary_stl(box).substr(0, 300)), needs));
+  EXPECT_TRUE(contains(refusal_of("short.ply", ply(box).substr(0, 100)), needs));
+}
+
+TEST_F(ReadMeshTest, RefusesFilesWithoutTriangles) {
+  const std::string needs = "needs a surface";
+  EXPECT_TRUE(contains(refusal_of("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\nl 1 2\n"), needs));
+  EXPECT_TRUE(contains(refusal_of("flat.obj", "v 0 0 0\nv 1 0 0\nf 1 2 1\n"), needs));
+}
+
+TEST_F(ReadMeshTest, RefusesCoordinatesThatAreNotFinite) {
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    TriangleMesh mesh = box;
+    mesh.points[3][1] = bad;
+    EXPECT_TRUE(contains(refusal_of("bad.stl", binary_stl(mesh)), "needs finite coordinates")) << bad;
+  }
+}
+
+/// The file of materials is a pipe in which nobody writes.
+TEST_F(ReadMeshTest, DoesNotWaitForOtherFiles) {
+  if (is_first()) {
+    EXPECT_EQ(mkfifo(file("pipe.mtl").c_str(), 0600), 0);
+  }
+  expect_box(read("part.obj", "mtllib pipe.mtl\n" + obj(box)));
+}
+
+}  // namespace
+}  // namespace fabseq
