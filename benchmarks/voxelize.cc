@@ -6,7 +6,7 @@
 ///     400
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/mesh/fill_fractions.h"
+#include "fabseq/mesh/mesh_interior.h"
 
 #include <cmath>
 #include <cstdio>
@@ -38,17 +38,15 @@ TriangleMesh torus(std::int64_t triangles) {
 }
 
 void measure(std::int64_t triangles, int edge) {
-  const MPI_Comm world = PETSC_COMM_WORLD;
+  const MPI_Comm world = MPI_COMM_WORLD;
   const TriangleMesh mesh = torus(triangles);
   const double begin = MPI_Wtime();
-  const bool closed = is_closed(mesh);
-  const WindingNumber winding(mesh);
+  const MeshInterior interior(mesh);
   const double built = max(world, MPI_Wtime() - begin);
   IndexBox<3> box{{}, {edge, edge, edge}};
   box.start[2] = static_cast<int>(std::int64_t{edge} * rank_of(world) / size_of(world));
   box.size[2] = static_cast<int>(std::int64_t{edge} * (rank_of(world) + 1) / size_of(world)) - box.start[2];
-  const FillFractions filled =
-      fill_fractions(mesh, winding, closed, {{}, {1.0 / edge, 1.0 / edge, 1.0 / edge}}, box);
+  const FillFractions filled = interior.fill_fractions({{}, {1.0 / edge, 1.0 / edge, 1.0 / edge}}, box);
   const double seconds = max(world, MPI_Wtime() - begin) - built;
   const double volume = sum(world, std::accumulate(filled.of_element.begin(), filled.of_element.end(), 0.0)) /
                         std::pow(edge, 3);

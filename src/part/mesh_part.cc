@@ -70,15 +70,14 @@ PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPl
   mesh_ = placed(read);
   lower_ = bounds(mesh_).low;
   upper_ = bounds(mesh_).high;
-  closed_ = is_closed(mesh_);
+  interior_.emplace(mesh_);
   volume_ = std::abs(signed_volume(mesh_));
   double volume_of_box = 1.0;
   for (int axis = 0; axis < 3; ++axis) volume_of_box *= upper_[axis] - lower_[axis];
-  if (!(volume_of_box > 0.0) || (closed_ && volume_ < least_share_of_box * volume_of_box))
+  if (!(volume_of_box > 0.0) || (interior_->closed() && volume_ < least_share_of_box * volume_of_box))
     throw InputError("/part/mesh/file: '" + description.file + "' encloses no volume between " +
                      to_text<3>(lower_) + " and " + to_text<3>(upper_) +
                      "; allowed: the surface of a body in space");
-  winding_.emplace(mesh_);
 }
 
 TriangleMesh PlacedMesh::placed(TriangleMesh mesh) const {
@@ -94,7 +93,7 @@ std::array<std::array<double, 4>, 3> PlacedMesh::placement() const {
 FillFractions PlacedMesh::fill(const Domain<3>& domain, const IndexBox<3>& box) const {
   ElementLattice lattice{domain.origin, {}};
   for (int axis = 0; axis < 3; ++axis) lattice.spacing[axis] = domain.size[axis] / domain.elements[axis];
-  return fill_fractions(mesh_, *winding_, closed_, lattice, box);
+  return interior_->fill_fractions(lattice, box);
 }
 
 }  // namespace fabseq

@@ -8,18 +8,6 @@ namespace fabseq {
 
 namespace {
 
-/// Marks the owned nodes of all node sets that the objective measures; none if it measures none.
-template <int Dim>
-std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model) {
-  std::optional<std::vector<char>> result;
-  for (const Term& term : model.settings.objective)
-    for (const std::string& name : term.type->node_sets(term)) {
-      if (!result) result.emplace(model.part.touched_nodes().size(), 0);
-      for (const int node : model.node_sets.at(name).owned) (*result)[node] = 1;
-    }
-  return result;
-}
-
 /// By the model that the state now counts by.
 template <int Dim>
 DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>& problem,

@@ -50,7 +50,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
   const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
-  const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state);
+  const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state, /*with_shape=*/false);
   const std::vector<GradientRow> rows = all_components(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
 

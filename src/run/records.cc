@@ -39,6 +39,20 @@ Json deposition_record(const DepositionNumbers& numbers) {
                        {"distortion", terms}});
 }
 
+Json to_record(const Deviation& deviation) {
+  return Json::object(
+      {{"displacement", to_record(deviation.part)},
+       {"nodes", deviation.nodes ? to_record(*deviation.nodes) : Json()},
+       {"stock", Json::object({{"outward", deviation.outward}, {"inward", deviation.inward}})}});
+}
+
+Json finished_record(const FinishedShape& shape) {
+  Json record = Json::object({{"as_built", to_record(shape.as_built)},
+                              {"released", shape.released ? to_record(*shape.released) : Json()}});
+  if (!shape.failure.empty()) record["failure"] = shape.failure;
+  return record;
+}
+
 Json scenario_table(const std::vector<ScenarioNumbers>& scenarios) {
   Json table = Json::array();
   for (const auto& [name, values, mean, spread, worst] : scenarios)
@@ -83,6 +97,7 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["displacement"] = to_record(numbers.displacement_size);
   record["deposition"] = Json::object({{"follow", deposition_record(numbers.depositions.follow)},
                                        {"nominal", deposition_record(numbers.depositions.nominal)}});
+  if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }
 

@@ -21,6 +21,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   fields.add(setup.design_support.on_nodes(), "design", design);
   reports.optimized.add_fields(fields, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
+  if (const auto& finished = reports.binary.finished; finished && !finished->release.empty())
+    fields.add_nodes("binary/release_displacement", finished->release, Dim);
   baseline.add_fields(fields, "planar/");
   if (reports.start) reports.start->add_fields(fields, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));

@@ -79,6 +79,7 @@ bool RunOutput<Dim>::keep(const RunState<Dim>& run, const Pipeline<Dim>& pipelin
 template <int Dim>
 Summary RunOutput<Dim>::summary(const RunEnd& end) const {
   return {setup_.config.name,
+          setup_.config.unit,
           end,
           size_of(setup_.world()),
           setup_.groups.count(),

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/sequence_report.h"
 
-#include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
 #include "fabseq/run/deposition_report.h"
 #include "fabseq/run/scenario_report.h"
@@ -29,23 +28,6 @@ std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineS
 
 }  // namespace
 
-template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
-                                   const std::optional<std::vector<char>>& nodes) {
-  const std::vector<char>& counts = nodes ? *nodes : part.touched_nodes();
-  double largest = 0.0, total = 0.0, count = 0.0;
-  for (std::size_t node = 0; node < counts.size(); ++node) {
-    if (counts[node] == 0) continue;
-    double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis) square += std::pow(displacement[node * Dim + axis], 2);
-    largest = std::max(largest, std::sqrt(square));
-    total += square;
-    count += 1.0;
-  }
-  const MPI_Comm comm = part.grid().comm();
-  return {max(comm, largest), std::sqrt(sum(comm, total) / sum(comm, count))};
-}
-
 int SequenceNumbers::used_layers() const {
   double total = 0.0;
   for (const LayerNumbers& layer : layers) total += layer.volume;
@@ -60,11 +42,14 @@ void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& p
   fields.add_elements(prefix + "layer", layer);
   if (!temperature.empty()) fields.add_nodes(prefix + "temperature", temperature);
   fields.add_nodes(prefix + "displacement", displacement, Dim);
+  if (finished && !finished->release.empty())
+    fields.add_nodes(prefix + "release_displacement", finished->release, Dim);
 }
 
 template <int Dim>
 SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                    bool with_shape) {
   SequenceReport<Dim> report;
   report.values = pipeline.values(problem.responses(), state);
   report.responses = problem.describe(report.values);
@@ -72,6 +57,7 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   report.displacement_size = displacement_size(model.part, state.process.displacement);
   report.depositions = report_depositions(model, problem, pipeline, state);
   report.scenarios = report_scenarios(model, problem, pipeline, state);
+  if (with_shape) report.finished = finished_shape(model, pipeline, state);
   report.time = model.part.expand(state.time.time);
   report.layer = model.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;
@@ -79,7 +65,6 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   return report;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(displacement_size);
 FABSEQ_INSTANTIATE_STRUCT(SequenceReport);
 FABSEQ_INSTANTIATE_FUNCTION(report_sequence);
 

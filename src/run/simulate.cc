@@ -45,32 +45,6 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
   }
 }
 
-/// Release from plate or clamps. Empty if the part falls apart then, which is warned about, or, with
-/// `failure` the reason, if the solve fails: the simulation is done by then and shall not be lost.
-template <int Dim>
-std::vector<double> try_release(const Setup<Dim>& setup, const ProcessSimulation<Dim>& process,
-                                const PipelineState<Dim>& state, std::string& failure) {
-  if (!state.process.release.empty()) return state.process.release;  // a term asked for it
-  const std::string obstacle = release_obstacle(setup.grid, setup.supports, setup.config.process.void_model);
-  if (!obstacle.empty()) {
-    warn("no release_displacement: " + obstacle);
-    return {};
-  }
-  const std::vector<double> reactions = process.reactions(state.layers);
-  std::vector<double> release;
-  try {
-    process.groups().run([&] {
-      Release<Dim> solver(process.model(),
-                          release_solver(setup.config.solver, setup.config.solver.tolerance));
-      release = solver.displacement(reactions);
-    });
-  } catch (const NumericalError& error) {
-    failure = error.what();
-    return {};
-  }
-  return release;
-}
-
 /// Displacement and stress, before or after the release.
 template <int Dim>
 struct Distorted {
@@ -91,17 +65,17 @@ struct Simulation {
   SequenceReport<Dim> report;
   Distorted<Dim> finished;
   std::vector<double> increment_norms;  ///< of each layer
-  std::vector<double> release;          ///< displacement by the release; empty: there is none
   std::optional<Distorted<Dim>> released = std::nullopt;
-  std::string failure = "";  ///< why the release's solve failed
+
+  const FinishedShape& shape() const { return *report.finished; }
 };
 
 template <int Dim>
 Distorted<Dim> after_release(const ElasticModel<Dim>& model, const Part<Dim>& part,
                              const Simulation<Dim>& simulation) {
   std::vector<double> displacement = simulation.report.displacement;
-  std::vector<double> stress = finished_stress(model, simulation.release);
-  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += simulation.release[i];
+  std::vector<double> stress = finished_stress(model, simulation.shape().release);
+  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += simulation.shape().release[i];
   for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.finished.stress[i];
   return {part, displacement, std::move(stress)};
 }
@@ -120,7 +94,6 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
   simulation.report.add_fields(fields, "");
-  if (released) fields.add_nodes("release_displacement", simulation.release, Dim);
   fields.add_elements("residual_stress", simulation.finished.stress, voigt_size<Dim>);
   if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
@@ -146,10 +119,11 @@ Json to_record(const StressExtremes<Dim>& extremes) {
 /// summary.json.
 template <int Dim>
 Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const Seconds& seconds) {
-  const bool failed = !simulation.failure.empty();
+  const std::string& failure = simulation.shape().failure;
+  const bool failed = !failure.empty();
   Json record = Json::object({{"name", setup.config.name},
                               {"status", failed ? "failed" : "converged"},
-                              {"reason", failed ? simulation.failure : "simulated"}});
+                              {"reason", failed ? failure : "simulated"}});
   add_members(record, simulation.report);
   set_layer_variables(record, setup.layers->variables(), simulation.design);
   record["layer_displacement_norms"] = simulation.increment_norms;
@@ -190,11 +164,13 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Simulation<Dim> simulation{design,
                              report_sequence(setup, problem, pipeline, state),
                              {setup.part, state.process.displacement, residual_stress(process, state.layers)},
-                             increment_norms(process, state.layers.count(), setup.grid.comm()),
-                             {}};
-  simulation.release = try_release(setup, process, state, simulation.failure);
-  if (!simulation.release.empty())
+                             increment_norms(process, state.layers.count(), setup.grid.comm())};
+  const FinishedShape& shape = simulation.shape();
+  if (!shape.release.empty())
     simulation.released = after_release(process.model(), setup.part, simulation);
+  else if (shape.failure.empty())
+    warn("no release_displacement: " +
+         release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));
 
   write_fields(setup, directory, pipeline, simulation);
   const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
@@ -202,7 +178,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   print(process.solver_description());
   print_numbers(simulation);
   print("results in " + directory.path());
-  if (!simulation.failure.empty()) throw NumericalError(simulation.failure);
+  if (!shape.failure.empty()) throw NumericalError(shape.failure);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_simulate);

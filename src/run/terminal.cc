@@ -3,6 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/run/summary_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,23 +129,8 @@ void Terminal::iteration(const Iterate& iterate, double seconds) {
 }
 
 void Terminal::table(const Summary& summary, const std::string& directory) const {
-  const bool has_length = summary.baseline->first_is_distortion();
   print("");
-  print(std::string("sequence              first objective") + (has_length ? "      length" : "") +
-        "   planar / this   max displacement   layers");
-  const auto print_sequence = [&](const char* name, const SequenceNumbers& numbers) {
-    char length[40] = "", line[200];
-    const double squared = planar_objective_ / numbers.first_objective();
-    if (has_length) std::snprintf(length, sizeof length, " %11.4e", std::sqrt(numbers.first_objective()));
-    std::snprintf(line, sizeof line, "%-20s %16.4e%s %15.1f %18.4e %8d", name, numbers.first_objective(),
-                  length, has_length ? std::sqrt(squared) : squared, numbers.displacement_size.largest,
-                  numbers.used_layers());
-    print(line);
-  };
-  print_sequence("planar", *summary.baseline);
-  if (summary.finish->start != nullptr) print_sequence("start, binary", *summary.finish->start);
-  print_sequence("optimized", summary.finish->optimized);
-  print_sequence("optimized, binary", summary.finish->binary);
+  for (const std::string& line : summary_table(summary)) print(line);
   char seconds[40];
   std::snprintf(seconds, sizeof seconds, "%.1f s", summary.seconds.total);
   print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +

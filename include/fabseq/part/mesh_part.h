@@ -4,8 +4,7 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
-#include "fabseq/mesh/fill_fractions.h"
-#include "fabseq/mesh/triangle_mesh.h"
+#include "fabseq/mesh/mesh_interior.h"
 #include "fabseq/part/pieces.h"
 
 #include <mpi.h>
@@ -64,8 +63,7 @@ class PlacedMesh {
   Point<3> shift_{};
   Point<3> lower_{}, upper_{};
   double volume_ = 0.0;
-  bool closed_ = false;
-  std::optional<WindingNumber> winding_;  ///< refers to mesh_
+  std::optional<MeshInterior> interior_;  ///< refers to mesh_
 };
 
 }  // namespace fabseq

@@ -51,7 +51,7 @@ struct Finish {
 
 /// summary.json: how an optimization ended.
 struct Summary {
-  std::string name;
+  std::string name, unit;  ///< of the run; of lengths, may be empty
   RunEnd end;
   int ranks = 1, layer_groups = 1;
   std::int64_t part_elements = 0;

@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
+#include "fabseq/run/finished_shape.h"
 
 #include <optional>
 #include <string>
@@ -14,11 +15,6 @@ namespace fabseq {
 struct LayerNumbers {
   double volume = 0.0, thickness = 0.0, variation = 0.0;
   int sub_part = 0, slab = 0;  ///< of multi-planar layers, sub-parts from 1; 0: layers without sub-parts
-};
-
-/// Length of the displacement of some nodes, length unit.
-struct DisplacementSize {
-  double largest = 0.0, rms = 0.0;
 };
 
 /// What a deposition model (docs/formulation.md 4.6) makes of a sequence, before the release.
@@ -46,6 +42,7 @@ struct SequenceNumbers {
   DisplacementSize displacement_size;  ///< of the part's nodes
   BothDepositions depositions;
   std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
+  std::optional<FinishedShape> finished;   ///< where it was asked for
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
@@ -62,20 +59,16 @@ struct SequenceReport : SequenceNumbers {
   std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
   std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
 
-  /// Adds time, layer, displacement and, if there is one, temperature to a set, names prefixed. The report
-  /// must outlive it.
+  /// Adds time, layer, displacement and, where there are any, temperature and release to a set, names
+  /// prefixed. The report must outlive it.
   void add_fields(FieldSet<Dim>& fields, const std::string& prefix) const;
 };
 
-/// Reports the state of a pipeline's last run. Collective.
+/// Reports the state of a pipeline's last run. `with_shape`: with the finished part, which takes a solve for
+/// the release. Collective.
 template <int Dim>
 SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
-
-/// Size of a displacement, [owned node][component], on the part's nodes, or on the owned nodes that `nodes`
-/// marks. Collective.
-template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
-                                   const std::optional<std::vector<char>>& nodes = std::nullopt);
+                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                    bool with_shape = true);
 
 }  // namespace fabseq

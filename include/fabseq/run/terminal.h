@@ -62,7 +62,7 @@ class Terminal {
   void iteration(const Iterate& iterate, double seconds);
   /// Ends the line of progress, so that other text can follow.
   void end_progress() { progress_.finish(); }
-  /// All sequences of a run that was not interrupted, and how it ended. Distortions compare in lengths.
+  /// All sequences of a run that was not interrupted (summary_table()), and how it ended.
   void table(const Summary& summary, const std::string& directory) const;
 
  private:

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What a gauge and a scan would find on the finished part.
+#pragma once
+
+#include "fabseq/optimize/pipeline.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Length of the displacement of some nodes, length unit.
+struct DisplacementSize {
+  double largest = 0.0, rms = 0.0;
+};
+
+/// How far a part is from the drawing, in length units.
+struct Deviation {
+  DisplacementSize part;
+  std::optional<DisplacementSize> nodes;  ///< of all node sets that the objective measures; none without them
+  /// Machining stock: how far the skin lies outside and inside of its place along its normal, after the best
+  /// rigid fit. Both at least 0.
+  double outward = 0.0, inward = 0.0;
+};
+
+/// The part as it is built, by the deposition model of the run, and cut from its plate or clamps.
+struct FinishedShape {
+  Deviation as_built;
+  std::optional<Deviation> released;  ///< none where a release is not defined or its solve fails
+  std::vector<double> release;        ///< what the release adds, [owned node][component]; empty: none
+  std::string failure;                ///< why the solve for the release failed; empty: it did not
+};
+
+/// The finished part of a pipeline's last run, with one solve for the release. Collective.
+template <int Dim>
+FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                             const PipelineState<Dim>& state);
+
+/// Marks the owned nodes of all node sets that the objective measures; none if it measures none.
+template <int Dim>
+std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model);
+
+/// Size of a displacement, [owned node][component], on the part's nodes, or on the owned nodes that `nodes`
+/// marks. Collective.
+template <int Dim>
+DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
+                                   const std::optional<std::vector<char>>& nodes = std::nullopt);
+
+}  // namespace fabseq
