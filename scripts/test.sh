@@ -44,5 +44,5 @@ for preset in "${presets[@]}"; do
     exit 2
   fi
   cmake --build --preset "$preset" --parallel "$(compile_jobs)" --target "${names[@]}"
-  ctest --preset "$preset" --parallel "$(core_count)" "${selection[@]}"
+  ctest --preset "$preset" --parallel "$(($(core_count) + 1))" "${selection[@]}"  # many wait for processes
 done

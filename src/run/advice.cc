@@ -12,7 +12,8 @@ namespace {
 /// The figures of docs/how-to.md, "Choose settings".
 constexpr double least_elements_per_layer = 2.5;
 constexpr double most_vacant_layers = 0.2, least_vacant_layers = -0.02;
-constexpr int iterations_at_last_beta = 25;
+/// At least this share of the iterations belongs to the last sharpness.
+constexpr double share_of_last_beta = 0.2;
 
 template <class... Arguments>
 std::string text(const char* format, Arguments... arguments) {
@@ -55,7 +56,7 @@ void add_advice_on_sharpness(const Setup<Dim>& setup, std::vector<std::string>& 
   const double steps =
       std::ceil(std::log(traits.last_beta / traits.first_beta) / std::log(projection.factor));
   const int iterations = setup.config.optimizer.max_iterations;
-  if (steps > 0.0 && iterations < steps * projection.interval + iterations_at_last_beta)
+  if (steps * projection.interval > (1.0 - share_of_last_beta) * iterations)
     result.push_back(
         text("/projection/interval: the sharpness grows until iteration %.0f of %d: take a shorter "
              "interval or more iterations",

@@ -64,7 +64,7 @@ class Table {
   }
   void line(const std::string& label, const std::vector<std::string>& cells) {
     std::string text = label + std::string(label.size() < 30 ? 30 - label.size() : 0, ' ');
-    for (const std::string& cell : cells) text += padded(cell, 11);
+    for (std::size_t i = 0; i < cells.size(); ++i) text += padded(cells[i], i < 4 ? 11 : 15);
     lines.push_back(text);
   }
 

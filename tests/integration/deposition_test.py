@@ -2,6 +2,8 @@
 """What summary.json and evaluation.json say of both deposition models, and of the start design. Each figure
 of the model that was not optimized is that of a run which has it."""
 
+import re
+
 import numpy as np
 
 import run_fabseq
@@ -124,9 +126,9 @@ class StartTest(FabseqTest):
         expected = read_result(simulated)
         for name in ("time", "layer", "displacement"):
             assert_close(read_result(first)["start/" + name], expected[name], LIMIT, name)
-        self.assertRegex(first.stdout, r"(?m)^start, binary +\d")
-        length = np.sqrt(summary["start"]["responses"][0]["value"])
-        self.assertIn(f"{length:.4e}", first.stdout)
+        lengths = [f"{np.sqrt(summary[block]['responses'][0]['value']):.4g}"
+                   for block in ("start", "baseline", "optimized", "binary")]
+        self.assertRegex(first.stdout, "(?m)^first distortion +" + " +".join(map(re.escape, lengths)) + " ")
 
 
 if __name__ == "__main__":
