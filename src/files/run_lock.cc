@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -30,18 +31,28 @@ bool has_name(int descriptor, const std::string& path) {
          of_file.st_ino == of_name.st_ino && of_file.st_dev == of_name.st_dev;
 }
 
-bool is_held(int error) { return error == EAGAIN || error == EACCES; }
+/// Opens the file and tries to lock it; `error` is that of the lock, 0 if it was taken. The file stays open
+/// for reading only, since one that is open for writing keeps a disk from being made read-only. Network file
+/// systems lock only files that are open for writing.
+int open_and_lock(const std::string& path, int& error) {
+  int descriptor = -1;
+  for (const int access : {O_RDONLY, O_RDWR}) {
+    if (descriptor >= 0) (void)::close(descriptor);
+    descriptor = ::open(path.c_str(), access | O_CREAT | O_CLOEXEC, 0666);
+    error = descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 ? errno : 0;
+    if (error != EBADF) break;
+  }
+  return descriptor;
+}
 
 }  // namespace
 
 RunLock::RunLock(const std::string& directory) : path_(directory + "/lock"), descriptor_(-1) {
   while (true) {
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    int error = 0;
+    descriptor_ = open_and_lock(path_, error);
     if (descriptor_ < 0) return;  // whoever writes to the directory says what is wrong with it
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
-    if (::fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && is_held(errno)) {
+    if (error == EWOULDBLOCK) {
       (void)::close(descriptor_);
       const std::string holder = read_file_if_there(path_);
       throw InputError("output directory '" + directory + "' is in use by a run (" +
@@ -51,9 +62,10 @@ RunLock::RunLock(const std::string& directory) : path_(directory + "/lock"), des
     if (has_name(descriptor_, path_)) break;
     (void)::close(descriptor_);
   }
+  const int writable = ::open(path_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
   const std::string holder = this_process();
-  (void)!::ftruncate(descriptor_, 0);
-  (void)!::pwrite(descriptor_, holder.data(), holder.size(), 0);
+  (void)!::write(writable, holder.data(), holder.size());
+  (void)::close(writable);
 }
 
 RunLock::~RunLock() {
