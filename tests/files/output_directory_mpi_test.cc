@@ -46,7 +46,7 @@ TEST(OutputDirectory, MakesParentsAndWritesWholeFiles) {
     EXPECT_EQ(file_text(directory.file("config.json")), "{\"a\": 1}\n");
     EXPECT_EQ(file_text(directory.file("fields/x.txt")), "of rank 0");
   }
-  EXPECT_EQ(listing(directory.path()), "config.json fields fields/x.txt ");
+  EXPECT_EQ(listing(directory.path()), "config.json fields fields/x.txt lock ");
 }
 
 TEST(OutputDirectory, RefusesToTouchAnEarlierRun) {
@@ -109,7 +109,7 @@ TEST(OutputDirectory, FailsOnAllRanksWhenTheDiskIsFull) {
     EXPECT_EQ(file_text(directory.file("summary.json")), "first");
     EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\": 1}\n");
   }
-  EXPECT_EQ(listing(disk.path()), "history.jsonl summary.json ");
+  EXPECT_EQ(listing(disk.path()), "history.jsonl lock summary.json ");
   // With room again, the run could go on.
   EXPECT_NO_THROW(directory.append_line("history.jsonl", "{\"iteration\": 2}"));
 }
@@ -167,7 +167,7 @@ TEST(OutputDirectory, AContinuedRunKeepsItsFiles) {
   MPI_Barrier(PETSC_COMM_WORLD);
   const OutputDirectory directory = OutputDirectory::continued(PETSC_COMM_WORLD, scratch.path());
   EXPECT_EQ(listing(scratch.path()),
-            "checkpoint checkpoint/slot_0.h5 config.json history.jsonl notes.txt result.h5 stop ");
+            "checkpoint checkpoint/slot_0.h5 config.json history.jsonl lock notes.txt result.h5 stop ");
   EXPECT_TRUE(directory.has("stop"));
   directory.remove("stop");
   directory.remove("stop");

@@ -38,7 +38,8 @@ class AbortTest(FabseqTest):
         self.assertEqual(whole.status, DONE, str(whole))
         with open(os.path.join(self.directory, str(RANK)), encoding="utf-8") as file:
             calls = int(file.read())
-        for part in (0.2, 0.5, 0.8):  # of all allocations
+        # Of all allocations, but those for the summary at the end: destructors of JSON values allocate, too.
+        for part in (0.2, 0.4, 0.6):
             with self.subTest(part=part):
                 start = time.monotonic()
                 run = self.run_failing(int(part * calls))

@@ -100,8 +100,8 @@ class OutputsOfOneRankTest(FabseqTest):
         shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer",
                                               "start/time", "start/layer")}
         shapes["temperature"] = shapes["start/temperature"] = nodes
-        for name in ("displacement", "binary/displacement", "planar/displacement", "start/displacement"):
-            shapes[name] = nodes + (2,)
+        for prefix in ("", "binary/", "planar/", "start/"):
+            shapes[prefix + "displacement"] = shapes[prefix + "release_displacement"] = nodes + (2,)
         run = RUNS[self.ranks]
         data = read_result(run)
         self.assertEqual({name: values.shape for name, values in data.items()}, shapes)
