@@ -93,7 +93,7 @@ class DistortionLimit : public Response<Dim> {
   double limit_;
 };
 
-Section<DistortionSettings> objective_keys() {
+Section<DistortionSettings> distortion_objective_keys() {
   return distortion_keys("objective")
       .key("least_squares", &DistortionSettings::least_squares,
            "Hand displacement, flatness or shape to the optimizer as a sum of squares, an elastic adjoint "
@@ -112,7 +112,7 @@ Section<DistortionLimitSettings> constraint_keys() {
 
 const Registered<Distortion, DistortionSettings> objective({.name = "distortion",
                                                             .scaling = TermScaling::current},
-                                                           objective_keys());
+                                                           distortion_objective_keys());
 const Registered<DistortionLimit, DistortionLimitSettings> constraint({.list = TermList::constraints,
                                                                        .name = "distortion"},
                                                                       constraint_keys());

@@ -14,7 +14,7 @@ std::vector<const ResponseType*>& registry() {
 }
 
 /// The keys that all objective terms have; the declarations of some of them depend on the type.
-Section<Term> objective_keys() {
+Section<Term> common_objective_keys() {
   Section<Term> result("objective", "Objective: a list of terms");
   const auto types = response_types(TermList::objective);
   for (const ResponseType* type : types)
@@ -52,7 +52,7 @@ const ResponseType* find_response_type(TermList list, const std::string& name) {
 
 SectionKeys term_keys(TermList list) {
   const bool objective = list == TermList::objective;
-  const SectionKeys common = objective ? objective_keys().declarations().front()
+  const SectionKeys common = objective ? common_objective_keys().declarations().front()
                                        : SectionKeys{"constraints", "Constraints: a list", {}};
   SectionKeys result{common.path, common.title, {}};
   ConfigKey type{.type = KeyType::choice, .required = true, .name = "type", .section = common.path};
@@ -73,7 +73,7 @@ SectionKeys term_keys(TermList list) {
 }
 
 Term make_term(TermList list, const Json& object) {
-  static const Section<Term> common = objective_keys();
+  static const Section<Term> common = common_objective_keys();
   Term term;
   term.type = find_response_type(list, object.at("type").get<std::string>());
   term.keys = object;

@@ -12,7 +12,7 @@ namespace fabseq {
 namespace {
 
 /// A frame with logarithmic axes, in pixels of the picture.
-struct Frame {
+struct GradientFrame {
   double left = 80, right = 560, top = 50, bottom = 400;
   double first_step = -7, last_step = -1, lowest = -12, highest = 1;  ///< decades
 
@@ -28,7 +28,7 @@ struct Frame {
 constexpr std::array<const char*, 6> colors = {"#1b6ca8", "#d1495b", "#2e933c",
                                                "#8a5fbf", "#c77d0a", "#444444"};
 
-void draw_axes(std::ostringstream& text, const Frame& frame) {
+void draw_axes(std::ostringstream& text, const GradientFrame& frame) {
   text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
        << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
   for (int decade = static_cast<int>(frame.first_step); decade <= frame.last_step; ++decade)
@@ -50,7 +50,7 @@ void draw_axes(std::ostringstream& text, const Frame& frame) {
 }  // namespace
 
 std::string GradientCheck::svg(const std::string& title) const {
-  const Frame frame;
+  const GradientFrame frame;
   const double height = std::max(460.0, frame.top + 20.0 + 18.0 * static_cast<double>(errors.size()));
   std::ostringstream text;
   text << svg::begin(800, height) << "<text x='" << frame.left << "' y='30' font-size='16'>"

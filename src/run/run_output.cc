@@ -15,7 +15,7 @@ namespace fabseq {
 
 namespace {
 
-std::string name_of(int iteration) {
+std::string dump_name(int iteration) {
   char name[32];
   std::snprintf(name, sizeof name, "iteration_%04d", iteration);
   return name;
@@ -55,7 +55,7 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
-      write_iteration_fields(setup_, directory_, name_of(iterate.iteration), pipeline, design.field,
+      write_iteration_fields(setup_, directory_, dump_name(iterate.iteration), pipeline, design.field,
                              state.process.displacement);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
@@ -124,7 +124,7 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   try {
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
-    write_iteration_fields(setup_, directory_, name_of(checkpoints_.iteration() + 1) + "_failed", pipeline,
+    write_iteration_fields(setup_, directory_, dump_name(checkpoints_.iteration() + 1) + "_failed", pipeline,
                            checkpoints_.design(), {});
   } catch (const OutputError& second) {
     warn(second.what());

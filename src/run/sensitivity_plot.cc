@@ -19,11 +19,12 @@ constexpr Kind kinds[] = {{&SensitivityRow::length_ratio, "#d1495b", "length of 
                           {&SensitivityRow::rms_ratio, "#1b6ca8", "rms displacement of the part"}};
 
 /// A line of 18 pixels per change, and a logarithmic axis of ratios over whole decades.
-struct Frame {
+struct SensitivityFrame {
   double left = 300, right = 700, top = 70, row = 18, bottom = 0;
   double lowest = 0, highest = 1;  ///< decades
 
-  explicit Frame(const SensitivityTable& table) : bottom(top + row * static_cast<double>(table.rows.size())) {
+  explicit SensitivityFrame(const SensitivityTable& table)
+      : bottom(top + row * static_cast<double>(table.rows.size())) {
     for (const SensitivityRow& of : table.rows)
       for (const Kind& kind : kinds)
         if (const auto ratio = (of.*kind.ratio)(); ratio && *ratio > 0.0) {
@@ -38,7 +39,7 @@ struct Frame {
 };
 
 /// Decades, and where there are few of them, their halves and doubles.
-std::vector<double> ticks(const Frame& frame) {
+std::vector<double> ticks(const SensitivityFrame& frame) {
   std::vector<double> result;
   for (double decade = frame.lowest; decade <= frame.highest; ++decade)
     for (const double digit : {1.0, 2.0, 5.0})
@@ -47,7 +48,7 @@ std::vector<double> ticks(const Frame& frame) {
   return result;
 }
 
-void draw_axis(std::ostringstream& text, const Frame& frame) {
+void draw_axis(std::ostringstream& text, const SensitivityFrame& frame) {
   text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
        << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
   for (const double ratio : ticks(frame)) {
@@ -60,7 +61,7 @@ void draw_axis(std::ostringstream& text, const Frame& frame) {
        << "' text-anchor='middle'>planar / this, under the same change</text>\n";
 }
 
-void draw_legend(std::ostringstream& text, const Frame& frame) {
+void draw_legend(std::ostringstream& text, const SensitivityFrame& frame) {
   double x = frame.left;
   for (const Kind& kind : kinds) {
     text << "<circle cx='" << x << "' cy='52' r='4' fill='" << kind.color << "'/>\n<text x='" << x + 8
@@ -72,7 +73,7 @@ void draw_legend(std::ostringstream& text, const Frame& frame) {
 }  // namespace
 
 std::string SensitivityTable::svg() const {
-  const Frame frame(*this);
+  const SensitivityFrame frame(*this);
   std::ostringstream text;
   text << svg::begin(760, frame.bottom + 50) << "<text x='20' y='28' font-size='16'>Sensitivity of "
        << svg::escaped(name) << "</text>\n";
