@@ -11,12 +11,12 @@
 # their checkpoint before; it takes twice this time to return when they end with status 4.
 export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-10}"
 source "$FABSEQ_ROOT/scripts/environment.sh"
+source "$FABSEQ_ROOT/scripts/wait_for_end.sh"
 
 # One task of an array has the array's number as SLURM_JOB_ID; requeued by that, all tasks would run again.
 job=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}
 job=${job:-$SLURM_JOB_ID}
 
-signals=0 # all that have come
 warned=no # the job's time is nearly over: USR1 from sbatch --signal
 ended=no  # Slurm takes the job away: cancelled, preempted, requeued
 launcher=
@@ -29,16 +29,6 @@ on_warning() {
 
 # Slurm sends TERM to the ranks as well. The script has to stay: when it ends, Slurm kills the rest of the job at once.
 on_end() { signals=$((signals + 1)) ended=yes; }
-
-# Status of a process, waiting on when a signal has come in between.
-wait_for_end() {
-  local seen status=0
-  while true; do
-    seen=$signals
-    wait "$1" && status=0 || status=$?
-    ((seen != signals)) || return "$status"
-  done
-}
 
 completed_iterations() { if [[ -f $1/history.jsonl ]]; then wc -l <"$1/history.jsonl"; else echo 0; fi; }
 
