@@ -64,6 +64,22 @@ def measured(run, states):
             values = [getattr(f, what).get(key) for f in figures]
             if any(value is not None for value in values):
                 rows.append((words, values))
+    return rows + finished(run, states)
+
+
+def finished(run, states):
+    """Rows of the finished part by the run's own model: machining stock as built, all after the release."""
+    rows = []
+    for moment, heading in (("as_built", "Machining stock as built"), ("released", "After the release")):
+        blocks = [run.summary.get(state, {}).get("finished", {}).get(moment) or {} for state in states]
+        if not any(blocks):
+            continue
+        rows.append(f"{heading} ({unit_of(run)})")
+        if moment == "released":
+            rows += [(words, [(block.get({"part": "displacement"}.get(what, what)) or {}).get(key) for block in blocks])
+                     for what, key, words in DISPLACEMENTS]
+        rows += [(f"skin {place} the drawing, at most", [block.get("stock", {}).get(side) for block in blocks])
+                 for side, place in (("outward", "outside"), ("inward", "inside"))]
     return rows
 
 
