@@ -47,7 +47,7 @@ int open_and_lock(const std::string& path, int& error) {
 
 }  // namespace
 
-RunLock::RunLock(const std::string& directory) : path_(directory + "/lock"), descriptor_(-1) {
+RunLock::RunLock(const std::string& directory) : path_(directory + "/lock") {
   while (true) {
     int error = 0;
     descriptor_ = open_and_lock(path_, error);

@@ -20,7 +20,7 @@ class RunLock {
 
  private:
   std::string path_;
-  int descriptor_;
+  int descriptor_ = -1;
 };
 
 }  // namespace fabseq
