@@ -54,7 +54,7 @@ void measure(std::int64_t triangles, int edge) {
   char line[200];
   std::snprintf(
       line, sizeof line,
-      "%zu triangles, %d^3 elements, %d ranks: tree %.2f s, elements %.2f s, volume %.6f (torus %.6f)",
+      "%zu triangles, %d^3 elements, %d ranks: set-up %.2f s, elements %.2f s, volume %.6f (torus %.6f)",
       mesh.triangles.size(), edge, size_of(world), built, seconds, volume, exact);
   print(line);
 }
