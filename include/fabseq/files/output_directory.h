@@ -14,15 +14,14 @@ namespace fabseq {
 /// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
 
-/// The directory of a run, which it keeps for itself (RunLock), which it creates and into which it writes
-/// small text files. Rank 0 of comm() does the work. Calls that say "collective" are so on comm().
+/// The directory of a run, which it creates, keeps for itself (RunLock) and writes small text files into.
+/// Rank 0 of comm() does the work. Calls that say "collective" are so on comm().
 class OutputDirectory {
  public:
   /// Creates the directory. With `overwrite`, removes what an earlier run left there: only files and folders
   /// that a run writes, and the files `stop` and `output_now`. Throws InputError if `path` holds a run
-  /// already (a config.json) and `overwrite` is false, or if a
-  /// run that has not ended holds it. Throws OutputError if the directory cannot be made or
-  /// written to. Collective.
+  /// already (a config.json) and `overwrite` is false, or if a run that has not ended holds it. Throws
+  /// OutputError if the directory cannot be made or written to. Collective.
   OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite);
   /// The directory of a run that continues there. What the run left stays, except for its summary.json and
   /// for incomplete files. Throws InputError if a run that has not ended holds the directory, OutputError if
