@@ -4,7 +4,7 @@
 # Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be
 # left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank
 # where cases need it that take long, and both where they do not.
-set(FABSEQ_DECOMPOSED parallel grid part files lanes solve sequence)
+set(FABSEQ_DECOMPOSED parallel grid part files lanes machine solve sequence)
 set(FABSEQ_ALONE lane_cg_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)
@@ -62,7 +62,7 @@ set(FABSEQ_LABELS
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|own_layer|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
-    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|process|responses|config|mma|optimize)/|^scripts/")
+    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)
   set(labels)
   foreach(entry ${FABSEQ_LABELS})

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 MODULES = ["base", "keys", "parallel", "grid", "mesh", "part", "files", "fem", "lanes", "solve", "sequence",
-           "layers", "process", "responses", "mma", "optimize", "config", "run"]
+           "layers", "machine", "process", "responses", "mma", "optimize", "config", "run"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"](fabseq/[^>"]+)[>"]')
 
 

@@ -101,6 +101,7 @@ Section<Config> all_keys() {
       .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);
   add_terms(keys);
   return keys.section("baseline", &Its::baseline, "Planar sequence for comparison", baseline_keys(), optional)
+      .section("tool", &Its::tool, "Torch and bead", tool_keys(), optional)
       .section("optimizer", &Its::optimizer, "Optimizer", optimizer_keys(), optional)
       .section("solver", &Its::solver, "Linear solver", solver_keys(), optional)
       .section("output", &Its::output, "Output", output_keys(), optional);

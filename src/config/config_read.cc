@@ -7,6 +7,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/config_rules.h"
+#include "fabseq/config/material_file.h"
 #include "fabseq/config/place_mesh.h"
 #include "fabseq/config/reslicing.h"
 #include "fabseq/keys/config_key.h"
@@ -143,6 +144,7 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
   reslice(comm, command_line, document);
   const std::string directory = broadcast(comm, file.directory);
+  merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
   Config config = make_config(document, directory, mesh);
   check_task(config, command_line.task);

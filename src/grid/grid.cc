@@ -170,9 +170,7 @@ Point<Dim> Grid<Dim>::element_center(const Index<Dim>& element) const {
 
 template <int Dim>
 Point<Dim> Grid<Dim>::node_position(const Index<Dim>& node) const {
-  Point<Dim> position;
-  for (int axis = 0; axis < Dim; ++axis) position[axis] = domain_.origin[axis] + node[axis] * spacing_[axis];
-  return position;
+  return fabseq::node_position<Dim>(domain_, node);
 }
 
 template <int Dim>

@@ -55,10 +55,8 @@ std::vector<char> nodes_near(const TriangleMesh& mesh, double distance, const Do
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::array<Point<3>, 3> triangle = mesh.corners(t);
     nodes_around(triangle, distance, domain, box).for_each([&](const Index<3>& node, std::int64_t) {
-      Point<3> x;
-      for (int axis = 0; axis < 3; ++axis)
-        x[axis] = domain.origin[axis] + node[axis] * (domain.size[axis] / domain.elements[axis]);
-      if (distance_to_triangle(x, triangle) <= distance) result[box.offset(node)] = 1;
+      if (distance_to_triangle(node_position<3>(domain, node), triangle) <= distance)
+        result[box.offset(node)] = 1;
     });
   }
   return result;

@@ -20,10 +20,7 @@ template <int Dim>
 std::vector<char> surface_nodes(const Part<Dim>& part) {
   const Grid<Dim>& grid = part.grid();
   const ElementHalo<Dim> halo(grid, 1);
-  std::vector<double> solid(part.density().size());
-  for (std::size_t e = 0; e < solid.size(); ++e)
-    solid[e] = part.density()[e] > 0.0 || part.substrate().elements()[e] != 0 ? 1.0 : 0.0;
-  solid = halo.gather(solid);
+  const std::vector<double> solid = halo.gather(part.solid());
   std::vector<char> result(static_cast<std::size_t>(grid.owned_nodes().count()), 0);
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     for (int number = 0; number < 1 << Dim; ++number) {

@@ -137,6 +137,14 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description
 }
 
 template <int Dim>
+std::vector<double> Part<Dim>::solid() const {
+  std::vector<double> result(density_.size());
+  for (std::size_t e = 0; e < result.size(); ++e)
+    result[e] = density_[e] > 0.0 || substrate_.elements()[e] != 0 ? 1.0 : 0.0;
+  return result;
+}
+
+template <int Dim>
 void Part<Dim>::collect_elements(const std::vector<double>& distance_to_substrate) {
   const IndexBox<Dim>& box = grid_.owned_elements();
   double volume = 0.0;

@@ -64,10 +64,7 @@ Supports<Dim>::Supports(const Part<Dim>& part, const PartDescription& descriptio
   if (sum(grid.comm(), static_cast<std::int64_t>(holding.size())) == 0)
     throw InputError("/clamps: no node of part or substrate lies in or on the shape; needs at least " +
                      std::to_string(Dim));
-  std::vector<double> solid = part.density();
-  for (std::size_t e = 0; e < solid.size(); ++e)
-    if (part.substrate().elements()[e] != 0) solid[e] = 1.0;
-  const PieceMap<Dim> map = find_pieces<Dim>(grid, solid, part.plate());
+  const PieceMap<Dim> map = find_pieces<Dim>(grid, part.solid(), part.plate());
   pieces = static_cast<int>(map.pieces.size());
   // The face of one element on the plate already holds every rigid motion.
   if (description.clamps || part.substrate().count() > 0)

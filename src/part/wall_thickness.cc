@@ -45,10 +45,7 @@ template <int Dim>
 class Depths {
  public:
   explicit Depths(const Part<Dim>& part) : halo_(part.grid(), halo_width), spacing_(part.grid().spacing()) {
-    std::vector<double> solid(part.density().size());
-    for (std::size_t e = 0; e < solid.size(); ++e)
-      solid[e] = part.density()[e] > 0.0 || part.substrate().elements()[e] != 0 ? 1.0 : 0.0;
-    solid = halo_.gather(solid);
+    const std::vector<double> solid = halo_.gather(part.solid());
     depth_.assign(solid.begin(), solid.end());
     for (int level = 2; level <= deep; ++level) {
       const std::vector<char> before = depth_;

@@ -33,9 +33,19 @@ void read_strain(MaterialSettings& material, const Json& value, const KeyPlace&)
 Section<MaterialSettings> material_keys() {
   using Its = MaterialSettings;
   return Section<Its>("material", "Material; displacements do not depend on Young's modulus")
+      .key("file",
+           "File with a JSON object that has any of these keys, such as one of configs/materials; keys given "
+           "beside it take precedence",
+           {.type = KeyType::path, .option = "-material"}, [](Its&, const Json&, const KeyPlace&) {})
+      .key("name", &Its::name, "Name of the material, a label")
       .key("young", &Its::young, "Young's modulus",
            {.range = "(0, inf)", .unit = "stress", .option = "-young"})
       .key("poisson", &Its::poisson, "Poisson's ratio", {.range = "(-1, 0.5)", .option = "-poisson"})
+      .key("mass_density", &Its::mass_density, "Density, from which the mass of wire follows",
+           {.range = "(0, inf)", .words = "none", .unit = "kg/length^3"})
+      .key("yield_stress", &Its::yield_stress,
+           "Yield stress: a run warns where the residual stress is above it",
+           {.range = "(0, inf)", .words = "none", .unit = "stress", .option = "-yield_stress"})
       .key("inherent_strain",
            "Inherent strain: a Voigt vector, engineering shear, "
            "or values along and across the layers, with which it turns",
@@ -72,7 +82,12 @@ Section<ProcessSettings> process_keys() {
           "deposition", &Its::deposition,
           "Where a layer goes: to nominal positions, so that a place counts motion from the layer on that "
           "builds it (nominal), or with the deformed part, so that it counts all motion before, too (follow)",
-          {.words = "nominal follow", .option = "-deposition"});
+          {.words = "nominal follow", .option = "-deposition"})
+      .key("deposition_rate", &Its::deposition_rate,
+           "Wire deposited per hour of welding, from which the build time follows",
+           {.range = "(0, inf)", .words = "none", .unit = "kg/h", .option = "-deposition_rate"})
+      .key("dwell", &Its::dwell, "Pause after each layer, for the build time",
+           {.range = "[0, inf)", .unit = "s"});
 }
 
 }  // namespace fabseq

@@ -113,8 +113,19 @@ StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const doubl
   return result;
 }
 
+template <int Dim>
+double share_beyond(const Part<Dim>& part, std::span<const double> stress, double limit) {
+  double beyond = 0.0;
+  for (std::size_t e = 0; e < part.elements().size(); ++e)
+    if (von_mises<Dim>(&stress[static_cast<std::size_t>(part.elements()[e]) * voigt_size<Dim>]) > limit)
+      beyond += part.part_density()[e];
+  const Grid<Dim>& grid = part.grid();
+  return sum(grid.comm(), beyond) * grid.element_volume() / part.volume();
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(residual_stress);
 FABSEQ_INSTANTIATE_FUNCTION(finished_stress);
 FABSEQ_INSTANTIATE_FUNCTION(stress_extremes);
+FABSEQ_INSTANTIATE_FUNCTION(share_beyond);
 
 }  // namespace fabseq

@@ -21,10 +21,8 @@ template <int Dim>
 std::vector<double> skin_normals(const Part<Dim>& part) {
   const Grid<Dim>& grid = part.grid();
   const ElementHalo<Dim> halo(grid, 1);
-  std::vector<double> solid(part.density().size());
-  std::transform(part.density().begin(), part.density().end(), solid.begin(),
-                 [](double density) { return density > 0.0 ? 1.0 : 0.0; });
-  solid = halo.gather(solid);
+  const std::vector<double> solid =
+      halo.gather(part.expand(std::vector<double>(part.elements().size(), 1.0)));
   std::vector<double> normals(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim, 0.0);
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     if (part.touched_nodes()[offset] == 0) return;

@@ -31,6 +31,27 @@ std::optional<SequenceReport<Dim>> start_report(const Setup<Dim>& setup, const P
   }
 }
 
+template <int Dim>
+SequenceReport<Dim> planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                  const LayerModel<Dim>& layers, PhaseTimer& timer) {
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.tolerance, timer);
+  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+}
+
+/// Planar layers, as many as an optimized sequence has: what another number of layers alone brings is not the
+/// merit of their shape.
+template <int Dim>
+std::optional<SequenceReport<Dim>> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                                    int count, PhaseTimer& timer) {
+  if (count == setup.baseline->count()) return std::nullopt;
+  try {
+    return planar_report(setup, problem, *make_uniform_layer_model(count, setup.part), timer);
+  } catch (const NumericalError& error) {
+    warn(std::string("no block baseline_matched in summary.json: ") + error.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -81,9 +102,7 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
 
 template <int Dim>
 SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), *setup.baseline, setup.config.solver.tolerance,
-                         timer);
-  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+  return planar_report(setup, problem, *setup.baseline, timer);
 }
 
 template <int Dim>
@@ -95,7 +114,7 @@ std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>
 
 template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                const BestIterate& best) {
+                                const BestIterate& best, PhaseTimer& timer) {
   FinalReports<Dim> reports;
   for (const bool binary : {false, true}) {
     const auto state = pipeline.run(best.design(), best.beta(), binary);
@@ -103,6 +122,7 @@ FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& pro
     reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
   }
   reports.start = start_report(setup, problem, pipeline, best.beta());
+  reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
   return reports;
 }
 
@@ -110,7 +130,9 @@ template <int Dim>
 void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
             RunOutput<Dim>& output, PhaseTimer& timer) {
   const BestIterate& best = run.best;
-  output.finish(run.end(), final_reports(setup, run.problem, pipeline, best), best);
+  const FinalReports<Dim> reports = final_reports(setup, run.problem, pipeline, best, timer);
+  output.finish(run.end(), reports, best);
+  warn_beyond_yield(reports.binary, setup.config.material);
   if (!setup.config.output.sensitivity) return;
   try {
     write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);

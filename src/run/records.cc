@@ -30,6 +30,29 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
   return table;
 }
 
+Json to_record(const BuildNumbers& numbers) {
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  Json thickness;
+  if (const auto& range = numbers.local_thickness)
+    thickness = Json::object({{"least", range->least},
+                              {"largest", range->largest},
+                              {"share_outside", or_null(range->share_outside)}});
+  return Json::object(
+      {{"local_thickness", thickness},
+       {"hanging", Json::object({{"elements", numbers.hanging},
+                                 {"at", numbers.hanging_at.empty() ? Json() : Json(numbers.hanging_at)},
+                                 {"per_layer", numbers.hanging_per_layer}})}});
+}
+
+void add_build(Json& record, const BuildNumbers& numbers) {
+  record["checks"] = to_record(numbers);
+  if (numbers.wire) record["wire_mass"] = *numbers.wire;
+  if (numbers.hours) record["build_hours"] = *numbers.hours;
+  if (const auto& stress = numbers.stress)
+    record["stress"] =
+        Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", *stress->share_beyond_yield}});
+}
+
 Json deposition_record(const DepositionNumbers& numbers) {
   Json terms = Json::array();
   for (const auto& [name, type, value] : numbers.distortions)
@@ -97,6 +120,7 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["displacement"] = to_record(numbers.displacement_size);
   record["deposition"] = Json::object({{"follow", deposition_record(numbers.depositions.follow)},
                                        {"nominal", deposition_record(numbers.depositions.nominal)}});
+  if (numbers.build) add_build(record, *numbers.build);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }
@@ -155,6 +179,8 @@ Json to_record(const Summary& summary) {
     if (finish->start != nullptr) record["start"] = to_record(*finish->start);
   }
   if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
+  if (const auto& finish = summary.finish; finish && finish->matched != nullptr)
+    record["baseline_matched"] = to_record(*finish->matched);
   if (const auto& finish = summary.finish) {
     record["interior_minima"] = finish->interior_minima;
     set_layer_variables(record, finish->layer_variables, finish->best.design());

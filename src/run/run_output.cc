@@ -101,9 +101,9 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports,
   terminal_.end_progress();
   write_result(setup_, directory_, reports, *baseline_, best);
   Summary record = summary(end);
-  record.finish.emplace(Finish{best, reports.optimized, reports.binary,
-                               reports.start ? &*reports.start : nullptr, reports.interior_minima,
-                               setup_.layers->variables()});
+  record.finish.emplace(Finish{
+      best, reports.optimized, reports.binary, reports.start ? &*reports.start : nullptr,
+      reports.matched ? &*reports.matched : nullptr, reports.interior_minima, setup_.layers->variables()});
   write_summary(record);
   terminal_.table(record, directory_.path());
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fabseq {
 
@@ -40,6 +41,10 @@ template <int Dim>
 void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& prefix) const {
   fields.add_elements(prefix + "time", time);
   fields.add_elements(prefix + "layer", layer);
+  const auto& [direction, local_thickness, hanging] = build_fields;
+  if (direction) fields.add_elements(prefix + "build_direction", *direction, Dim);
+  if (local_thickness) fields.add_elements(prefix + "local_thickness", *local_thickness);
+  if (hanging) fields.add_elements(prefix + "hanging", *hanging);
   if (!temperature.empty()) fields.add_nodes(prefix + "temperature", temperature);
   fields.add_nodes(prefix + "displacement", displacement, Dim);
   if (finished && !finished->release.empty())
@@ -57,7 +62,12 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   report.displacement_size = displacement_size(model.part, state.process.displacement);
   report.depositions = report_depositions(model, problem, pipeline, state);
   report.scenarios = report_scenarios(model, problem, pipeline, state);
-  if (with_shape) report.finished = finished_shape(model, pipeline, state);
+  if (with_shape) {
+    report.finished = finished_shape(model, pipeline, state);
+    BuildReport build = report_build(model, pipeline, state, report.used_layers());
+    report.build = std::move(build.numbers);
+    report.build_fields = std::move(build.fields);
+  }
   report.time = model.part.expand(state.time.time);
   report.layer = model.part.expand(pipeline.last_layer_index());
   report.temperature = state.time.temperature;

@@ -11,10 +11,13 @@
 #include "fabseq/run/restart.h"
 #include "fabseq/run/run_clock.h"
 #include "fabseq/run/sequence_report.h"
+#include "fabseq/run/summary_table.h"
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 namespace fabseq {
@@ -137,15 +140,18 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
 }
 
 template <int Dim>
-void print_numbers(const Simulation<Dim>& simulation) {
-  const auto text = [](double number) { return Json(number).dump(); };
-  const DisplacementSize& displacement = simulation.finished.displacement;
-  print("largest displacement " + text(displacement.largest) + ", rms " + text(displacement.rms));
+void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
+  for (const std::string& line : simulation_table(simulation.report, setup.config.unit)) print(line);
+  std::array<char, 120> text{};
+  const double stress = simulation.finished.extremes.von_mises;
   if (const auto& released = simulation.released)
-    print("after the release: largest displacement " + text(released->displacement.largest) +
-          ", largest equivalent stress " + text(released->extremes.von_mises) +
-          " (before: " + text(simulation.finished.extremes.von_mises) + ")");
+    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g, after the release %.4g", stress,
+                  released->extremes.von_mises);
+  else
+    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g", stress);
+  print(text.data());
   print_responses(simulation.report);
+  warn_beyond_yield(simulation.report, setup.config.material);
 }
 
 }  // namespace
@@ -176,7 +182,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
   directory.write("summary.json", to_text(record, 2) + "\n");
   print(process.solver_description());
-  print_numbers(simulation);
+  print_numbers(setup, simulation);
   print("results in " + directory.path());
   if (!shape.failure.empty()) throw NumericalError(shape.failure);
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/summary_table.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace fabseq {
 
@@ -24,51 +26,71 @@ std::string number(const std::optional<double>& value, const char* format) {
   return text.data();
 }
 
-/// Builds the lines: a label, a cell per sequence and the two ratios.
+/// A sequence with the title of its column; nullptr: there is none.
+struct Column {
+  std::string title;
+  const SequenceNumbers* sequence;
+};
+
+/// Builds the lines: a label, a cell per sequence and, if there are several, two ratios.
 class Table {
  public:
-  explicit Table(const Summary& summary)
-      : sequences_{summary.finish->start, summary.baseline, &summary.finish->optimized,
-                   &summary.finish->binary} {
-    line(summary.unit.empty() ? "lengths" : "lengths in " + summary.unit,
-         {"start", "planar", "optimized", "binary", "planar/binary", "start/binary"});
+  Table(const std::string& unit, std::vector<Column> columns) : columns_(std::move(columns)) {
+    std::vector<std::string> titles;
+    for (const Column& column : columns_) titles.push_back(column.title);
+    if (compares()) titles.insert(titles.end(), {"planar/binary", "start/binary"});
+    line(unit.empty() ? "lengths" : "lengths in " + unit, titles);
   }
 
   /// A row of lengths, with ratios; left out if no sequence has it.
   void lengths(const std::string& label, const Value& value) {
     const auto of = of_all(value);
-    if (!of[binary]) return;
-    line(label, {number(of[0], "%.4g"), number(of[planar], "%.4g"), number(of[2], "%.4g"),
-                 number(of[binary], "%.4g"), ratio(of[planar], *of[binary]), ratio(of[0], *of[binary])});
+    if (!of.back()) return;
+    std::vector<std::string> cells = texts(of, "%.4g");
+    if (compares())
+      for (const std::size_t other : {planar, start}) cells.push_back(ratio(of[other], *of.back()));
+    line(label, cells);
   }
-  void counts(const std::string& label, const Value& value) {
+  /// A row without ratios, left out if no sequence has it.
+  void numbers(const std::string& label, const char* format, const Value& value) {
     const auto of = of_all(value);
-    line(label, {number(of[0], "%.0f"), number(of[planar], "%.0f"), number(of[2], "%.0f"),
-                 number(of[binary], "%.0f")});
+    if (of.back()) line(label, texts(of, format));
   }
   void heading(const std::string& text) { lines.push_back(text); }
 
   std::vector<std::string> lines;
 
  private:
-  static constexpr int planar = 1, binary = 3;
+  using Values = std::vector<std::optional<double>>;
+  static constexpr std::size_t start = 0, planar = 1;
 
-  std::array<std::optional<double>, 4> of_all(const Value& value) const {
-    std::array<std::optional<double>, 4> result;
-    for (std::size_t i = 0; i < result.size(); ++i)
-      if (sequences_[i] != nullptr) result[i] = value(*sequences_[i]);
+  bool compares() const { return columns_.size() > 1; }
+  /// Values in the order of the columns, of which the binary layers are the last.
+  Values of_all(const Value& value) const {
+    Values result;
+    for (const Column& column : columns_)
+      result.push_back(column.sequence != nullptr ? value(*column.sequence) : std::nullopt);
+    return result;
+  }
+  static std::vector<std::string> texts(const Values& values, const char* format) {
+    std::vector<std::string> result;
+    for (const auto& value : values) result.push_back(number(value, format));
     return result;
   }
   static std::string ratio(const std::optional<double>& length, double of_binary) {
     return length && of_binary > 0.0 ? number(*length / of_binary, "%.1f") : "-";
   }
   void line(const std::string& label, const std::vector<std::string>& cells) {
-    std::string text = label + std::string(label.size() < 30 ? 30 - label.size() : 0, ' ');
-    for (std::size_t i = 0; i < cells.size(); ++i) text += padded(cells[i], i < 4 ? 11 : 15);
+    constexpr std::size_t label_width = 30, least_width = 11;
+    std::string text = label + std::string(label.size() < label_width ? label_width - label.size() : 0, ' ');
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const std::size_t title = i < columns_.size() ? columns_[i].title.size() : 13;
+      text += padded(cells[i], std::max(least_width, title + 2));
+    }
     lines.push_back(text);
   }
 
-  std::array<const SequenceNumbers*, 4> sequences_;  ///< in the order of the columns; nullptr: there is none
+  std::vector<Column> columns_;
 };
 
 using OfDeviation = std::function<std::optional<double>(const Deviation&)>;
@@ -100,21 +122,88 @@ void add_deviations(Table& table, bool released) {
                 [](const Deviation& of) { return std::optional(of.inward); });
 }
 
+void add_distortion(Table& table) {
+  table.lengths("first distortion", [](const SequenceNumbers& of) -> std::optional<double> {
+    return std::sqrt(of.first_objective());
+  });
+}
+
+/// How far the part is from the drawing, as built and, if `numbers` say so, after the release.
+void add_finished(Table& table, const SequenceNumbers& numbers) {
+  table.heading("as built");
+  add_deviations(table, false);
+  if (!numbers.finished || !numbers.finished->released) return;
+  table.heading("after the release");
+  add_deviations(table, true);
+}
+
+using OfBuild = std::function<std::optional<double>(const BuildNumbers&)>;
+
+Value of_build(const OfBuild& value) {
+  return [=](const SequenceNumbers& of) { return of.build ? value(*of.build) : std::nullopt; };
+}
+
+Value of_thickness(const std::function<std::optional<double>(const ThicknessRange&)>& value) {
+  return of_build(
+      [=](const BuildNumbers& of) { return of.local_thickness ? value(*of.local_thickness) : std::nullopt; });
+}
+
+void add_build(Table& table) {
+  constexpr double percent = 100.0;
+  const auto share = [](std::optional<double> value) {
+    return value ? std::optional(percent * *value) : std::nullopt;
+  };
+  table.numbers("layers", "%.0f",
+                [](const SequenceNumbers& of) { return std::optional<double>(of.used_layers()); });
+  table.numbers("  local thickness, least", "%.4g",
+                of_thickness([](const ThicknessRange& of) { return std::optional(of.least); }));
+  table.numbers("  local thickness, largest", "%.4g",
+                of_thickness([](const ThicknessRange& of) { return std::optional(of.largest); }));
+  table.numbers("  outside its range, % of part", "%.1f",
+                of_thickness([=](const ThicknessRange& of) { return share(of.share_outside); }));
+  table.numbers("  elements that hang in the air", "%.0f", of_build([](const BuildNumbers& of) {
+                  return std::optional(static_cast<double>(of.hanging));
+                }));
+  table.numbers("build time, h", "%.3g", of_build([](const BuildNumbers& of) { return of.hours; }));
+  table.numbers("wire, kg", "%.4g", of_build([](const BuildNumbers& of) { return of.wire; }));
+  table.numbers("stress beyond yield, % of part", "%.1f", of_build([=](const BuildNumbers& of) {
+                  return of.stress ? share(of.stress->share_beyond_yield) : std::nullopt;
+                }));
+}
+
+/// What is to be known of the planar layers, which all others are compared with.
+std::string words_on_planar(const SequenceNumbers& planar) {
+  if (!planar.build || planar.build->hanging == 0) return "";
+  std::string place;
+  for (const double coordinate : planar.build->hanging_at)
+    place += (place.empty() ? "[" : ",") + number(coordinate, "%.6g");
+  return "the planar layers cannot be built as they are: " + std::to_string(planar.build->hanging) +
+         " elements begin in the air, the first near " + place + "]";
+}
+
 }  // namespace
 
 std::vector<std::string> summary_table(const Summary& summary) {
-  Table table(summary);
-  if (summary.baseline->first_is_distortion())
-    table.lengths("first distortion", [](const SequenceNumbers& of) -> std::optional<double> {
-      return std::sqrt(of.first_objective());
-    });
-  table.heading("as built");
-  add_deviations(table, false);
-  if (const auto& finished = summary.finish->binary.finished; finished && finished->released) {
-    table.heading("after the release");
-    add_deviations(table, true);
-  }
-  table.counts("layers", [](const SequenceNumbers& of) -> std::optional<double> { return of.used_layers(); });
+  const Finish& finish = *summary.finish;
+  std::vector<Column> columns = {{"start", finish.start}, {"planar", summary.baseline}};
+  if (finish.matched != nullptr)
+    columns.push_back(
+        {"planar, " + std::to_string(finish.matched->layers.size()) + " layers", finish.matched});
+  columns.push_back({"optimized", &finish.optimized});
+  columns.push_back({"binary", &finish.binary});
+  Table table(summary.unit, std::move(columns));
+  if (summary.baseline->first_is_distortion()) add_distortion(table);
+  add_finished(table, finish.binary);
+  add_build(table);
+  if (const std::string words = words_on_planar(*summary.baseline); !words.empty()) table.heading(words);
+  return std::move(table.lines);
+}
+
+std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const std::string& unit) {
+  Table table(unit, {{"simulated", &numbers}});
+  if (numbers.first_is_distortion()) add_distortion(table);
+  add_finished(table, numbers);
+  add_build(table);
   return std::move(table.lines);
 }
 

@@ -55,6 +55,11 @@ bool launcher_has_terminal() {
   return false;
 }
 
+/// "constraint_0" of "constraint_0_3".
+std::string response_name(const std::string& component) {
+  return component.substr(0, component.find('_', component.find('_') + 1));
+}
+
 }  // namespace
 
 std::string progress_text(const ProgressLine& line, double mean_seconds) {
@@ -103,8 +108,34 @@ void Progress::finish() {
 }
 
 void print_responses(const SequenceNumbers& numbers) {
-  for (const auto& [name, type, value] : numbers.responses)
-    print(name + " (" + type + "): " + Json(value).dump());
+  const auto& all = numbers.responses;
+  for (auto first = all.begin(), last = first; first != all.end(); first = last) {
+    const std::string name = response_name(first->name);
+    last =
+        std::find_if(first, all.end(), [&](const auto& value) { return response_name(value.name) != name; });
+    const auto [least, most] =
+        std::minmax_element(first, last, [](const auto& a, const auto& b) { return a.value < b.value; });
+    const std::string label = name + " (" + first->type + "): ";
+    char text[120];
+    if (last - first == 1)
+      std::snprintf(text, sizeof text, "%.8g", first->value);
+    else
+      std::snprintf(text, sizeof text, "%.6g to %.6g, %td components", least->value, most->value,
+                    last - first);
+    print(label + text);
+  }
+}
+
+void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material) {
+  const auto& stress = numbers.build->stress;
+  if (!stress || *stress->share_beyond_yield == 0.0) return;
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "the residual stress reaches %.4g; it is above the yield stress %.4g in %.3g %% of the part, where "
+      "a linear model overstates it",
+      stress->von_mises, *material.yield_stress, 100.0 * *stress->share_beyond_yield);
+  warn(text);
 }
 
 void Terminal::baseline(const SequenceNumbers& planar) {

@@ -25,6 +25,15 @@ struct Domain {
   Point<Dim> origin{};     ///< lower corner, length unit
 };
 
+/// Position of a node, length unit, for callers without a grid.
+template <int Dim>
+Point<Dim> node_position(const Domain<Dim>& domain, const Index<Dim>& node) {
+  Point<Dim> position;
+  for (int axis = 0; axis < Dim; ++axis)
+    position[axis] = domain.origin[axis] + node[axis] * (domain.size[axis] / domain.elements[axis]);
+  return position;
+}
+
 /// Centre of an element, length unit, for callers without a grid.
 template <int Dim>
 Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) {

@@ -5,6 +5,7 @@
 
 #include "fabseq/grid/domain_settings.h"
 #include "fabseq/layers/layer_settings.h"
+#include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/part/part.h"
 #include "fabseq/process/process_settings.h"
@@ -39,6 +40,7 @@ struct ModelSettings : DomainSettings {
   ProjectionSettings projection;
   std::vector<Term> objective, constraints;
   BaselineSettings baseline;
+  ToolSettings tool;
   SolverSettings solver;
 };
 

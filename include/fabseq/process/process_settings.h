@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -19,6 +20,9 @@ struct TurningStrain {
 struct MaterialSettings {
   double young = 1.0;  ///< stress unit
   double poisson = 0.3;
+  std::string name = {};                              ///< a label, empty: none
+  std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
+  std::optional<double> yield_stress = std::nullopt;  ///< stress unit
   /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it
   /// turns
   std::vector<double> inherent_strain;
@@ -40,6 +44,8 @@ struct ProcessSettings {
   double min_stiffness = 1e-9;
   VoidModel void_model = VoidModel::absent;
   DepositionModel deposition = DepositionModel::nominal;
+  std::optional<double> deposition_rate = std::nullopt;  ///< kg of wire per hour
+  double dwell = 0.0;                                    ///< pause after each layer, s
 };
 
 /// Sections "material" and "process".

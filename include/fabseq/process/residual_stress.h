@@ -32,4 +32,9 @@ struct StressExtremes {
 template <int Dim>
 StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const double> stress);
 
+/// Share of the part's volume in which the equivalent stress is above `limit`. Collective on the grid's
+/// communicator.
+template <int Dim>
+double share_beyond(const Part<Dim>& part, std::span<const double> stress, double limit);
+
 }  // namespace fabseq

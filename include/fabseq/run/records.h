@@ -44,7 +44,8 @@ struct Finish {
   const BestIterate& best;
   const SequenceNumbers& optimized;
   const SequenceNumbers& binary;
-  const SequenceNumbers* start;  ///< nullptr: its solves failed
+  const SequenceNumbers* start;    ///< nullptr: its solves failed
+  const SequenceNumbers* matched;  ///< planar, as many layers as the binary ones; nullptr: the baseline has
   std::int64_t interior_minima;
   const LayerVariables& layer_variables;
 };

@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
+#include "fabseq/run/build_report.h"
 #include "fabseq/run/finished_shape.h"
 
 #include <optional>
@@ -43,6 +44,7 @@ struct SequenceNumbers {
   BothDepositions depositions;
   std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
   std::optional<FinishedShape> finished;   ///< where it was asked for
+  std::optional<BuildNumbers> build;       ///< where the shape was asked for
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
@@ -58,9 +60,10 @@ struct SequenceReport : SequenceNumbers {
   std::vector<std::vector<double>> values;        ///< of each response
   std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
   std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
+  BuildFields build_fields;                       ///< where the shape was asked for
 
-  /// Adds time, layer, displacement and, where there are any, temperature and release to a set, names
-  /// prefixed. The report must outlive it.
+  /// Adds time, layer, displacement and, where there are any, the other fields and the release to a set,
+  /// names prefixed. The report must outlive it.
   void add_fields(FieldSet<Dim>& fields, const std::string& prefix) const;
 };
 

@@ -49,8 +49,10 @@ class Progress {
   bool line_open_ = false;
 };
 
-/// Value of every response, by the tasks that evaluate one design.
+/// A line per response, by the tasks that evaluate one design: its value, or the range of its components.
 void print_responses(const SequenceNumbers& numbers);
+/// Warns if the residual stress of a finished sequence is above the yield stress somewhere.
+void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material);
 
 /// What an optimization says on the terminal, on rank 0.
 class Terminal {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/part/part.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Marks the part elements that begin in the air, with 1 (a part field; docs/formulation.md 13.1): no element
+/// of the same or an earlier layer, none of the substrate, and no plate lies below them, against the build
+/// direction, within half a bead's width. Collective on the grid's communicator.
+/// \param direction    build direction, [part element][axis]; empty: the plate's normal everywhere
+/// \param layer_index  the layer that builds each part element, from 1
+/// \param bead_width   length unit; 0: two elements' longest edges
+template <int Dim>
+std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const double> direction,
+                                     std::span<const double> layer_index, double bead_width);
+
+/// Elements that begin in the air: how many, in which layers, and where the first one is.
+template <int Dim>
+struct HangingCount {
+  std::int64_t elements = 0;
+  std::vector<std::int64_t> per_layer;
+  std::optional<Point<Dim>> at;  ///< centre of one of the earliest layer that has any; none if there are none
+};
+
+/// Counts the marks of hanging_elements(). `layers`: number of layers. Collective on the grid's communicator.
+template <int Dim>
+HangingCount<Dim> count_hanging(const Part<Dim>& part, std::span<const double> hanging,
+                                std::span<const double> layer_index, int layers);
+
+}  // namespace fabseq

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/layers/layers.h"
+#include "fabseq/part/part.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// How thick a binary layer is at each of its elements, (T_j - T_{j-1}) / |grad t|, a part field, length unit
+/// (docs/formulation.md 13.1). Empty where the pseudo-time has no gradient or the layers have no time points;
+/// infinite where the gradient vanishes. Local.
+/// \param layer_index  the layer that builds each part element, from 1
+template <int Dim>
+std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDensities& layers,
+                                    std::span<const double> layer_index);
+
+/// What a local thickness is between, and which share of the part's volume lies outside of an allowed range.
+struct ThicknessRange {
+  double least = 0.0, largest = 0.0;    ///< length unit
+  std::optional<double> share_outside;  ///< none without an allowed range
+};
+
+/// The range of a local thickness, none if it is not defined. `allowed`: least and largest length. Collective
+/// on the grid's communicator.
+template <int Dim>
+std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
+                                              const std::optional<std::array<double, 2>>& allowed);
+
+}  // namespace fabseq

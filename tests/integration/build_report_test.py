@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""What is said of a sequence beside its distortion: hanging elements, local thickness, build time, wire,
+yield stress; and materials from a file."""
+
+import json
+import os
+
+import numpy as np
+
+import run_fabseq
+from read_outputs import read_result
+from run_fabseq import BAD_INPUT, FabseqTest, distinct
+
+# A column with an arm that planar layers begin in the air; unit cubes.
+CRANE = {"name": "crane", "domain": {"size": [8, 2, 6], "elements": [8, 2, 6], "unit": "mm"},
+         "part": {"union": [{"box": {"min": [0, 0, 0], "max": [2, 2, 4]}}, {"box": {"min": [0, 0, 4], "max": [8, 2, 6]}}]},
+         "node_sets": {"tip": {"box": {"min": [8, 0, 4], "max": [8, 2, 6]}}},
+         "sequence": {"type": "heat"}, "layers": {"count": 4}, "objective": [{"type": "distortion", "nodes": "tip"}],
+         "constraints": [{"type": "layer_thickness", "target": 3.0}], "baseline": {"layers": 6}}
+STEEL = {"name": "steel", "young": 200e3, "yield_stress": 1.0, "mass_density": 0.5, "inherent_strain": [-0.01] * 3 + [0] * 3,
+         "source": "a book", "comment": "at room temperature"}
+
+
+class BuildReportTest(FabseqTest):
+    def write_material(self, content):
+        with open(os.path.join(self.directory, "steel.json"), "w", encoding="utf-8") as file:
+            file.write(content if isinstance(content, str) else json.dumps(content))
+
+    def test_end_of_an_optimization(self):
+        self.write_material(STEEL)
+        config = {**CRANE, "material": {"file": "steel.json", "poisson": 0.25},
+                  "process": {"deposition_rate": 2.0, "dwell": 90}, "tool": {"thickness": [0.9, 1.1]}}
+        for ranks in distinct(2, 1):
+            run = self.run_config(ranks, config, "-max_iterations", 2)
+            self.assert_done(run)
+            summary, data = run.json("summary.json"), read_result(run)
+            for block, prefix in (("optimized", ""), ("baseline", "planar/"), ("start", "start/")):
+                self.check_block(summary[block], {name: data[prefix + name] for name in
+                                                  ("layer", "time", "hanging", "local_thickness", "build_direction")}, data)
+            planar, binary = summary["baseline"], summary["binary"]
+            self.assertEqual(planar["checks"]["hanging"]["elements"], 10)
+            self.assertEqual(planar["checks"]["hanging"]["per_layer"], [0, 0, 0, 0, 10, 0])
+            self.assertEqual(planar["checks"]["hanging"]["at"], [3.5, 0.5, 4.5])
+            self.assertAlmostEqual(planar["checks"]["local_thickness"]["least"], 1.0)
+            self.assertAlmostEqual(planar["checks"]["local_thickness"]["share_outside"], 1.0)
+            used = sum(layer["volume"] > 1e-6 * 40 / 4 for layer in binary["layers"])
+            self.assertEqual(len(summary["baseline_matched"]["layers"]), used)
+            self.assertAlmostEqual(binary["wire_mass"], 20.0)
+            self.assertAlmostEqual(binary["build_hours"], 10.0 + used * 90 / 3600)
+            self.assertIn("10 elements begin in the air, the first near [3.5,0.5,4.5]", run.stdout)
+            self.assertIn("above the yield stress 1 in", run.stderr)
+            self.assertIn("build time, h", run.stdout)
+            material = run.json("config.json")["material"]
+            self.assertEqual((material["name"], material["young"], material["poisson"]), ("steel", 200e3, 0.25))
+            self.assertNotIn("source", material)
+
+    def check_block(self, block, fields, data):
+        """The block's figures are those of the fields, and these are what they are called."""
+        part = data["density"] > 0
+        hanging, layer = fields["hanging"][part], fields["layer"][part]
+        self.assertEqual(block["checks"]["hanging"]["elements"], hanging.sum())
+        self.assertEqual(block["checks"]["hanging"]["per_layer"],
+                         [int(hanging[layer == j + 1].sum()) for j in range(len(block["layers"]))])
+        thickness = fields["local_thickness"][part]
+        self.assertAlmostEqual(block["checks"]["local_thickness"]["least"] / thickness.min(), 1)
+        self.assertAlmostEqual(block["checks"]["local_thickness"]["largest"] / thickness.max(), 1)
+        outside = np.mean((thickness < 2.7) | (thickness > 3.3))
+        self.assertAlmostEqual(block["checks"]["local_thickness"]["share_outside"], outside)
+        np.testing.assert_allclose(np.linalg.norm(fields["build_direction"][part], axis=1), 1)
+        self.assertFalse(fields["hanging"][~part].any() or fields["build_direction"][~part].any())
+
+    def test_simulation_prints_a_table(self):
+        run = self.run_config(1, CRANE, "-task", "simulate")
+        self.assert_done(run)
+        for words in ("lengths in mm", "whole part, largest", "elements that hang in the air", "largest equivalent stress",
+                      "constraint_0 (layer_thickness): "):
+            self.assertIn(words, run.stdout)
+        self.assertLess(len(run.stdout.splitlines()), 30)
+        self.assertEqual(run.json("summary.json")["checks"]["hanging"]["elements"], read_result(run)["hanging"].sum())
+
+    def test_material_files_that_cannot_be_used(self):
+        cases = {"": "cannot be read", "{": "steel.json", "[1]": "holds no object", '{"file": "other.json"}': "another file",
+                 '{"yung": 1}': "/material/yung"}
+        for content, words in cases.items():
+            if content:
+                self.write_material(content)
+            run = self.run_config(1, {**CRANE, "material": {"file": "steel.json"}})
+            self.assertEqual(run.status, BAD_INPUT, str(run))
+            self.assertEqual(len(run.messages()), 1, str(run))
+            self.assertIn(words, run.stderr)
+            self.assertFalse(os.path.exists(run.output))
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+/// Build direction and local thickness of curved and of multi-planar layers (docs/formulation.md 13.1).
+#include "fabseq/machine/build_direction.h"
+#include "fabseq/machine/local_thickness.h"
+#include "fabseq/sequence/given_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include "support/small_parts.h"
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+namespace {
+
+TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
+  const test::PartOnGrid<3> on_grid(test::odd_domain<3>(), test::block<3>());
+  const Part<3>& part = on_grid.part;
+  const PseudoTime<3> time = planar_time(part, {1.0, 0.0, 1.0});
+  LayerDensities layers;
+  layers.time_points = {0.0, 0.25, 1.0};
+  std::vector<double> layer;
+  for (const double t : time.time) layer.push_back(t < 0.25 ? 1.0 : 2.0);
+
+  const std::vector<double> thickness = local_thickness<3>(time, layers, layer);
+  const double height = planar_height<3>(part, {1.0, 0.0, 1.0});
+  for (std::size_t e = 0; e < layer.size(); ++e)
+    EXPECT_NEAR(thickness[e], (layer[e] == 1.0 ? 0.25 : 0.75) * height, 1e-12);
+  const std::array<double, 2> allowed{0.1 * height, 0.5 * height};
+  const auto range = thickness_range<3>(part, thickness, allowed);
+  ASSERT_TRUE(range);
+  EXPECT_NEAR(range->least, 0.25 * height, 1e-12);
+  EXPECT_NEAR(range->largest, 0.75 * height, 1e-12);
+  const double second =
+      sum(part.grid().comm(), static_cast<double>(std::count(layer.begin(), layer.end(), 2.0)));
+  EXPECT_NEAR(*range->share_outside, second / static_cast<double>(part.count()), 1e-12);
+  EXPECT_FALSE(thickness_range<3>(part, thickness, std::nullopt)->share_outside);
+
+  const std::vector<double> direction = build_direction<3>(time, layers, layer);
+  for (std::size_t i = 0; i < direction.size(); ++i)
+    EXPECT_NEAR(direction[i], i % 3 == 1 ? 0.0 : std::sqrt(0.5), 1e-12);
+}
+
+TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
+  const test::PartOnGrid<2> on_grid(test::odd_domain<2>(), test::block<2>());
+  const Part<2>& part = on_grid.part;
+  PseudoTime<2> time = planar_time(part, {});
+  const std::vector<double> layer(time.time.size(), 1.0);
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), std::nullopt));
+  time.gradient.clear();
+  LayerDensities layers;
+  layers.time_points = {0.0, 1.0};
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), std::nullopt));
+  EXPECT_TRUE(build_direction<2>(time, layers, layer).empty());
+}
+
+TEST(BuildDirectionTest, OfMultiPlanarLayersIsTheirPrintDirection) {
+  const test::PartOnGrid<2> on_grid(test::odd_domain<2>(), test::block<2>());
+  const PseudoTime<2> time = planar_time(on_grid.part, {});
+  LayerDensities layers;
+  layers.sub_parts.density.resize(2);
+  layers.sub_parts.directions = {0.0, 1.0, 0.6, 0.8};
+  layers.sub_parts.of_layer = {0, 1, 1};
+  std::vector<double> layer;
+  for (std::size_t e = 0; e < time.time.size(); ++e) layer.push_back(1.0 + static_cast<double>(e % 3));
+  const std::vector<double> direction = build_direction<2>(time, layers, layer);
+  for (std::size_t e = 0; e < layer.size(); ++e) {
+    EXPECT_EQ(direction[2 * e], layer[e] == 1.0 ? 0.0 : 0.6);
+    EXPECT_EQ(direction[2 * e + 1], layer[e] == 1.0 ? 1.0 : 0.8);
+  }
+}
+
+}  // namespace
+}  // namespace fabseq
