@@ -77,6 +77,7 @@ template <int Dim>
 void run_task(const CommandLine& command_line, const Config& config) {
   PhaseTimer timer;
   const Setup<Dim> setup(PETSC_COMM_WORLD, config);
+  stop_if_signalled(setup.world());
   // A run for a larger machine can be checked on a small one.
   if (command_line.task != Task::check) setup.require_memory_of_layers();
   switch (command_line.task) {
@@ -117,6 +118,7 @@ int main(int argc, char** argv) {
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
+    stop_if_signalled(PETSC_COMM_WORLD);
     return config.dimension() == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);
   });
 }

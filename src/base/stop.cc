@@ -171,6 +171,10 @@ void stop_if_requested(MPI_Comm comm) {
   if (any(comm, stop_requested())) throw_stopped(comm);
 }
 
+void stop_if_signalled(MPI_Comm comm) {
+  if (any(comm, caught_signal != 0)) throw_stopped(comm);
+}
+
 void throw_stopped(MPI_Comm comm) {
   // Signals are positive and take precedence, then the file, then the time. A rank that was not asked has 0.
   const auto own = static_cast<std::int64_t>(own_reason());

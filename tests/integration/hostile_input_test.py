@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 import run_fabseq
-from run_fabseq import BAD_INPUT, PROGRAM, FabseqTest, Process, distinct
+from run_fabseq import BAD_INPUT, PROGRAM, STOPPED, FabseqTest, Process, distinct
 from small_parts import direct_2d, plate_2d, write_voxels
 
 
@@ -55,6 +55,28 @@ class FilesTest(HostileInputTest):
             for coarse in distinct((), ("-coarse_iterations", 1)):
                 self.assert_refused(plate_2d(), "-overwrite", "-design", bad, *coarse, words=["-design"],
                                     output=finished.output)
+
+    def test_a_signal_while_input_is_read(self):
+        config = plate_2d()
+        config["domain"]["elements"] = [400, 300]
+        config["part"]["sampling"] = 16
+        output = os.path.join(self.directory, "early")
+        path = self.write_config(config)
+        with Process([PROGRAM, "-config", path, "-output", output], self.directory) as process:
+            status = f"/proc/{process.process.pid}/status"
+            while not self.listens_for_term(status):
+                time.sleep(0.001)
+            process.process.send_signal(signal.SIGTERM)
+            ended, _, errors = process.wait(60)
+        self.assertEqual(ended, STOPPED, errors)
+        self.assertIn("fabseq: stopped by signal TERM", errors)
+        self.assertFalse(os.path.exists(output))
+
+    @staticmethod
+    def listens_for_term(status):
+        with open(status, encoding="ascii") as file:
+            caught = next(line for line in file if line.startswith("SigCgt"))
+        return int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1
 
     def test_times_that_descend(self):
         finished = self.finished_run(direct_2d())

@@ -44,6 +44,8 @@ bool stop_requested();
 /// Throws Stopped on all ranks of `comm` if any of them has been asked to stop. Collective on `comm`, with
 /// one reduction if none has.
 void stop_if_requested(MPI_Comm comm);
+/// The same for signals alone, by callers that have written nothing yet and leave nothing behind.
+void stop_if_signalled(MPI_Comm comm);
 /// Throws Stopped, which names the reason, on all ranks of `comm`, for callers whose own reduction has told
 /// them that one of these ranks was asked to stop. Collective on `comm`.
 [[noreturn]] void throw_stopped(MPI_Comm comm);
