@@ -177,8 +177,8 @@ std::string words_on_planar(const SequenceNumbers& planar) {
   std::string place;
   for (const double coordinate : planar.build->hanging_at)
     place += (place.empty() ? "[" : ",") + number(coordinate, "%.6g");
-  return "the planar layers cannot be built as they are: " + std::to_string(planar.build->hanging) +
-         " elements begin in the air, the first near " + place + "]";
+  return "planar layers: " + std::to_string(planar.build->hanging) +
+         " elements begin in the air, the first near " + place + "]; a comparison with them flatters";
 }
 
 }  // namespace
