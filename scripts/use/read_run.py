@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Reads the output directory of a run: what pictures and tables need of a finished optimization."""
 
+import itertools
 import json
 import math
 import os
@@ -83,9 +84,7 @@ class Run:
         substrate are not looked at. Raises NotImplementedError for polygons."""
         shape = {key: value for key, value in node_set.items() if key not in ("all", "surface", "samples", "within")}
         built = self.fields["density"] > 0
-        chosen = nodes_of(built)
-        if node_set.get("surface"):
-            chosen &= nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])[(slice(1, -1),) * built.ndim].ravel()
+        chosen = surface_nodes_of(built) if node_set.get("surface") else nodes_of(built)
         if shape:
             size = self.config["domain"]["size"]
             slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
@@ -177,6 +176,23 @@ def nodes_of(built):
     for corner in np.ndindex(*(2,) * built.ndim):
         touched[tuple(slice(c, c + n) for c, n in zip(corner, built.shape))] |= built
     return touched.ravel()
+
+
+def surface_nodes_of(built):
+    """Which nodes of the part have fewer elements around them than an inner node has, flat, x fastest."""
+    empty = nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])
+    return nodes_of(built) & empty[(slice(1, -1),) * built.ndim].ravel()
+
+
+def rigid_motions(points):
+    """Displacements of the points in every rigid motion, linearized, [motion][point][axis]."""
+    dimension = points.shape[1]
+    motions = [np.tile(row, (len(points), 1)) for row in np.eye(dimension)]
+    for a, b in itertools.combinations(range(dimension), 2):
+        turn = np.zeros_like(points)
+        turn[:, a], turn[:, b] = -points[:, b], points[:, a]
+        motions.append(turn)
+    return np.array(motions)
 
 
 def contains(shape, points, slack):
