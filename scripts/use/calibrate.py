@@ -79,8 +79,8 @@ def displacement_for(arguments, scale):
 
 
 def simulate_all(arguments, factors):
-    """The effective config, and fields U_ab [a][b][z][y][x][axis] of u(s) = sum_ab sqrt(s_a s_b) U_ab; U_ab of
-    two factors is not 0 where there is shear. A column of `factors` is the axes that a factor is of."""
+    """The effective config, and fields U_ab [a][b][z][y][x][axis] of u(s) = sum_ab sqrt(s_a s_b) U_ab. U_ab
+    of two factors is not 0 where there is shear. A column of `factors` is the axes that a factor is of."""
     count = factors.shape[1]
     forms = [[None] * count for _ in range(count)]
     for a in range(count):

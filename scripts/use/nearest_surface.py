@@ -18,8 +18,8 @@ READERS = {".stl": vtkSTLReader, ".obj": vtkOBJReader, ".ply": vtkPLYReader}
 
 
 class Surface:
-    """Triangles, or in 2D edges: `corners` (cell, corner, axis). Which side of a cell is outside is not known:
-    normals may point to either."""
+    """Triangles, or in 2D edges: `corners` (cell, corner, axis). Which side of a cell is outside is not
+    known: normals may point to either."""
 
     def __init__(self, corners):
         edges = corners[:, 1:] - corners[:, :1]
@@ -33,7 +33,8 @@ class Surface:
         self.locator.BuildLocator()
 
     def nearest(self, points):
-        """Of each of the points (n, axis): the nearest point of the surface, the normal there, its distance."""
+        """For each of the points (n, axis): the nearest point of the surface, the normal there, and the
+        distance."""
         found, cells = np.empty((len(points), 3)), np.empty(len(points), dtype=int)
         place, cell, part, square = [0.0, 0.0, 0.0], reference(0), reference(0), reference(0.0)
         for number, point in enumerate(np.pad(points, ((0, 0), (0, 3 - self.dimension)))):
