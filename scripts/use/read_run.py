@@ -5,6 +5,7 @@ import itertools
 import json
 import math
 import os
+import re
 
 import h5py
 import numpy as np
@@ -106,6 +107,19 @@ def read_json(directory, name):
             return json.load(file)
         except ValueError as error:
             raise RunError(f"{file.name} is no JSON: {error}") from error
+
+
+def read_config(path):
+    """A config as it was written, which may have comments."""
+    with open(path, encoding="utf-8") as file:
+        text = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', lambda found: found[1] or " ", file.read(), flags=re.DOTALL)
+    try:
+        config = json.loads(text)
+    except ValueError as error:
+        raise RunError(f"{path} is no JSON: {error}") from error
+    if not isinstance(config, dict):
+        raise RunError(f"{path}: holds no object")
+    return config
 
 
 def read_history(directory):
