@@ -114,7 +114,7 @@ def target_thickness(arguments, config):
     path = os.path.join(arguments.output, "as_given.json")
     os.makedirs(arguments.output, exist_ok=True)
     write_json(path, turned_config(arguments, config, []))
-    return sizes_of(run(arguments, path, "check").stdout)["geodesic_height"] / layers["count"]
+    return sizes_of(run(arguments, path, "check"))["geodesic_height"] / layers["count"]
 
 
 def turned_config(arguments, config, turn):
@@ -141,8 +141,12 @@ def turned_config(arguments, config, turn):
 
 
 def run(arguments, path, task, *options):
+    """What the program prints. Raises a RunError with its own line if it refuses or fails."""
     ranks = ["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []
-    return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options])
+    try:
+        return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options]).stdout
+    except RunError as error:
+        raise RunError(reason_of(error)) from error
 
 
 def sizes_of(printed):
@@ -163,7 +167,7 @@ def record_of(arguments, config, turn, target):
     turned = turned_config(arguments, config, turn)
     write_json(path, turned)
     try:
-        sizes = sizes_of(run(arguments, path, "check").stdout)
+        sizes = sizes_of(run(arguments, path, "check"))
         turned["layers"] = layers_of(config, sizes["geodesic_height"] / target)
         if turned["sequence"]["type"] == "heat":
             turned["sequence"]["characteristic_length"] = turned["layers"].get("count", 1) * target
@@ -177,7 +181,7 @@ def record_of(arguments, config, turn, target):
         record["planar"] = block_of(os.path.join(folder, "planar"))
         return record | sizes | areas_of(os.path.join(folder, "planar"), plate)
     except RunError as error:
-        record["reason"] = reason_of(error)
+        record["reason"] = str(error)
         print(f"  {record['reason']}", flush=True)
         return record
 

@@ -106,7 +106,8 @@ def draw(records, unit, folder):
         axis.text(0.5, -0.02, words_of(record, unit), ha="center", va="top", fontsize=8, color=SOFT_INK, transform=axis.transAxes)
     for line, (name, title) in enumerate(zip(FIGURES, ("rms", "largest"), strict=True), start=1):
         draw_bars(figure.add_subplot(grid[line, :]), records, name, f"{title} deviation" + (f", {unit}" if unit else ""))
-    figure.axes[-2].legend(frameon=False, fontsize=8, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    if any("reason" not in record for record in records):
+        figure.axes[-2].legend(frameon=False, fontsize=8, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     save(figure, os.path.join(folder, "orientation.png"), 130)
 
 
