@@ -8,7 +8,7 @@ from command_line import RunError  # before any package
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import reference, vtkPoints
+from vtkmodules.vtkCommonCore import reference, vtkObject, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
 from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 from vtkmodules.vtkIOGeometry import vtkOBJReader, vtkSTLReader
@@ -26,7 +26,7 @@ class Surface:
         normals = edges[:, 0, ::-1] * (1.0, -1.0) if corners.shape[2] == 2 else np.cross(edges[:, 0], edges[:, 1])
         sizes = np.linalg.norm(normals, axis=1)
         corners, self.normals = corners[sizes > 0], normals[sizes > 0] / sizes[sizes > 0, None]
-        self.dimension, self.lower, self.upper = corners.shape[2], corners.min((0, 1)), corners.max((0, 1))
+        self.dimension = corners.shape[2]
         self.data = poly_data(np.pad(corners, ((0, 0), (0, 0), (0, 3 - self.dimension))))
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.data)
@@ -77,7 +77,9 @@ def mesh_surface(path, placement):
 
 
 def read_poly_data(reader_type, path):
-    open(path, "rb").close()  # VTK would only print that it cannot
+    """What is in a file; nothing at all if VTK cannot make sense of it."""
+    open(path, "rb").close()  # raises an OSError, where VTK goes on
+    vtkObject.GlobalWarningDisplayOff()  # or it tells of its classes
     reader = reader_type()
     reader.SetFileName(path)
     reader.Update()
