@@ -45,8 +45,8 @@ from read_run import read_fields, read_json, rigid_motions
 from voxel_model import VoxelModel
 
 UNDETERMINED = 1e-6  # of the largest singular value
-SETTLED = 1e-6       # of an element's edge: points of a scan that move less have found their place
-MOST_SEARCHES = 50   # for the places of a scan's points
+SETTLED = 1e-6       # change of the factors with which the search for the places of a scan's points ends
+MOST_SEARCHES = 12   # for these; with noise, points at edges go to and fro for ever
 
 
 def simulate(arguments, name, *options):
@@ -167,13 +167,13 @@ class Scan:
                           "the surface as drawn" if drawn else "the surface of part and substrate")
 
     def fit(self, fields, rigid):
-        places, normals, _ = self.surface.nearest(self.points)
+        displacement, factors = 0.0, np.inf
         for _ in range(MOST_SEARCHES):
+            places, normals, _ = self.surface.nearest(self.points - displacement)
             fit = Fit(self.model, fields, places, normals, np.sum(normals * (self.points - places), axis=1), rigid)
-            before = places
-            places, normals, _ = self.surface.nearest(self.points - fit.displacement())
-            if np.abs(places - before).max() < SETTLED * self.model.longest_edge:
+            if np.abs(fit.factors - factors).max() < SETTLED:
                 break
+            displacement, factors = fit.displacement(), fit.factors
         return fit
 
 
