@@ -63,6 +63,8 @@ def main():
     target = target_thickness(arguments, config)
     records = [record_of(arguments, config, turn, target) for turn in turns]
     orient_results.write(records, config["domain"].get("unit"), arguments.output)
+    if all("reason" in record for record in records):
+        raise RunError("the program refuses every orientation")
 
 
 def turn_of(text):
