@@ -32,7 +32,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do, and of digits, which the release build looks at.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|own_layer|reproduce|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calibrate|gradient_matrix|orient|own_layer|reproduce|slurm")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.
@@ -42,7 +42,7 @@ set(FABSEQ_COSTS
     integration.multi_planar=50 integration.groups=50 integration.scenarios=40 integration.gradient_matrix=40
     integration.direct=40 integration.errors=40 integration.ranks=40 integration.deposition=30 faults.sample=70
     scripts.overview_test=30 scripts.report_test=25 integration.coarse=20 scripts.compare_test=20 integration.failures=20
-    integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=20 integration.squares=20 integration.leaks=20
+    integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=10 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
     integration.outputs=10 lane_elasticity_mpi_test.np4=10)
 function(fabseq_cost result name)
@@ -60,7 +60,7 @@ set(FABSEQ_LABELS
     "kernels=^(lanes|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate)"
-    "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|own_layer|pictures|readme|reproduce|slurm|install)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calibrate|orient|own_layer|pictures|readme|reproduce|slurm|install)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)

@@ -16,10 +16,11 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
+from command_line import PROGRAM, ROOT, parse, parser_of, run_command, run_script  # before any package
+from drawing import OPTIMIZED, PLANAR, save, tidy
+
 import matplotlib.pyplot as plt
 
-from command_line import PROGRAM, ROOT, parse, parser_of, run_command, run_script
-from drawing import OPTIMIZED, PLANAR, save, tidy
 from read_run import read_json
 
 CONFIG = os.path.join(ROOT, "configs", "v_shape_coarse.json")

@@ -17,9 +17,10 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
+from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script  # before any package
+
 import numpy as np
 
-from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script
 from read_run import Run, node_positions, read_fields
 
 

@@ -21,9 +21,10 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
+from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script  # before any package
+
 import case_table
 import geometric_thickness
-from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script
 from read_run import Run, read_json
 
 

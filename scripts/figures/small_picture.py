@@ -13,13 +13,14 @@ import io
 import os
 import sys
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
+
+from command_line import parser_of, run_script  # before any package
+
 import numpy as np
 from PIL import Image
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
 import overview
-from command_line import parser_of, run_script
 from read_run import Run
 from virtual_display import ensure_display
 

@@ -11,10 +11,10 @@ face-connected piece. Writes it as dataset `density` (0 or 1, uint8, axes [z][y]
         configs/parts/demo_part_20x20x30.h5 2 0.5
 """
 
+from command_line import RunError, parser_of, run_script  # before any package
+
 import h5py
 import numpy as np
-
-from command_line import RunError, parser_of, run_script
 
 
 def main():

@@ -8,6 +8,8 @@ import os
 import subprocess
 import sys
 
+import find_python  # noqa: F401 (before any package)
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAM = os.path.join(ROOT, "build", "release", "fabseq")
 

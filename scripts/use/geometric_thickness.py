@@ -18,6 +18,8 @@ Prints a table and writes RUN_DIR/geometric_thickness.json.
 import itertools
 import os
 
+from command_line import RunError, parser_of, run_script, write_json  # before any package
+
 import h5py
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
@@ -26,7 +28,6 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStatic
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
-from command_line import RunError, parser_of, run_script, write_json
 from read_run import read_json
 
 FARTHEST = 1.3  # of the target

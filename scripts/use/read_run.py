@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Reads the output directory of a run: what pictures and tables need of a finished optimization."""
 
+import itertools
 import json
 import math
 import os
+import re
 
 import h5py
 import numpy as np
@@ -83,9 +85,7 @@ class Run:
         substrate are not looked at. Raises NotImplementedError for polygons."""
         shape = {key: value for key, value in node_set.items() if key not in ("all", "surface", "samples", "within")}
         built = self.fields["density"] > 0
-        chosen = nodes_of(built)
-        if node_set.get("surface"):
-            chosen &= nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])[(slice(1, -1),) * built.ndim].ravel()
+        chosen = surface_nodes_of(built) if node_set.get("surface") else nodes_of(built)
         if shape:
             size = self.config["domain"]["size"]
             slack = 1e-6 * min(length / n for length, n in zip(size, built.shape[::-1]))
@@ -107,6 +107,19 @@ def read_json(directory, name):
             return json.load(file)
         except ValueError as error:
             raise RunError(f"{file.name} is no JSON: {error}") from error
+
+
+def read_config(path):
+    """A config as it was written, which may have comments."""
+    with open(path, encoding="utf-8") as file:
+        text = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', lambda found: found[1] or " ", file.read(), flags=re.DOTALL)
+    try:
+        config = json.loads(text)
+    except ValueError as error:
+        raise RunError(f"{path} is no JSON: {error}") from error
+    if not isinstance(config, dict):
+        raise RunError(f"{path}: holds no object")
+    return config
 
 
 def read_history(directory):
@@ -177,6 +190,23 @@ def nodes_of(built):
     for corner in np.ndindex(*(2,) * built.ndim):
         touched[tuple(slice(c, c + n) for c, n in zip(corner, built.shape))] |= built
     return touched.ravel()
+
+
+def surface_nodes_of(built):
+    """Which nodes of the part have fewer elements around them than an inner node has, flat, x fastest."""
+    empty = nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])
+    return nodes_of(built) & empty[(slice(1, -1),) * built.ndim].ravel()
+
+
+def rigid_motions(points):
+    """Displacements of the points in every rigid motion, linearized, [motion][point][axis]."""
+    dimension = points.shape[1]
+    motions = [np.tile(row, (len(points), 1)) for row in np.eye(dimension)]
+    for a, b in itertools.combinations(range(dimension), 2):
+        turn = np.zeros_like(points)
+        turn[:, a], turn[:, b] = -points[:, b], points[:, a]
+        motions.append(turn)
+    return np.array(motions)
 
 
 def contains(shape, points, slack):

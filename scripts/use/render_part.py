@@ -13,6 +13,8 @@ draws in memory (virtual_display.py).
 import itertools
 import os
 
+from command_line import parser_of, run_script  # before any package
+
 import h5py
 import numpy as np
 from matplotlib import colormaps
@@ -25,7 +27,6 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 
-from command_line import parser_of, run_script
 from read_run import node_positions, read_json
 from virtual_display import ensure_display
 

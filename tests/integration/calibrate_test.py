@@ -9,6 +9,7 @@ import sys
 import numpy as np
 
 import run_fabseq
+from mesh_test import HIGH, LOW, bar, box_triangles, stl_text
 from read_outputs import read_result
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import plate_2d, post_on_substrate
@@ -25,7 +26,9 @@ class CalibrateTest(FabseqTest):
         data = read_result(run)
         field = data["displacement"] + (data["release_displacement"] if released else 0)
         there = np.abs(field).max(-1) > 0
-        axes = [np.linspace(0, edge, n + 1) for edge, n in zip(config["domain"]["size"], config["domain"]["elements"])]
+        domain = run.json("config.json")["domain"]
+        axes = [low + np.linspace(0, edge, n + 1)
+                for low, edge, n in zip(domain.get("origin", [0, 0, 0]), domain["size"], domain["elements"])]
         positions = np.stack([grid[there] for grid in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], 1)
         config["material"]["strain_scale"] = [1.0] * len(axes)
         return positions, field[there]
@@ -82,6 +85,68 @@ class CalibrateTest(FabseqTest):
 
     def test_one_factor(self):
         self.expect(plate_2d(), [1.2, 1.2], "--isotropic")
+
+    def test_points_off_the_elements(self):
+        """Of the top and the left face; the others are inside or on the surface."""
+        config = plate_2d()
+        positions, displacements = self.measure(config, [1.4, 0.7])
+        off = np.random.default_rng(1).uniform(0, 0.09, len(positions))  # an element is 0.1
+        positions[:, 1] += off * (positions[:, 1] > 1.19)
+        positions[:, 0] -= off * (positions[:, 0] < 0.01)
+        run = self.calibrate(config, self.write_points(positions, displacements))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("outside of the elements moved by up to 0.0", run.stdout)
+        np.testing.assert_allclose(self.read("calibration.json")["strain_scale"], [1.4, 0.7], rtol=1e-5)
+
+    def test_points_far_from_the_part(self):
+        """All are named, before any simulation."""
+        path = os.path.join(self.directory, "far.csv")
+        for header, more, tolerance, words in (("x,y,ux,uy", ",0,0", [], "farther than 0.1 from the elements"),
+                                               ("x,y", "", ["--tolerance", "0.4"], "farther than 0.4 from the surface")):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("\n".join([header, "0.1,0.1" + more, "-1,1.2" + more, "0,1.7" + more, ""]))
+            run = self.calibrate(plate_2d(), path, *tolerance)
+            self.assertEqual(run.returncode, 1)
+            self.assertIn(words, run.stderr)
+            self.assertIn("2 of 3 points lie", run.stderr)
+            self.assertIn("point 2 at [-1,1.2], 1 away; point 3 at [0,1.7], 0.5 away", run.stderr)
+            self.assertEqual(os.listdir(os.path.join(self.directory, "calibrated")), ["model"])
+
+    def test_scan(self):
+        """Points of the surface of the finished part: nobody knows where they were in the drawing."""
+        config = plate_2d()
+        positions, displacements = self.measure(config, [1.4, 0.7])
+        skin = (np.abs(positions - (1, 0.6)) > (0.99, 0.59)).any(1)
+        path = os.path.join(self.directory, "scan.csv")
+        np.savetxt(path, (positions + displacements)[skin], delimiter=",", header="x,y", comments="")
+        run = self.calibrate(config, path)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        record = self.read("calibration.json")
+        np.testing.assert_allclose(record["strain_scale"], [1.4, 0.7], rtol=1e-4)
+        self.assertEqual((record["measured"], record["points"]), ("scan", skin.sum()))
+
+    def test_scan_of_a_mesh_in_a_frame_of_its_own(self):
+        """A cloud of points around a bar that was turned and put on the plate."""
+        with open(os.path.join(self.directory, "bar.stl"), "w", encoding="utf-8") as file:
+            file.write(stl_text(box_triangles(LOW, HIGH)))
+        config = bar(rotate=[["x", 90]], least_elements=0)
+        config["domain"]["element"] = 5
+        positions, displacements = self.measure(config, [1.3, 1.3, 1.3], released=True)
+        skin = ((positions == positions.min(0)) | (positions == positions.max(0))).any(1)
+        points = positions[skin] + displacements[skin] + np.cross([0.002, -0.003, 0.004], positions[skin]) + [0.5, 0.3, -0.2]
+        path = os.path.join(self.directory, "scan.ply")
+        np.savetxt(path, points, comments="", header=f"""ply
+format ascii 1.0
+element vertex {len(points)}
+property double x
+property double y
+property double z
+end_header""")
+        run = self.calibrate(config, path, "--released", "--rigid", "--isotropic")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        record = self.read("calibration.json")
+        np.testing.assert_allclose(record["strain_scale"], [1.3, 1.3, 1.3], rtol=1e-3)
+        self.assertLess(record["rms_difference"], 1e-3 * record["rms_measured"])
 
     def test_config_found_runs(self):
         config = plate_2d()

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""The files of configs/materials: what they hold, and that docs/materials.md says the same."""
+
+import json
+import re
+import unittest
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+TEXTS = "name", "source", "comment"
+RANGES = {"young": (5e4, 3e5), "poisson": (0.25, 0.4), "mass_density": (2e-6, 1e-5), "yield_stress": (50, 1500)}
+
+
+def materials():
+    return {path.stem: json.loads(path.read_text(encoding="utf-8"))
+            for path in sorted((PROJECT / "configs" / "materials").glob("*.json"))}
+
+
+class MaterialsTest(unittest.TestCase):
+    def test_what_the_files_hold(self):
+        self.assertIn("ER70S-6", materials())
+        for name, material in materials().items():
+            with self.subTest(material=name):
+                self.assertEqual(set(material), {*TEXTS, *RANGES, "inherent_strain"})
+                for key in TEXTS:
+                    self.assertGreater(len(material[key]), 10)
+                for key, (low, high) in RANGES.items():  # mm and MPa, rather than another unit
+                    self.assertTrue(low < material[key] < high, key)
+                self.assertEqual(len(material["inherent_strain"]), 6)
+                self.assertIn("inherent_strain: to be calibrated", material["comment"])
+
+    def test_the_table_says_the_same(self):
+        text = (PROJECT / "docs" / "materials.md").read_text(encoding="utf-8")
+        rows = {row[1]: row for row in re.findall(r"^(\| `([^`]+)` \|.*)$", text, re.MULTILINE)}
+        self.assertEqual(set(rows), set(materials()))
+        for name, material in materials().items():
+            cells = [cell.strip() for cell in rows[name][0].split("|")[3:-1]]
+            self.assertEqual([float(cell) for cell in cells[:-1]], [material[key] for key in RANGES], name)
+            for source in re.split("[,;] ", cells[-1]):
+                for word in source.split():
+                    self.assertIn(word, material["source"] + " data", name)
+
+
+if __name__ == "__main__":
+    unittest.main()
