@@ -83,7 +83,8 @@ def flat_options(markdown):
             section = (re.match(r"### `([^`]+)`", line) or ["", ""])[1]
         entry = FLAT_OPTION.match(line)
         if entry:
-            path = ".".join(filter(None, [section, entry["variant"] if section in ("objective", "constraints") else "", entry["key"]]))
+            type_ = entry["variant"] if section in ("objective", "constraints") else None
+            path = ".".join(filter(None, [section, type_, entry["key"]]))
             pairs.append((f"`{entry['option']}` VALUE", f"(`{path}`) {entry['text']}"))
     return pairs
 
@@ -117,7 +118,8 @@ def main():
         return
     there = arguments.page.read_text(encoding="utf-8") if arguments.page.exists() else ""
     if there != text:
-        sys.stdout.writelines(difflib.unified_diff(there.splitlines(True), text.splitlines(True), str(arguments.page), "as it should be"))
+        sys.stdout.writelines(difflib.unified_diff(
+            there.splitlines(True), text.splitlines(True), str(arguments.page), "as it should be"))
         sys.exit(f"man_page.py: {arguments.page} is out of date; scripts/dev/man_page.py --write mends it")
 
 

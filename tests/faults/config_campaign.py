@@ -1,20 +1,21 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Configs and command lines with something wrong in them, or extreme: each run must end as docs/reference.md says.
+"""Configs and command lines with something wrong in them, or extreme: each run must end as docs/reference.md
+says.
 
-    tests/faults/config_campaign.py                            1000 cases on one rank: a quarter of an hour on two cores
-    tests/faults/config_campaign.py --ranks 3 --cases 60       the same cases on three ranks and on one, compared
-    tests/faults/config_campaign.py --short                    a sample, as ctest runs it
-    tests/faults/config_campaign.py --seed 1 --only 137        one case, with all that it says
+    tests/faults/config_campaign.py                        1000 cases on one rank: ten minutes on two cores
+    tests/faults/config_campaign.py --ranks 3 --cases 60   the same cases on three ranks and on one, compared
+    tests/faults/config_campaign.py --short                a sample, as ctest runs it
+    tests/faults/config_campaign.py --seed 1 --only 137    one case, with all that it says
 
-A case is one of the configs of configs/ with few elements and two iterations (shrunken_configs.py), in which one to three
-things are changed at random (config_mutations.py), and a command line (option_mutations.py). It depends on the seed and its
-own number only.
+A case is one of the configs of configs/ with few elements and two iterations (shrunken_configs.py), in which
+one to three things are changed at random (config_mutations.py), and a command line (option_mutations.py). It
+depends on the seed and its own number only.
 
-Right is: status 0, all files of the task, finite numbers in them; status 2, one line that names key, option or file, nothing
-written; 3, 4 and 5 as the reference describes them. A run that takes longer than 10 s is told to end, and must end with
-status 4 within 50 s. Everything else is a finding and makes the status 1. Prints a table of classes (Markdown), and each
-finding with the command that repeats it.
+Right is: status 0, all files of the task, finite numbers in them; status 2, one line that names key, option
+or file, nothing written; 3, 4 and 5 as the reference describes them. A run that takes longer than 10 s is
+told to end, and must end with status 4 within 50 s. Everything else is a finding and makes the status 1.
+Prints a table of classes (Markdown), and each finding with the command that repeats it.
 """
 
 import argparse
@@ -47,7 +48,8 @@ MOST_MEMORY = 6 << 30  # bytes of address space: no case may bring the machine d
 
 
 class Case:
-    """The `number`-th case of a seed: `content` of its config, `arguments`, and in words what is wrong with them."""
+    """The `number`-th case of a seed: `content` of its config, `arguments`, and in words what is wrong with
+    them."""
 
     def __init__(self, seed, number, configs, keys):
         self.number = number
@@ -108,7 +110,8 @@ class Campaign:
         return Case(self.options.seed, number, self.configs, self.keys)
 
     def folder_for(self, case, ranks):
-        """A working directory for the case: its config, the voxels, a file and a folder that options may name."""
+        """A working directory for the case: its config, the voxels, a file and a folder that options may
+        name."""
         folder = os.path.join(self.directory, f"case_{case.number}_{ranks}", "here")
         shutil.copytree(self.inputs, folder)
         with open(os.path.join(folder, "case.json"), "wb") as file:
@@ -160,9 +163,12 @@ class Campaign:
                 shutil.rmtree(os.path.join(self.directory, f"case_{number}_{ranks}"), ignore_errors=True)
         return case, run, outcome
 
-    def repeats(self, case):
+    def print_case(self, case, run, outcome):
         ranks = f" --ranks {self.options.ranks}" if self.options.ranks > 1 else ""
-        return f"tests/faults/config_campaign.py --seed {self.options.seed}{ranks} --only {case.number}"
+        print(f"*** {outcome.kind}: {outcome.wrong or 'as promised'}\n    {case.told}\n    {outcome.message[:300]}\n"
+              f"    tests/faults/config_campaign.py --seed {self.options.seed}{ranks} --only {case.number}", flush=True)
+        if self.options.only is not None:
+            print(run)
 
 
 def print_table(outcomes):
@@ -198,13 +204,11 @@ def main():
         with ThreadPoolExecutor(jobs) as pool, open(options.log or os.devnull, "w", encoding="utf-8") as log:
             for case, run, outcome in pool.map(campaign.judge, numbers):
                 outcomes.append(outcome)
-                log.write(json.dumps([case.number, outcome.kind, outcome.wrong, case.told, case.arguments, outcome.message]) + "\n")
+                record = [case.number, outcome.kind, outcome.wrong, case.told, case.arguments, outcome.message]
+                log.write(json.dumps(record) + "\n")
                 log.flush()
                 if outcome.wrong or options.only is not None:
-                    print(f"*** {outcome.kind}: {outcome.wrong or 'as promised'}\n    {case.told}\n    {outcome.message[:300]}\n"
-                          f"    {campaign.repeats(case)}", flush=True)
-                if options.only is not None:
-                    print(run)
+                    campaign.print_case(case, run, outcome)
     print_table(outcomes)
     sys.exit(1 if any(outcome.wrong for outcome in outcomes) else 0)
 

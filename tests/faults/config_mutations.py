@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""One wrong thing, or an extreme one, in a config. Each function of TREE changes a config (a dict) in place, each of TEXT
-returns other bytes in place of a config's; all say what they did."""
+"""One wrong thing, or an extreme one, in a config. Each function of TREE and LEGAL changes a config (a dict)
+in place, each of TEXT returns other bytes in place of a config's; all say what they did."""
 
 import json
 
@@ -15,12 +15,14 @@ class Pairs(list):
     """Members of an object, names and values, where a name may come twice."""
 
 
-NUMBERS = (0, -1, 0.5, 1, 2, 3, 7, 1e300, -1e300, 1e-300, 5e-324, 1e40, 1e-40, 1e-12, 1e12, 2147483647, 2147483648, -2147483649,
-           Raw("9223372036854775808"), Raw("1e999"), Raw("-1e999"), Raw("NaN"), Raw("Infinity"), Raw("-Infinity"), Raw("nan"),
+NUMBERS = (0, -1, 0.5, 1, 2, 3, 7, 1e300, -1e300, 1e-300, 5e-324, 1e40, 1e-40, 1e-12, 1e12, 2147483647, 2147483648,
+           -2147483649, Raw("9223372036854775808"), Raw("1e999"), Raw("-1e999"), Raw("NaN"), Raw("Infinity"), Raw("-Infinity"),
+           Raw("nan"),
            Raw("0x10"), Raw("1."), Raw("01"), Raw("1e"), Raw("-0.0"), Raw("9" * 400), "NaN", "inf", "1", "1e3")
 VALUES = ("", "text", "auto", "../x", True, False, None, [], {}, [1], [[]], [None], {"a": 1}, {"": 0}, 3, -0.5,
           [1, 2, 3, 4], [[1, 2], [3, 4]], {"type": "distortion"}, {"box": {"min": [0, 0], "max": [1, 1]}})
-STRINGS = ("", " ", "auto", "none", "z", "x", "N" * 5000, "ä\u0000b", "\ud7ff", "../../..", "heat ", "HEAT", "1", "\n", "%d", "-x")
+STRINGS = ("", " ", "auto", "none", "z", "x", "N" * 5000, "ä\u0000b", "\ud7ff", "../../..", "heat ", "HEAT", "1", "\n",
+           "%d", "-x")
 
 
 def dumps(value):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Which keys a config may have, and legal values of them, extreme ones among them: from `fabseq -help_markdown`."""
+"""Which keys a config may have, and legal values of them, extreme ones among them: from `fabseq
+-help_markdown`."""
 
 import dataclasses
 import re
@@ -15,8 +16,8 @@ MOST = {"max_iterations": 3, "coarse_iterations": 2, "binary_iterations": 3, "co
 
 @dataclasses.dataclass
 class Key:
-    """`section`: its dotted path; `variant`: the type of the object that it stands in, None for all; `option`: the flat one,
-    None for most."""
+    """`section`: its dotted path; `variant`: the type of the object that it stands in, None for all;
+    `option`: the flat one, None for most."""
 
     section: str
     name: str

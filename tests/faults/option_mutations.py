@@ -27,7 +27,7 @@ def flat_option(chance, config, keys):
 
 
 def iterations(chance, *_):
-    return ["-max_iterations", chance.choice(["-1", "0", "1", "1.5", "1e0", "", "two", "2147483648", "99999999999999999999", "nan"])]
+    return ["-max_iterations", chance.choice(["-1", "0", "1", "1.5", "1e0", "", "two", "2147483648", "9" * 20, "nan"])]
 
 
 def output(chance, *_):
@@ -49,7 +49,8 @@ def groups(chance, *_):
 
 
 def wall_time(chance, *_):
-    return ["-max_wall_time", chance.choice(["0", "-1", "1e-9", "0.5", "nan", "inf", "1e400", "1:2", "0:0:1", "0:0:0", "a:b:c", ""])]
+    return ["-max_wall_time", chance.choice(["0", "-1", "1e-9", "0.5", "nan", "inf", "1e400", "1:2", "0:0:1", "0:0:0", "a:b:c",
+                                             ""])]
 
 
 def task(chance, *_):

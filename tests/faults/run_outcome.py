@@ -147,7 +147,8 @@ class Judge:
         return "5 not written", self.one_message(re.escape(os.path.basename(output.rstrip("/"))[:40]))
 
     def one_message(self, named):
-        """What is wrong with what the run says: it should be one line, which matches the regular expression `named`."""
+        """What is wrong with what the run says: it should be one line, which matches the regular expression
+        `named`."""
         lines = [line for line in self.errors if line != ENDED_BY_US]
         if len(lines) != 1:
             return f"{len(lines)} lines on stderr: {lines[:3]}"
