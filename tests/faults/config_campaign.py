@@ -56,7 +56,7 @@ class Case:
         chance = random.Random(f"{seed}/{number}")
         self.name = chance.choice(sorted(configs))
         config, told = copy.deepcopy(configs[self.name]), []
-        kind = chance.choices(["config", "legal", "text", "options", "both"], [30, 30, 10, 20, 10])[0]
+        kind = chance.choices(["config", "legal", "text", "options", "both"], [25, 40, 8, 18, 9])[0]
         self.arguments = self.task(chance, config)
         if kind in ("config", "legal", "both"):
             for _ in range(chance.choices([1, 2, 3], [70, 20, 10])[0]):

@@ -173,9 +173,12 @@ def legal_values(chance, config, keys):
             continue
         if value is None or key.name == "type" or not found:
             continue
-        chance.choice(found)[key.name] = value
+        chosen_one = chance.choice(found)
+        if is_number(value) and is_number(chosen_one.get(key.name)) and chance.random() < 0.6:  # near what makes sense
+            value = type(value)(chosen_one[key.name] * 10**chance.uniform(-4, 4))
+        chosen_one[key.name] = value
         told.append(f"{key.section}.{key.name} = {shown(value)}")
-        if len(told) == 5 or chance.random() < 0.4:
+        if len(told) == 5 or chance.random() < 0.5:
             break
     return "legal: " + ", ".join(told)
 
@@ -187,9 +190,12 @@ def new_term(chance, config, keys):
     term = {"type": chance.choice(sorted(types))}
     for key in keys:
         value = legal_value(chance, key, len(config["domain"]["size"]))
-        if key.section == section and key.variant == term["type"] and value is not None and chance.random() < 0.4:
+        if key.section == section and key.variant == term["type"] and value is not None and chance.random() < 0.25:
             term[key.name] = value
-    if "nodes" in term or chance.random() < 0.5:
+    for key in ("target", "limit"):
+        if key in term or (term["type"], key) in (("layer_thickness", "target"), ("distortion", "limit")):
+            term[key] = 10**chance.uniform(-6, 3)
+    if term["type"] == "distortion" or chance.random() < 0.1:
         term["nodes"] = chance.choice([*config.get("node_sets", {}), "nowhere"])
     entries = config.setdefault(section, [])
     entries.insert(chance.randrange(len(entries) + 1), term)

@@ -80,8 +80,6 @@ def legal_value(chance, key, dimension):
         return chance.choice([True, False])
     if allowed == "a text":
         return chance.choice(TEXTS)
-    if allowed == "an object":
-        return {}
     numbers = NUMBERS.match(allowed)
     if numbers:
         values = [number(chance, numbers[3], numbers[2] == "integer", MOST.get(key.name)) for _ in range(dimension)]
