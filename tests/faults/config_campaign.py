@@ -12,9 +12,10 @@ A case is one of the configs of configs/ with few elements and two iterations (s
 one to three things are changed at random (config_mutations.py), and a command line (option_mutations.py). It
 depends on the seed and its own number only.
 
-Right is: status 0, all files of the task, finite numbers in them; status 2, one line that names key, option
-or file, nothing written; 3, 4 and 5 as the reference describes them. A run that takes longer than 10 s is
-told to end, and must end with status 4 within 50 s. Everything else is a finding and makes the status 1.
+Right is: status 0, all files of the task, finite numbers in them, a config.json that can be read again;
+status 2, one line that names key, option or file, nothing written; 3, 4 and 5 as the reference describes
+them. A run that takes longer than 10 s is told to end, and must end with status 4 within 50 s. Everything
+else is a finding and makes the status 1.
 Prints a table of classes (Markdown), and each finding with the command that repeats it.
 """
 
@@ -44,6 +45,7 @@ from shrunken_configs import shrunken_configs  # noqa: E402
 
 SHORT_SEED, SHORT_CASES = 1, 40
 PATIENCE, LAST_PATIENCE = 10, 50  # seconds
+REREAD_EVERY = 4  # cases: of these config.json is read again
 MOST_MEMORY = 6 << 30  # bytes of address space: no case may bring the machine down
 
 
@@ -135,7 +137,14 @@ class Campaign:
         status, stdout, stderr = self.wait(command, folder)
         run = Result(command, status, stdout, stderr, os.path.join(folder, value_of(arguments, "-output")))
         outcome = Judge(run, arguments, before, all_files(top)).outcome()
+        if not outcome.wrong and case.number % REREAD_EVERY == 0 and os.path.exists(run.path("config.json")):
+            outcome.wrong = self.reread(run.path("config.json"), folder)
         return run, outcome
+
+    def reread(self, config, folder):
+        """Why the config.json that a run has left is refused; "" if it is not."""
+        status, _, stderr = self.wait([PROGRAM, "-config", config, "-task", "check"], folder)
+        return f"its config.json ends with status {status}: {stderr}" if status else ""
 
     @staticmethod
     def wait(command, folder):

@@ -4,7 +4,7 @@ in place, each of TEXT returns other bytes in place of a config's; all say what 
 
 import json
 
-from config_schema import legal_value
+from config_schema import legal_value, near
 
 
 class Raw(str):
@@ -161,21 +161,27 @@ def containers(config, key):
     return [node] if key.variant in (None, node.get("type", "curved" if key.section == "layers" else None)) else []
 
 
+# Keys that only go with a mesh, or with one measure.
+FOR_FEW = ("type", "to", "nodes", "axis", "distance", "element", "margin", "all", "near")
+
+
 def legal_values(chance, config, keys):
     """Up to five keys with values from the ends of their ranges."""
     told = []
     for _ in range(100):
         key = chance.choice(keys)
+        if key.name in FOR_FEW:
+            continue
         value = legal_value(chance, key, len(config["domain"]["size"]))
         try:
             found = containers(config, key)
         except (AttributeError, TypeError):  # an earlier change left something else there
             continue
-        if value is None or key.name == "type" or not found:
+        if value is None or not found:
             continue
         chosen_one = chance.choice(found)
-        if is_number(value) and is_number(chosen_one.get(key.name)) and chance.random() < 0.6:  # near what makes sense
-            value = type(value)(chosen_one[key.name] * 10**chance.uniform(-4, 4))
+        if is_number(value) and is_number(chosen_one.get(key.name)) and chance.random() < 0.6:
+            value = near(chance, key, chosen_one[key.name])
         chosen_one[key.name] = value
         told.append(f"{key.section}.{key.name} = {shown(value)}")
         if len(told) == 5 or chance.random() < 0.5:
@@ -190,7 +196,8 @@ def new_term(chance, config, keys):
     term = {"type": chance.choice(sorted(types))}
     for key in keys:
         value = legal_value(chance, key, len(config["domain"]["size"]))
-        if key.section == section and key.variant == term["type"] and value is not None and chance.random() < 0.25:
+        fits = key.section == section and key.variant == term["type"] and key.name not in FOR_FEW
+        if fits and value is not None and chance.random() < 0.25:
             term[key.name] = value
     for key in ("target", "limit"):
         if key in term or (term["type"], key) in (("layer_thickness", "target"), ("distortion", "limit")):

@@ -68,6 +68,15 @@ def number(chance, text, whole, most):
     return round(value) if whole else value
 
 
+def near(chance, key, value):
+    """A legal number, larger or smaller than `value` by a few orders of magnitude."""
+    other = value * 10**chance.uniform(-4, 4)
+    text = re.search(r"(number|integer)( ?(?:in|>=|>) ?.*)?$", key.allowed)
+    low, high = limits(text and text[2])
+    other = min(max(other, low), high, MOST.get(key.name, high))
+    return round(other) if isinstance(value, int) else other
+
+
 def legal_value(chance, key, dimension):
     """A value that the key's own range allows; None where only the key's section knows what that is."""
     allowed = key.allowed
