@@ -131,9 +131,11 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   char** arguments = pointers.data();
   prefer_romio();
   give_memory_back();
-  (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
+  PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet
   if (const PetscErrorCode code = PetscInitialize(&count, &arguments, nullptr, nullptr); code != 0)
     return refused(code);
+  PetscErrorPrintf = PetscErrorPrintfDefault;
+  (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
   const int status = guarded(program);
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();

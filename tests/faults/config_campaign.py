@@ -53,12 +53,14 @@ class Case:
     """The `number`-th case of a seed: `content` of its config, `arguments`, and in words what is wrong with
     them."""
 
-    def __init__(self, seed, number, configs, keys):
+    KINDS = ("config", "legal", "text", "options", "both")
+
+    def __init__(self, seed, number, configs, keys, kind=None):
         self.number = number
         chance = random.Random(f"{seed}/{number}")
         self.name = chance.choice(sorted(configs))
         config, told = copy.deepcopy(configs[self.name]), []
-        kind = chance.choices(["config", "legal", "text", "options", "both"], [25, 40, 8, 18, 9])[0]
+        kind = kind or chance.choices(self.KINDS, [25, 40, 8, 18, 9])[0]
         self.arguments = self.task(chance, config)
         if kind in ("config", "legal", "both"):
             for _ in range(chance.choices([1, 2, 3], [70, 20, 10])[0]):
@@ -109,7 +111,7 @@ class Campaign:
         self.keys = read_keys(PROGRAM)
 
     def case(self, number):
-        return Case(self.options.seed, number, self.configs, self.keys)
+        return Case(self.options.seed, number, self.configs, self.keys, self.options.kind)
 
     def folder_for(self, case, ranks):
         """A working directory for the case: its config, the voxels, a file and a folder that options may
@@ -174,6 +176,7 @@ class Campaign:
 
     def print_case(self, case, run, outcome):
         ranks = f" --ranks {self.options.ranks}" if self.options.ranks > 1 else ""
+        ranks += f" --kind {self.options.kind}" if self.options.kind else ""
         print(f"*** {outcome.kind}: {outcome.wrong or 'as promised'}\n    {case.told}\n    {outcome.message[:300]}\n"
               f"    tests/faults/config_campaign.py --seed {self.options.seed}{ranks} --only {case.number}", flush=True)
         if self.options.only is not None:
@@ -195,6 +198,7 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--seed", type=int, default=SHORT_SEED)
     parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--kind", choices=Case.KINDS, help="cases of this kind only; others than without")
     parser.add_argument("--jobs", type=int, default=None, help="runs at a time")
     parser.add_argument("--only", type=int, default=None, metavar="NUMBER", help="this case alone, with all that it says")
     parser.add_argument("--log", help="file that gets a line of JSON per case")
