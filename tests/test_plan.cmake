@@ -44,7 +44,7 @@ set(FABSEQ_COSTS
     scripts.overview_test=30 scripts.report_test=25 integration.coarse=20 scripts.compare_test=20 integration.failures=20
     integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=10 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
-    integration.outputs=10 lane_elasticity_mpi_test.np4=10)
+    integration.outputs=10 faults.configs=20 integration.install=15 lane_elasticity_mpi_test.np4=10)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})

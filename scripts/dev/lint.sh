@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Checks that need no run: format, clang-tidy, include graph, scripts, Doxygen, lists of keys. Needs the release build
+# Checks that need no run: format, clang-tidy, include graph, scripts, Doxygen, lists of keys, manual page. Needs the release build
 # (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
 #
 #   scripts/dev/lint.sh [FILE.cc...]     with files: clang-tidy looks at these only
@@ -16,7 +16,7 @@ step() {
   "$@" || failed+=("$name")
 }
 
-sources() { find include src tests benchmarks \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
+sources() { find include src tests benchmarks docs/example \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
 shell_scripts() { find scripts benchmarks .ci -type f \( -name '*.sh' -o -path '.ci/run' \) -print0; }
 python_scripts() { find scripts tests benchmarks -name '*.py' -print0 2>/dev/null || true; }
 
@@ -37,6 +37,8 @@ step "Python format" python_format
 step "flake8" flake8 scripts tests benchmarks
 step "Doxygen" doxygen_pages
 step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
+step "manual page" /usr/bin/python3 scripts/dev/man_page.py
+step "format of the manual page" mandoc -Tlint docs/fabseq.1
 step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
 
 if ((${#failed[@]})); then

@@ -24,6 +24,11 @@ std::string place_in_text(const std::string& text, std::size_t position) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
+/// The text, with a replacement character for what is not UTF-8.
+std::string valid_utf8(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
 /// nlohmann's message without its identifier and its own account of the place.
 std::string bare_message(const std::string& message) {
   std::size_t start = message.find("] ");
@@ -63,7 +68,8 @@ class Builder : public nlohmann::json_sax<Json> {
 
   bool parse_error(std::size_t position, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    throw InputError(place_ + ": " + place_in_text(text_, position) + ": " + bare_message(error.what()));
+    throw InputError(place_ + ": " + place_in_text(text_, position) + ": " +
+                     valid_utf8(bare_message(error.what())));
   }
 
  private:

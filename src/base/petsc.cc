@@ -13,8 +13,10 @@ std::string message_of(PetscErrorCode code) {
   const char* text = nullptr;
   char* specific = nullptr;
   (void)PetscErrorMessage(code, &text, &specific);
-  std::string message = std::string("PETSc: ") + (text != nullptr ? text : "unknown error");
-  if (specific != nullptr && specific[0] != '\0') message += std::string(": ") + specific;
+  const bool is_specific = specific != nullptr && specific[0] != '\0';
+  std::string message = "PETSc: ";
+  if (text != nullptr || !is_specific) message += text != nullptr ? text : "unknown error";
+  if (is_specific) message += (text != nullptr ? ": " : "") + std::string(specific);
   for (char& c : message)
     if (c == '\n') c = ' ';
   return message;

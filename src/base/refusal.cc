@@ -25,7 +25,7 @@ std::string shown(const Json& value) {
 }
 
 void refuse(const std::string& pointer, const std::string& found, const std::string& allowed) {
-  throw InputError((pointer.empty() ? "/" : pointer) + ": found " + found + "; allowed: " + allowed);
+  throw InputError((pointer.empty() ? "-config" : pointer) + ": found " + found + "; allowed: " + allowed);
 }
 
 }  // namespace fabseq

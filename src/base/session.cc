@@ -26,6 +26,20 @@ PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, Pets
   return code;
 }
 
+/// Says in one line what PetscInitialize does not like of its options, and returns the exit status. Ranks
+/// that wait for this one in there are ended by mpirun.
+int refused(PetscErrorCode code) {
+  try {
+    check_options(code);
+  } catch (const Error& error) {
+    int initialized = 0;
+    MPI_Initialized(&initialized);
+    if (initialized == 0 || rank_of(MPI_COMM_WORLD) == 0)
+      write_text(STDERR_FILENO, std::string("fabseq: ") + error.what() + "\n");
+  }
+  return static_cast<int>(ExitStatus::bad_input);
+}
+
 /// PETSc options that were never read are most likely misspelt.
 void warn_about_unread_options() {
   PetscInt count = 0;
@@ -117,8 +131,10 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   char** arguments = pointers.data();
   prefer_romio();
   give_memory_back();
-  if (PetscInitialize(&count, &arguments, nullptr, nullptr) != 0)  // an option's value that PETSc refuses
-    return static_cast<int>(ExitStatus::bad_input);
+  PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet
+  if (const PetscErrorCode code = PetscInitialize(&count, &arguments, nullptr, nullptr); code != 0)
+    return refused(code);
+  PetscErrorPrintf = PetscErrorPrintfDefault;
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
   const int status = guarded(program);
   (void)PetscPopErrorHandler();

@@ -50,6 +50,11 @@ TEST(JsonTest, TellsWhereTextIsMalformed) {
   }
 }
 
+TEST(JsonTest, ShowsMalformedTextAsUtf8) {
+  const std::string error = parse_error("[1.\xef\xbb\xbf]");
+  EXPECT_NE(error.find("'1.\xef\xbf\xbd'"), std::string::npos) << error;
+}
+
 TEST(JsonTest, RefusesKeysGivenTwiceAndBottomlessNesting) {
   EXPECT_EQ(parse_error(R"({"a": {"b": 1, "b": 2}})"),
             "file.json: key \"b\" is given twice in the same object");

@@ -76,7 +76,7 @@ TEST(ConfigErrorsTest, MissingKeys) {
 }
 
 TEST(ConfigErrorsTest, WrongTypes) {
-  EXPECT_EQ(error_of("[1]", {}), "/: found [1]; allowed: an object");
+  EXPECT_EQ(error_of("[1]", {}), "-config: found [1]; allowed: an object");
   EXPECT_EQ(solid_error("name", "7"), "/name: found 7; allowed: a text");
   EXPECT_EQ(solid_error("material", "3"), "/material: found 3; allowed: an object");
   EXPECT_EQ(solid_error("material.young", "[1,2"), "/material/young: found \"[1,2\"; allowed: a number > 0");

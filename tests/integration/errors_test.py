@@ -326,6 +326,19 @@ class CommandLineTest(FabseqTest):
                 self.assertEqual(noted, [BAD_INPUT] * 3)
                 self.assertEqual(len(lines), 1, lines)
 
+    def test_options_that_petsc_does_not_start_with(self):
+        """One line, too, of an option that PETSc reads when it starts."""
+        path = self.write_config(plate_2d())
+        before = self.tree()
+        for option, value, word in (("-options_file", "nothing", "nothing"), ("-malloc_debug", "perhaps", "perhaps")):
+            for ranks in distinct(3, 1):
+                result = self.run_program(ranks, "-config", path, option, value)
+                self.assertEqual(result.status, BAD_INPUT, str(result))
+                (message,) = result.messages()
+                self.assertTrue(message.startswith("fabseq: PETSc: "), message)
+                self.assertIn(word, message)
+        self.assertEqual(self.tree(), before)
+
     def test_unread_petsc_option_is_a_warning(self):
         for ranks in distinct(3, 1):
             result = self.run_config(ranks, plate_2d(), "-max_iterations", 1, "-elasticity_ksp_max_itt", 7)

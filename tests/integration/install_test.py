@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""`cmake --install` to another place: the program and the configs there work by themselves."""
+"""`cmake --install` to another place: the program and the configs there work by themselves, and docs/example
+builds against the library."""
 
 import os
+import re
 
 import run_fabseq
 from run_fabseq import DONE, FabseqTest, ROOT
+from small_parts import plate_2d
 
 BUILD = os.environ.get("FABSEQ_BUILD", os.path.join(ROOT, "build", "release"))
 
@@ -15,9 +18,13 @@ class InstallTest(FabseqTest):
         self.assertEqual(status, DONE, f"{command}\n{stdout}{stderr}")
         return stdout
 
-    def test_installed_program(self):
+    def install(self):
         prefix = os.path.join(self.directory, "prefix")
         self.run_command("cmake", "--install", BUILD, "--prefix", prefix)
+        return prefix
+
+    def test_installed_program(self):
+        prefix = self.install()
         program = os.path.join(prefix, "bin", "fabseq")
         self.assertRegex(self.run_command(program, "-version"), r"^fabseq \d+\.\d+\.\d+\s*$")
         configs = os.path.join(prefix, "share", "fabseq", "configs")
@@ -27,6 +34,37 @@ class InstallTest(FabseqTest):
         # Its part is a file beside the config.
         self.assertIn("elements", self.run_command(program, "-config", os.path.join(configs, "voxel_part.json"), "-task",
                                                    "check"))
+        self.assertTrue(os.path.exists(os.path.join(prefix, "share", "man", "man1", "fabseq.1")))
+
+    @run_fabseq.only_release
+    def test_a_program_of_ones_own(self):
+        """Compiled without optimization, it links with all responses and computes what -task evaluate
+        does."""
+        prefix = self.install()
+        self.run_command("cmake", "-S", os.path.join(ROOT, "docs", "example"), "-B", "example", f"-DCMAKE_PREFIX_PATH={prefix}",
+                         "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror")
+        self.run_command("cmake", "--build", "example")
+        path = self.write_config(plate_2d())
+        text = self.run_command("mpirun", "-np", "2", os.path.join("example", "start_value"), path)
+        printed = {name: float(value) for name, value in re.findall(r"^(\w+) \(\w+\): ([-.\w]+)", text, flags=re.MULTILINE)}
+        evaluation = self.run_program(1, "-config", path, "-task", "evaluate").json("evaluation.json")
+        expected = {response["name"]: response["value"] for response in evaluation["responses"]}
+        self.assertEqual(list(printed), list(expected))
+        for name, value in expected.items():
+            self.assertAlmostEqual(printed[name], value, delta=1e-4 * abs(value) + 1e-6)
+        self.assertIn("gradient of objective_0", text)
+
+    @run_fabseq.only_release
+    def test_another_processor(self):
+        """A program with registers of another width is refused, not linked."""
+        prefix = self.install()
+        with open(os.path.join(prefix, "lib", "cmake", "fabseq", "fabseqConfig.cmake"), encoding="utf-8") as file:
+            other = "-mavx" if "EQUAL 16)" in file.read() else "-mno-avx"
+        command = ["cmake", "-S", os.path.join(ROOT, "docs", "example"), "-B", "example", f"-DCMAKE_PREFIX_PATH={prefix}",
+                   f"-DCMAKE_CXX_FLAGS={other}"]
+        status, _, stderr = run_fabseq.run_command(command, self.directory, 300)
+        self.assertNotEqual(status, DONE)
+        self.assertIn("vector registers", stderr)
 
 
 if __name__ == "__main__":

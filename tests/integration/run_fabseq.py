@@ -80,7 +80,7 @@ class Process:
 
     def __init__(self, command, directory, environment=None):
         self.command = command
-        self.streams = [tempfile.TemporaryFile("w+") for _ in range(2)]
+        self.streams = [tempfile.TemporaryFile("w+", encoding="utf-8", errors="backslashreplace") for _ in range(2)]
         # Of its own: an mpirun that starts trips over the common folder that another, which ends, is
         # removing.
         self.sessions = tempfile.TemporaryDirectory(prefix="fabseq_mpirun_", ignore_cleanup_errors=True)
