@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What the checks of a sequence (docs/formulation.md 13.1) say in words, for the report and the overview."""
+"""What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
+overview."""
 
-LAYERS = {"baseline": "planar layers", "binary": "optimized layers", "simulated": "layers"}
+from read_run import number
+
+USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
 
 
 def hanging(run, state):
@@ -44,14 +47,13 @@ def in_the_air(run, state):
 
 
 def stress_words(run):
-    shares = {state: beyond_yield(run, state) for state in LAYERS}
-    share = shares[state_of(run)]
+    share, with_planar = (beyond_yield(run, state) for state in (state_of(run), "baseline"))
     if share is None:
         return ""
     limit = f"the yield stress {run.config.get('material', {}).get('yield_stress', 0):g}"
     if share == 0:
         return f"The residual stress is nowhere above {limit}."
-    planar = f" (with planar layers in {percent(shares['baseline'])})" if shares["baseline"] is not None else ""
+    planar = f" (with planar layers in {percent(with_planar)})" if with_planar is not None else ""
     return f"The residual stress is above {limit} in {percent(share)} of the part{planar}, where a linear model overstates it."
 
 
@@ -63,3 +65,43 @@ def percent(share):
     """A share as percents; never 0 or 100 where it is not."""
     value = 100 * share
     return "less than 0.1 %" if 0 < value < 0.05 else "more than 99.9 %" if 99.95 <= value < 100 else f"{value:.1f} %"
+
+
+def thickness_limits(run):
+    """Between which local thicknesses a layer can be deposited; None without a target."""
+    constraint = run.thickness_constraint()
+    factors = run.config.get("tool", {}).get("thickness", USUAL_RANGE)
+    return [factor * constraint["target"] for factor in factors] if constraint else None
+
+
+def check_figures(run=None):
+    """Rows of a table by heading, "" for the first ones: for each row's words a function from a state's block
+    to its value, and one from the value to text or None."""
+    limits = run and thickness_limits(run)
+    span = " to ".join(map(number, limits)) if limits else "its range"
+    yield_stress = run and run.config.get("material", {}).get("yield_stress")
+    limit = f"the yield stress {yield_stress:g}" if yield_stress else "the yield stress"
+    thickness = ("checks", "local_thickness")
+    return {"": {"local thickness, least": (inner(*thickness, "least"), None),
+                 "local thickness, largest": (inner(*thickness, "largest"), None),
+                 f"share of the part outside {span}": (inner(*thickness, "share_outside"), percent)},
+            "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
+                         "build time, hours": (inner("build_hours"), None),
+                         "wire, kg": (inner("wire_mass"), None)},
+            "Residual stress": {"largest equivalent stress": (largest_stress, None),
+                                "the same after the release": (inner("released", "residual_stress", "von_mises"), None),
+                                f"share of the part above {limit}": (inner("stress", "share_beyond_yield"), percent)}}
+
+
+def inner(*names):
+    """The function that takes what lies that deep in nested dictionaries; None where something is missing."""
+    def value(block):
+        for name in names:
+            block = (block or {}).get(name)
+        return block
+
+    return value
+
+
+def largest_stress(block):
+    return (block.get("stress") or block.get("residual_stress") or {}).get("von_mises")
