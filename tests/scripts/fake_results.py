@@ -120,8 +120,8 @@ PREFIXES = {"baseline": "planar/", "start": "start/", "optimized": "", "binary":
 
 
 def add_checks(directory, unit="mm"):
-    """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks, build time, stress,
-    planar layers as many as optimized, and the release. Six elements of the planar layers begin in the air."""
+    """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks, build time,
+    stress, more planar layers, and the release. Six elements of the planar layers begin in the air."""
     with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
         for prefix in {prefix for prefix in PREFIXES.values() if prefix + "layer" in file}:
             part = file["density"][:] > 0
