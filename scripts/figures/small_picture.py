@@ -37,7 +37,7 @@ def main():
     arguments = parser.parse_args()
     run = Run(arguments.directory)
     ensure_display()
-    images = overview.Pictures(run).images
+    images = overview.pictures_of(run).images
     gap = np.full((images[0].shape[0], GAP, 3), 255, np.uint8)
     side_by_side = np.hstack([piece for image in images for piece in (image, gap)][:-1])
     with open(arguments.picture, "wb") as file:

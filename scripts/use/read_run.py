@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Reads the output directory of a run: what pictures and tables need of a finished optimization."""
+"""Reads the output directory of a run: what pictures and tables need of a finished optimization or
+simulation."""
 
 import itertools
 import json
@@ -14,24 +15,31 @@ from command_line import RunError
 
 
 class Run:
-    """An output directory with the result of `-task optimize`. Raises RunError if there is none.
+    """An output directory with the result of `-task optimize`, with `simulations` also of `-task simulate`.
+    Raises RunError if there is none.
 
-    `config`, `summary`: as in the files. `history`: one dictionary per iteration. `fields`: datasets of
-    result.h5 by name, unless told to leave them.
+    `config`, `summary`: as in the files; `summary` has a block `simulated` after a simulation. `history`: one
+    dictionary per iteration. `fields`: datasets of result.h5 by name, unless told to leave them. `unit`: that
+    of lengths, "" where the config names none.
     """
 
-    def __init__(self, directory, with_fields=True):
+    def __init__(self, directory, with_fields=True, simulations=False):
         config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
-        if "optimized" not in summary:
+        simulated = simulations and "responses" in summary
+        if "optimized" not in summary and not simulated:
             status = summary.get("status", "none")
-            raise RunError(f"{directory}: holds no finished optimization (status: {status})")
-        self.take(config, summary, read_history(directory),
+            raise RunError(f"{directory}: holds no finished optimization{' or simulation' if simulations else ''} "
+                           f"(status: {status})")
+        self.take(config, summary, [] if simulated else read_history(directory),
                   read_fields(os.path.join(directory, "result.h5")) if with_fields else {})
 
     def take(self, config, summary, history, fields):
         self.config, self.summary, self.history, self.fields = config, summary, history, fields
+        if "responses" in summary:
+            summary["simulated"] = summary
         self.iterations = np.array([line["iteration"] for line in self.history])
         self.name = self.config.get("name", "part")
+        self.unit = self.config.get("domain", {}).get("unit") or ""
         terms = self.config.get("objective", [])
         self.distortion_term = next((i for i, term in enumerate(terms) if term["type"] == "distortion"), 0)
         self.distortion_config = terms[self.distortion_term] if terms else {}
@@ -45,6 +53,11 @@ class Run:
         """The same as a length: the root of a distortion, which is a square. Of angle it is degrees."""
         value = self.distortion(block)
         return math.sqrt(value) if self.distortion_config.get("type") == "distortion" else value
+
+    def length_unit(self):
+        """The unit of length(); "" where measure() says it or there is none."""
+        term = self.distortion_config
+        return self.unit if term.get("type") == "distortion" and term.get("measure") != "angle" else ""
 
     def measure(self, term=None):
         """What the length of a distortion term, by default the first, is, in words."""
@@ -142,7 +155,7 @@ def read_fields(path):
 
 def duration(seconds):
     if seconds < 120:
-        return f"{seconds:.0f} s"
+        return f"{seconds:.0f} s" if seconds >= 1 else f"{seconds:.1g} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
@@ -157,6 +170,11 @@ def number(value):
         return f"{value:.3g}"
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def quantity(value, unit):
+    """A number with its unit, where it has one."""
+    return f"{number(value)} {unit}".rstrip()
 
 
 def flat(value, path=""):

@@ -15,6 +15,7 @@ import os
 from html import escape
 from string import Template
 
+from check_words import check_sentences
 from command_line import ROOT, parser_of, run_script
 from read_run import Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
@@ -27,17 +28,13 @@ NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change 
 
 
 class ReportRun(Run):
-    """Whatever an output directory holds: only config.json must be there. `sensitivity` is None without one.
-    `summary` has a block `simulated` after -task simulate."""
+    """Whatever an output directory holds: only config.json must be there. `sensitivity` may be None."""
 
     def __init__(self, directory):
         def optional(name, read, otherwise):
             return read(directory, name) if os.path.exists(os.path.join(directory, name)) else otherwise
 
-        summary = optional("summary.json", read_json, {})
-        if "responses" in summary:
-            summary["simulated"] = summary
-        self.take(read_json(directory, "config.json"), summary,
+        self.take(read_json(directory, "config.json"), optional("summary.json", read_json, {}),
                   optional("history.jsonl", lambda folder, _: read_history(folder), []),
                   optional("result.h5", lambda folder, name: read_fields(os.path.join(folder, name)), {}))
         self.sensitivity = optional("sensitivity.json", read_json, None)
@@ -85,8 +82,7 @@ def body_of(runs, notes):
     for each in runs:
         label = f"<b>{escape(each.label)}</b>: " if several else ""
         lines.append(f'<p class="headline">{label}{escape(headline(each))}</p>')
-        if worst_case(each):
-            lines.append(f'<p class="worst">{escape(worst_case(each))}</p>')
+        lines += [f'<p class="worst">{escape(words)}</p>' for words in (worst_case(each), *check_sentences(each)) if words]
     if not several:
         lines.append(f'<p class="note">{escape(summary_line(run))}</p>')
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
@@ -107,12 +103,12 @@ def notes_of(runs, scene, factors):
     if "displacement" in scene["fields"]:
         models = {model_of(run) for run in runs}
         model = f"{models.pop()} deposition" if len(models) == 1 else "each run's own model of deposition"
-        notes.append(f"Displacements are those of the finished part on its plate ({model}, binary layers where the file has "
+        released = any("released" in view for view in scene["views"])
+        place = "on its plate, or of the released part where this is chosen" if released else "on its plate"
+        notes.append(f"Displacements are those of the finished part {place} ({model}, binary layers where the file has "
                      "them), also while the slider shows the part half built.")
-    if any(term.get("after_release") for run in runs for term in run.config.get("objective", [])) and not any(
-            "release_displacement" in run.fields for run in runs):
-        notes.append("The objective measures the part after its release, which result.h5 of an optimization does not hold: "
-                     "simulate the sequence to see it.")
+        if not released and any(term.get("after_release") for run in runs for term in run.config.get("objective", [])):
+            notes.append("The objective measures the part after its release, which result.h5 does not hold.")
     return notes
 
 

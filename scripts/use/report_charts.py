@@ -4,7 +4,7 @@ the layers it ended with."""
 
 import math
 
-from report_words import STATES, Figures, band, model_of, result_of, unit_of
+from report_words import STATES, Figures, band, model_of, result_of, states_of, unit_of
 
 PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "output")
 
@@ -110,7 +110,7 @@ def layers(runs, key):
                   if result_of(run) in run.summary]
     else:
         curves = [{"label": words, "role": state, **layer_points(run, state, key)}
-                  for state, words in STATES.items() if state in run.summary]
+                  for state, words in states_of(run).items() if state != "baseline_matched"]
     constraint = run.thickness_constraint()
     more = {"band": list(band(constraint))} if key == "thickness" and constraint else {}
     title = f"Thickness of each layer, {unit_of(run)}" if key == "thickness" else f"Volume of each layer, {unit_of(run)}³"

@@ -4,6 +4,7 @@
 import math
 from html import escape
 
+from check_words import check_figures
 from read_run import factor, number
 from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, result_of, run_name,
                           states_of, thickness_span, unit_of, verdict, violation)
@@ -90,7 +91,7 @@ def results(run):
         return ""
     columns = list(states)
     rows = measured(run, columns)
-    compared = [state for state in ("baseline", "start") if {state, "binary"} <= set(columns)]
+    compared = [state for state in ("baseline", "baseline_matched", "start") if {state, "binary"} <= set(columns)]
     for position, row in enumerate(rows):
         if not isinstance(row, str):
             by_state = dict(zip(columns, row[1]))
@@ -98,7 +99,7 @@ def results(run):
             rows[position] = (row[0], [*map(cell, row[1]), *(cell(value, times) for value in ratios)])
     blank = ["<td></td>"] * len(compared)
     rows += [(name, [*cells, *blank]) if cells else name for name, cells in layer_rows(run, columns)]
-    head = ["", *states.values(), *({"baseline": "planar / binary", "start": "start / binary"}[state] for state in compared)]
+    head = ["", *states.values(), *(f"{'start' if state == 'start' else states[state]} / binary" for state in compared)]
     return table(head, rows, id="results")
 
 
@@ -118,6 +119,19 @@ def layer_rows(run, states):
     worst = {"optimized": violation(run, False), "binary": violation(run, True)}
     if any(value is not None for value in worst.values()):
         rows.append(("all constraints", [cell(verdict(worst.get(state))) for state in states]))
+    for heading, figures in check_figures(run).items():
+        found = check_rows(figures, [(run, state) for state in states])
+        rows += [(heading, None)] * bool(found and heading) + found
+    return rows
+
+
+def check_rows(figures, columns):
+    """Rows of those figures that a column has; a column is a run and its state."""
+    rows = []
+    for words, (value, show) in figures.items():
+        values = [value(run.summary.get(state, {})) for run, state in columns]
+        if any(value is not None for value in values):
+            rows.append((words, [cell(value, show or digits) for value in values]))
     return rows
 
 
@@ -190,10 +204,12 @@ def comparison(runs):
 def comparison_of_runs(runs):
     spans = [thickness_span(run, result_of(run)) if result_of(run) in run.summary else None for run in runs]
     worst = [(run.sensitivity or {}).get("worst", {}).get("length", {}) for run in runs]
+    columns = [(run, result_of(run)) for run in runs]
     return [("worst planar / binary under a change", [cell(w.get("ratio"), times) for w in worst]),
             ("the change", [cell(w.get("change")) for w in worst]),
             ("thinnest layer", [cell(span and span[0]) for span in spans]),
             ("thickest layer", [cell(span and span[1]) for span in spans]),
+            *(row for figures in check_figures().values() for row in check_rows(figures, columns)),
             ("constraints, smooth layers", [cell(verdict(violation(run, False))) for run in runs]),
             ("constraints, binary layers", [cell(verdict(violation(run, True))) for run in runs]),
             ("unit of length", [cell(unit_of(run)) for run in runs]),

@@ -8,7 +8,8 @@ import zlib
 
 import numpy as np
 
-from read_run import nodes_of
+from check_words import thickness_limits
+from read_run import nodes_of, number
 
 LARGEST = 4_000_000      # bytes of all views together, as text
 MOST_ELEMENTS = 800_000  # of one part; with more the slider would be slow
@@ -20,43 +21,57 @@ SHOWN_THICKNESS = 1.5    # times the usual one: no larger ones are told apart
 # What of result.h5 is shown in the views, and under which name.
 FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "pseudo-time", "colours": "layers"},
           "displacement": {"label": "displacement", "colours": "heat", "length": True},
-          "stress": {"label": "residual stress (von Mises)", "colours": "heat"},
+          "stress": {"label": "residual stress (von Mises)", "colours": "heat", "unit": "stress units"},
           "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
           "blocked": {"label": "depth of collisions with the tool", "colours": "heat", "length": True},
           "tilt": {"label": "tilt", "colours": "heat", "unit": "degrees"},
-          "hanging": {"label": "hanging", "colours": "heat"}}
+          "hanging": {"label": "what begins in the air", "colours": "marked", "words": ["on something", "begins in the air"]}}
+LARGEST_OF = ("layer", "hanging")  # fields of which a coarser element shows the largest value, not the mean
 
 
 def views_of(run, labels):
     """The part and a view for each state that result.h5 holds, as arrays. `labels`: words by state."""
-    states = {"start": ("start/", "start/displacement"), "baseline": ("planar/", "planar/displacement"),
-              "binary": ("", "binary/displacement"), "simulated": ("", "displacement")}
-    if "binary/displacement" not in run.fields:
-        states["binary"] = states["simulated"]
-    views = []
-    for state, (group, displacement) in states.items():
-        if state in labels and {group + "time", group + "layer", displacement} <= set(run.fields):
-            views.append(view_of(run, state, group, run.fields[displacement], "residual_stress"))
-            views[-1]["label"] = labels[state]
-    if "simulated" in labels and "release_displacement" in run.fields:
-        released = run.fields["displacement"] + run.fields["release_displacement"]
-        views.append({**view_of(run, "simulated", "", released, "released_stress"),
-                      "label": labels["simulated"] + ", released"})
-    return views
+    prefixes = {"start": ("start/", "start/"), "baseline": ("planar/", "planar/"),
+                "binary": ("", "binary/" if "binary/displacement" in run.fields else ""), "simulated": ("", "")}
+    return [{**view_of(run, state, group, shape), "label": labels[state]} for state, (group, shape) in prefixes.items()
+            if state in labels and {group + "time", group + "layer", shape + "displacement"} <= set(run.fields)]
 
 
-def view_of(run, state, group, displacement, stress):
+def view_of(run, state, group, shape):
+    """Fields of elements, and the displacement; `released` has what is another after the release. `notes`:
+    what is said below the view, by field."""
     fields = {name: run.fields[group + name].astype(float) for name in ("layer", "local_thickness", "blocked", "tilt", "hanging")
               if group + name in run.fields}
     if "local_thickness" not in fields:
         fields |= local_thickness(run, state, group)
+    notes = field_notes(run, fields)
     if "local_thickness" in fields:
-        constraint = run.thickness_constraint()
-        usual = constraint["target"] if constraint else np.nanmedian(fields["local_thickness"][run.fields["density"] > 0])
-        fields["local_thickness"] = np.minimum(fields["local_thickness"], SHOWN_THICKNESS * usual)
-    if state == "simulated" and stress in run.fields:
-        fields["stress"] = von_mises(run.fields[stress])
-    return {"time": run.fields[group + "time"], "displacement": np.moveaxis(displacement, -1, 0), "fields": fields}
+        limits, thickness = thickness_limits(run), fields["local_thickness"]
+        most = limits[1] if limits else SHOWN_THICKNESS * np.nanmedian(thickness[run.fields["density"] > 0])
+        fields["local_thickness"] = np.minimum(thickness, most)
+    displacement = np.moveaxis(run.fields[shape + "displacement"], -1, 0)
+    view = {"time": run.fields[group + "time"], "displacement": displacement, "fields": fields, "notes": notes}
+    if state == "simulated" and "residual_stress" in run.fields:
+        fields["stress"] = von_mises(run.fields["residual_stress"])
+    if shape + "release_displacement" in run.fields:
+        release = np.moveaxis(run.fields[shape + "release_displacement"], -1, 0)
+        view["released"] = {"displacement": displacement + release, "fields": {}}
+        if "stress" in fields and "released_stress" in run.fields:
+            view["released"]["fields"]["stress"] = von_mises(run.fields["released_stress"])
+    return view
+
+
+def field_notes(run, fields):
+    """What is said of a field below the view that shows it."""
+    notes, part = {}, run.fields["density"] > 0
+    if "local_thickness" in fields:
+        known = fields["local_thickness"][part & np.isfinite(fields["local_thickness"])]
+        ends = list(dict.fromkeys(number(end(known)) for end in (np.min, np.max) if known.size))
+        notes["local_thickness"] = f"between {' and '.join(ends)}" if len(ends) > 1 else "".join(ends)
+    if "hanging" in fields:
+        count = int(fields["hanging"][part].sum())
+        notes["hanging"] = f"{count:,} element{'s' * (count != 1)} in the air"
+    return notes
 
 
 def von_mises(stress):
@@ -123,9 +138,9 @@ def packed_scene(runs):
     """Parts and views of all runs, (run, views) each, ready for JSON, on coarser grids where the page would
     grow too large. Also by how many elements an edge each part is coarser."""
     factors = [1] * len(runs)
-    for number, (run, views) in enumerate(runs):
-        while views and (coarsened(run.fields["density"], factors[number], np.max) > 0).sum() > MOST_ELEMENTS:
-            factors[number] += 1
+    for position, (run, views) in enumerate(runs):
+        while views and (coarsened(run.fields["density"], factors[position], np.max) > 0).sum() > MOST_ELEMENTS:
+            factors[position] += 1
     while True:
         scene = {"parts": [], "views": [], "fields": {}}
         for (run, views), factor in zip(runs, factors):
@@ -152,23 +167,31 @@ def add_part(scene, run, views, factor):
     scene["parts"].append({"spacing": spacing, "plate": run.config.get("build_plate", "z-"), "built": pack(built)})
     for view in views:
         time = coarsened(np.where(part, view["time"], np.nan), factor, np.mean)
-        fields = {name: coarsened(np.where(part, values, np.nan), factor, np.max if name == "layer" else np.mean)
-                  for name, values in view["fields"].items()}
-        nodes = np.array([coarsened_nodes(component, part, factor) for component in view["displacement"]])
-        length = np.sqrt((nodes**2).sum(axis=0))[nodes_of(built).reshape(nodes.shape[1:])].max()
-        ranges = {"time": [0.0, 1.0], "displacement": [0.0, float(length)]}
-        ranges |= {name: shown_range(name, values, run) for name, values in fields.items()}
-        scene["views"].append({"label": view["label"], "part": len(scene["parts"]) - 1, "ranges": ranges,
-                               "time": pack(time, STEPS["time"]),
-                               "displacement": pack(nodes, STEPS["displacement"], 1),
-                               "fields": {name: pack(values) for name, values in fields.items()}})
+        shape = packed_shape(run, view, part, built, factor)
+        ranges = {"time": [0.0, 1.0], **shape["ranges"]}
+        scene["views"].append({**shape, "label": view["label"], "part": len(scene["parts"]) - 1, "ranges": ranges,
+                               "time": pack(time, STEPS["time"]), "notes": view["notes"]})
+        if "released" in view:
+            scene["views"][-1]["released"] = packed_shape(run, view["released"], part, built, factor)
         scene["fields"] |= {name: FIELDS[name] for name in FIELDS if name in ranges}
 
 
+def packed_shape(run, shape, part, built, factor):
+    """Displacement, fields and the ranges of both, as built or released."""
+    fields = {name: coarsened(np.where(part, values, np.nan), factor, np.max if name in LARGEST_OF else np.mean)
+              for name, values in shape["fields"].items()}
+    nodes = np.array([coarsened_nodes(component, part, factor) for component in shape["displacement"]])
+    length = np.sqrt((nodes**2).sum(axis=0))[nodes_of(built).reshape(nodes.shape[1:])].max()
+    ranges = {"displacement": [0.0, float(length)]} | {name: shown_range(name, values, run) for name, values in fields.items()}
+    return {"displacement": pack(nodes, STEPS["displacement"], 1), "ranges": ranges,
+            "fields": {name: pack(values) for name, values in fields.items()}}
+
+
 def shown_range(name, values, run):
-    constraint = run.thickness_constraint()
-    if name == "local_thickness" and constraint:
-        return [0.5 * constraint["target"], 1.5 * constraint["target"]]
+    if name == "local_thickness" and thickness_limits(run):
+        return thickness_limits(run)
+    if name == "hanging":
+        return [0.0, 1.0]
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     return [1.0 if name == "layer" else low if name == "local_thickness" else 0.0, high]
 

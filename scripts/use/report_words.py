@@ -3,10 +3,10 @@
 
 import math
 
-from read_run import duration, factor, number
+from read_run import duration, factor, number, quantity
 
-STATES = {"start": "start design", "baseline": "planar", "optimized": "optimized, smooth", "binary": "optimized, binary",
-          "simulated": "simulated"}
+STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
+          "optimized": "optimized, smooth", "binary": "optimized, binary", "simulated": "simulated"}
 DISPLACEMENTS = [(what, key, f"{kind} displacement of {words}")
                  for what, words in (("nodes", "the objective's nodes"), ("part", "the whole part"))
                  for key, kind in (("rms", "rms"), ("max", "largest"))]
@@ -15,7 +15,7 @@ MODELS = {"nominal": "nominal deposition", "follow": "deposition that follows th
 
 
 def unit_of(run):
-    return run.config.get("domain", {}).get("unit") or "length units"
+    return run.unit or "length units"
 
 
 def model_of(run):
@@ -24,7 +24,7 @@ def model_of(run):
 
 
 def states_of(run):
-    return {state: words for state, words in STATES.items() if state in run.summary}
+    return {state: words.format(len(run.layers(state))) for state, words in STATES.items() if state in run.summary}
 
 
 def result_of(run):
@@ -72,9 +72,11 @@ def headline(run):
     model, term = model_of(run), run.distortion_config
     lengths = {state: Figures(run, state, model).first(run) for state in STATES}
     planar, start = (ratio(lengths[state], lengths["binary"]) for state in ("baseline", "start"))
+    if "simulated" in run.summary:
+        rms, most = (quantity(run.summary["displacement"][key], run.unit) for key in ("rms", "max"))
+        return f"{run_name(run).capitalize()}, as built: displaced by {rms} root mean square, {most} at most."
     if not planar:
-        status = run.summary.get("status", "no result yet").replace("_", " ")
-        return f"{run_name(run).capitalize()}: {'one simulation' if 'simulated' in run.summary else status}."
+        return f"{run_name(run).capitalize()}: {run.summary.get('status', 'no result yet').replace('_', ' ')}."
     words = f"{sentence(term).format(less(planar))} than in planar layers"
     words += f", {less(start)} than the unoptimized start" if start else ""
     notes = ["binary layers", MODELS[model], *["after release"] * bool(term.get("after_release"))]

@@ -116,5 +116,63 @@ def write_run(directory, name, density, size, count=12, planar_count=10, iterati
     history(os.path.join(directory, "history.jsonl"), iterations, 0.41)
 
 
+PREFIXES = {"baseline": "planar/", "start": "start/", "optimized": "", "binary": ""}
+
+
+def add_checks(directory, unit="mm"):
+    """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks, build time,
+    stress, more planar layers, and the release. Six elements of the planar layers begin in the air."""
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
+        for prefix in {prefix for prefix in PREFIXES.values() if prefix + "layer" in file}:
+            part = file["density"][:] > 0
+            hanging = np.zeros(part.shape)
+            if prefix == "planar/":
+                hanging[tuple(index[-6:] for index in np.nonzero(part))] = 1.0
+            file[prefix + "hanging"] = hanging
+            file[prefix + "local_thickness"] = np.where(part, 0.1, 0.0)
+            file[prefix + "release_displacement"] = -0.5 * file[prefix + "displacement"][:]
+
+    def edit(summary):
+        for k, block in enumerate(name for name in PREFIXES if name in summary):
+            count = 6 if block == "baseline" else 0
+            summary[block].update(
+                checks={"local_thickness": {"least": 0.1, "largest": 0.1, "share_outside": 0.25},
+                        "hanging": {"elements": count, "at": [1.5, 0.5] if count else None, "per_layer": [count]}},
+                wire_mass=2.5, build_hours=1.5 + k, stress={"von_mises": 300.0, "share_beyond_yield": 0.125 / (k + 1)})
+        summary["baseline_matched"] = {**summary["baseline"], "layers": summary["baseline"]["layers"][:7]}
+
+    change(directory, "summary.json", edit)
+    change(directory, "config.json", lambda config: (config["domain"].update(unit=unit),
+                                                     config.update(material={"yield_stress": 250.0})))
+
+
+def make_simulation(directory):
+    """What is left of a made-up optimization if it were a simulation of its binary layers."""
+    def edit(summary):
+        result = summary["binary"]
+        for block in ("optimized", "binary", "baseline", "baseline_matched", "iterations"):
+            summary.pop(block, None)
+        summary.update(result, layer_displacement_norms=[0.1] * len(result["layers"]),
+                       released={"displacement": {"max": 0.02, "rms": 0.01}})
+
+    change(directory, "summary.json", edit)
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
+        del file["planar"]
+        components = {2: 3, 3: 6}[file["density"].ndim]
+        for name, stress in (("residual_stress", 3.0), ("released_stress", 1.0)):
+            file[name] = np.full((*file["density"].shape, components), stress * np.eye(components)[0])
+    os.remove(os.path.join(directory, "history.jsonl"))
+
+
+def change(directory, name, edit):
+    """Lets `edit` change the content of a JSON file."""
+    path = os.path.join(directory, name)
+    with open(path, encoding="utf-8") as file:
+        content = json.load(file)
+    edit(content)
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(content, file)
+
+
 def density_nodes(density):
     return tuple(n + 1 for n in density.shape)

@@ -53,6 +53,31 @@ class Pictures(unittest.TestCase):
             self.assertNotIn("cannot be rendered", done.stderr)
             self.assert_overview(directory / "overview.png")
 
+    def test_overview_of_a_simulation(self):
+        for release in (True, False):
+            with tempfile.TemporaryDirectory() as folder:
+                fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
+                fake_results.add_checks(folder)
+                fake_results.make_simulation(folder)
+                if not release:
+                    with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
+                        del file["release_displacement"]
+                    fake_results.change(folder, "summary.json", lambda summary: summary.pop("released"))
+                done = run("overview.py", folder)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertGreater(min(coloured(Path(folder) / "overview.png", 0.2, 0.5, 3 if release else 2)), 0.08)
+                words = " ".join(overview.simulation_sentences(Run(folder, simulations=True)))
+                self.assertIn("after the release: 0.01 mm root mean" if release else "There is no shape", words)
+                self.assertIn("No element begins in the air. The residual stress is above the yield stress 250 in", words)
+
+    def test_words_below_the_headline(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
+            fake_results.add_checks(folder)
+            distortion, _, planar, *_ = overview.sentences(Run(folder))
+            self.assertIn("planar 0.64 mm, optimized 0.023 mm (with smooth layers 0.0212 mm)", distortion)
+            self.assertIn("6 elements begin in the air, the first near [1.5, 0.5] mm", planar)
+
     def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:
             done = run("overview.py", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")

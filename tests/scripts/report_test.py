@@ -26,18 +26,13 @@ from run_fabseq import Runner
 
 SIZE = (2.0, 1.0, 2.0)
 MODELS = ("nominal", "follow")
-BLOCKS = {"start design": "start", "planar": "baseline", "optimized, smooth": "optimized", "optimized, binary": "binary"}
+BLOCKS = {"start design": "start", "planar": "baseline", "planar, 7 layers": "baseline_matched",
+          "optimized, smooth": "optimized", "optimized, binary": "binary"}
 CHANGES = [{"change": "unchanged", "sequence": {"distortion": [{"name": "objective_0", "length": 0.02}]},
             "planar": {"distortion": [{"name": "objective_0", "length": 0.6}]}, "ratio": {"length": 30.0, "rms": 2.0}},
            {"change": "void quiet", "sequence": {"distortion": [{"name": "objective_0", "length": 0.1}]},
             "planar": {"distortion": [{"name": "objective_0", "length": 0.5}]}, "ratio": {"length": 5.0, "rms": 1.5}},
            {"change": "grid twice as fine", "skipped": "the part is <too> large"}]
-
-
-def change(path, edit):
-    content = json.loads(path.read_text(encoding="utf-8"))
-    edit(content)
-    path.write_text(json.dumps(content), encoding="utf-8")
 
 
 def write_run(directory, density, size, noise=0.0):
@@ -52,14 +47,14 @@ def write_run(directory, density, size, noise=0.0):
 
     def add_models(summary):
         summary["start"] = {**summary["baseline"], "layers": summary["binary"]["layers"]}
-        for k, block in enumerate(BLOCKS.values(), start=1):
+        for k, block in enumerate(("start", "baseline", "optimized", "binary"), start=1):
             summary[block]["deposition"] = {
                 model: {"displacement": {"max": 0.1 / k + j, "rms": 0.011 / k + j}, "nodes": {"max": 0.09 / k, "rms": 0.017 * k},
                         "distortion": [{"name": "objective_0", "value": (0.7 / k + j)**2, "length": 0.7 / k + j}]}
                 for j, model in enumerate(MODELS)}
 
-    change(directory / "summary.json", add_models)
-    change(directory / "config.json", lambda config: config.update(process={"deposition": "nominal"}))
+    fake_results.change(directory, "summary.json", add_models)
+    fake_results.change(directory, "config.json", lambda config: config.update(process={"deposition": "nominal"}))
     (directory / "sensitivity.json").write_text(json.dumps(
         {"name": "v_shape", "changes": CHANGES, "worst": {key: {"ratio": CHANGES[1]["ratio"][key], "change": "void quiet"}
                                                           for key in ("length", "rms")}}), encoding="utf-8")
@@ -117,6 +112,7 @@ class Report(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         cls.solid, cls.flat = (Path(cls.folder.name) / name for name in ("solid", "flat"))
         write_run(cls.solid, fake_results.v_shape_density((20, 10, 20)), SIZE)
+        fake_results.add_checks(cls.solid)
         fake_results.write_run(cls.flat, "plate", np.ones((8, 12)), (3.0, 2.0))
         for directory in (cls.solid, cls.flat):
             done = report(directory)
@@ -135,19 +131,33 @@ class Contents(Report):
 
     def test_figures_are_those_of_the_summary(self):
         header = [text for text, _ in self.page.tables["results"][0]]
-        self.assertEqual(header, ["", *BLOCKS, "planar / binary", "start / binary"])
+        self.assertEqual(header, ["", *BLOCKS, "planar / binary", "planar, 7 layers / binary", "start / binary"])
         for model, heading in zip(MODELS, ("Nominal deposition", "Deposition that follows")):
             rows = self.page.rows_after("results", heading)
             told = [self.summary[block]["deposition"][model] for block in BLOCKS.values()]
             lengths = [figures["distortion"][0]["length"] for figures in told]
             self.assertEqual(rows["root of the sum of squared displacements of top edge"],
-                             [*lengths, lengths[1] / lengths[3], lengths[0] / lengths[3]])
+                             [*lengths, *(lengths[k] / lengths[4] for k in (1, 2, 0))])
             for what, words in (("nodes", "the objective's nodes"), ("displacement", "the whole part")):
                 for key, kind in (("rms", "rms"), ("max", "largest")):
-                    self.assertEqual(rows[f"{kind} displacement of {words}"][:4], [figures[what][key] for figures in told])
+                    self.assertEqual(rows[f"{kind} displacement of {words}"][:5], [figures[what][key] for figures in told])
         layers = self.page.rows_after("results", "Layers")
         thickness = [layer["thickness"] for layer in self.summary["binary"]["layers"]]
-        self.assertEqual([layers[f"{word} layer"][3] for word in ("thinnest", "thickest")], [min(thickness), max(thickness)])
+        self.assertEqual([layers[f"{word} layer"][4] for word in ("thinnest", "thickest")], [min(thickness), max(thickness)])
+
+    def test_what_a_machine_can_do(self):
+        """Order of the columns: start, planar, planar with other layers, smooth, binary."""
+        layers, building, stress = (self.page.rows_after("results", name)
+                                    for name in ("Layers", "Building", "Residual stress"))
+        self.assertEqual(layers["local thickness, largest"][:5], [0.1] * 5)
+        self.assertEqual(layers["share of the part outside 0.0833 to 0.25"][:5], [0.25] * 5)
+        self.assertEqual(building["elements that begin in the air"][:5], [0, 6, 6, 0, 0])
+        self.assertEqual(building["build time, hours"][1], 1.5)
+        self.assertEqual(stress["share of the part above the yield stress 250"][1], 0.125)
+        for words in ("The planar layers cannot be built as they are: 6 elements begin in the air, the first near [1.5, 0.5] mm. "
+                      "So a comparison with them flatters.", "No element of the optimized layers begins in the air.",
+                      "The residual stress is above the yield stress 250 in 3.1 % of the part (with planar layers in 12.5 %)"):
+            self.assertIn(words, self.page.text)
 
     def test_headline_is_a_ratio_of_lengths_of_binary_layers(self):
         self.assertIn("The top edge moves 2.0 times less than in planar layers, 4.0 times less than the unoptimized start "
@@ -183,8 +193,8 @@ class Contents(Report):
             run = Path(folder)
             fake_results.write_run(run, "arm", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
             (run / "result.h5").unlink()
-            change(run / "summary.json", lambda summary: (summary.pop("optimized"), summary.pop("binary"),
-                                                          summary.update(status="stopped")))
+            fake_results.change(run, "summary.json", lambda summary: (summary.pop("optimized"), summary.pop("binary"),
+                                                                      summary.update(status="stopped")))
             self.assertEqual(report(run).returncode, 0)
             self.assertIn("Arm: stopped.", Page(run / "report.html").text)
             (run / "summary.json").unlink()
@@ -198,17 +208,16 @@ class Contents(Report):
         with tempfile.TemporaryDirectory() as folder:
             run = Path(folder)
             fake_results.write_run(run, "arm", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
-            change(run / "summary.json", lambda summary: (summary.update(summary.pop("binary")), summary.pop("optimized"),
-                                                          summary.pop("baseline")))
-            with h5py.File(run / "result.h5", "r+") as file:
-                del file["planar"]
-                file["residual_stress"] = np.tile([3.0, 0, 0, 0, 0, 0], (4, 4, 4, 1))
-                file["release_displacement"] = file["displacement"][:]
+            fake_results.add_checks(run)
+            fake_results.make_simulation(run)
             self.assertEqual(report(run).returncode, 0)
             page = Page(run / "report.html")
             scene = json.loads(page.source.split('type="application/json">')[1].split("</script>")[0])["scene"]
-            self.assertEqual([view["label"] for view in scene["views"]], ["simulated", "simulated, released"])
-            self.assertEqual(scene["views"][0]["ranges"]["stress"], [0.0, 3.0])
+            (view,) = scene["views"]
+            self.assertEqual([view["ranges"]["stress"], view["released"]["ranges"]["stress"]], [[0.0, 3.0], [0.0, 1.0]])
+            self.assertAlmostEqual(view["released"]["ranges"]["displacement"][1], 0.5 * view["ranges"]["displacement"][1])
+            self.assertIn("No element begins in the air.", page.text)
+            self.assertRegex(page.text, r"Arm, as built: displaced by \S+ mm root mean square, \S+ mm at most\.")
 
     def test_bundle_is_of_these_sources(self):
         folder = PROJECT / "scripts/use/report"
@@ -227,7 +236,7 @@ class Fields(unittest.TestCase):
             z = fake_results.node_coordinates((2, 2, 10), (0.2, 0.2, 1.0))[2]
             with h5py.File(Path(folder) / "result.h5", "r+") as file:
                 file["temperature"] = 1.0 - z**2
-            change(Path(folder) / "config.json", lambda config: config.update(layers={"type": "curved", "count": 5}))
+            fake_results.change(folder, "config.json", lambda config: config.update(layers={"type": "curved", "count": 5}))
             run = ReportRun(folder)
             height = fake_results.element_centres((2, 2, 10), (0.2, 0.2, 1.0))[2]
             np.testing.assert_allclose(report_views.local_thickness(run, "binary", "")["local_thickness"], 0.2 / (2 * height))
@@ -297,11 +306,21 @@ class InBrowser(Report):
             difference = np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()
             self.assertGreater(float(difference), 0.005, (first, second))
         labels = self.words(".legend span")
-        self.assertTrue(labels[2].endswith("length units"), labels)
+        self.assertTrue(labels[2].endswith(" mm"), labels)
         with h5py.File(self.solid / "result.h5") as file:
             lengths = np.sqrt((file["planar/displacement"][:]**2).sum(axis=-1)).ravel()
             largest = lengths[nodes_of(file["density"][:] > 0)].max()
         self.assertAlmostEqual(float(labels[2].split()[0]), largest, delta=0.01 * largest)
+
+    def test_released_and_hanging(self):
+        built, released = (self.open(f"field=displacement&magnification=10{state}") for state in ("", "&state=released"))
+        self.assertGreater(float(np.abs(built[1] - released[1]).max(axis=-1).mean()), 0.005)
+        self.assertEqual(self.browser.value("document.querySelectorAll('.bar select')[1].value"), "released")
+        views = self.open("field=hanging&camera=1,0,0.5,0,0,0,2")
+        red = [float((view[..., 0] - view[..., 1] > 0.4).mean()) for view in views]
+        self.assertGreater(red[1], 0.001)
+        self.assertEqual([red[0], red[2]], [0.0, 0.0])
+        self.assertIn("6 elements in the air", self.words(".state")[1])
 
     def test_keys_move_the_slider_and_the_address_follows(self):
         self.open("time=0.5")

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Colour maps as a few colours in equal steps (viridis, YlOrRd and RdYlBu of Matplotlib), and the colours of
-// curves in both schemes.
+// Colour maps as a few colours in equal steps (viridis, YlOrRd and RdYlBu of Matplotlib, and one for marks of 0
+// and 1), and the colours of curves in both schemes.
 
 const MAPS = {
   layers: ['440154', '472d7b', '3b528b', '2c728e', '21918c', '28ae80', '5ec962', 'addc30', 'fde725'],
   heat: ['ffffcc', 'ffeda0', 'fed976', 'feb24c', 'fd8d3c', 'fc4e2a', 'e31a1c', 'bd0026', '800026'],
+  marked: ['cfd4da', 'cfd4da', 'cfd4da', 'cfd4da', 'c2222d', 'c2222d', 'c2222d', 'c2222d'],
   diverging: ['313695', '74add1', 'e0f3f8', 'ffffbf', 'fee090', 'f46d43', 'a50026'],
 };
 

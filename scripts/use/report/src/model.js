@@ -52,14 +52,19 @@ export class Model {
     this.rememberProgress(time.values);
     this.times = time.values;
     this.textures.time = gridTexture(time.values, part.grid);
-    const moved = await unpack(packed.displacement);
+    Object.assign(this.textures, await this.shapeTextures(packed));
+    this.released = packed.released && { ...this.textures, ...await this.shapeTextures(packed.released) };
+    this.rememberLayers((await unpack(packed.fields.layer)).values, time.values);
+  }
+
+  // What the part looks like as built or released.
+  async shapeTextures({ displacement, fields }) {
+    const { part } = this;
+    const moved = await unpack(displacement);
     const nodes = part.flat ? [1, ...moved.shape.slice(1)] : moved.shape.slice(1);
-    this.uniforms.displacements.value = gridTexture(moved.values, nodes, moved.shape[0]);
-    for (const [name, field] of Object.entries(packed.fields)) {
-      const { values } = await unpack(field, NO_VALUE);
-      if (name === 'layer') this.rememberLayers(values, time.values);
-      this.textures[name] = gridTexture(values, part.grid);
-    }
+    const textures = { displacement: gridTexture(moved.values, nodes, moved.shape[0]) };
+    for (const [name, field] of Object.entries(fields)) textures[name] = gridTexture((await unpack(field, NO_VALUE)).values, part.grid);
+    return textures;
   }
 
   // For the line below the view: when which share of the part is built, and when which layer begins.
@@ -94,14 +99,16 @@ export class Model {
     face.needsUpdate = true;
   }
 
-  show(now, magnification, name, [low, high], colours) {
+  show(now, released, magnification, name, [low, high], colours) {
     const { uniforms } = this;
+    const textures = (released && this.released) || this.textures;
     this.build(now);
+    uniforms.displacements.value = textures.displacement;
     uniforms.magnification.value = magnification;
     uniforms.ofNodes.value = name === 'displacement';
     uniforms.banded.value = name === 'layer';
-    uniforms.known.value = uniforms.ofNodes.value || name in this.textures;
-    uniforms.values.value = this.textures[name] ?? this.textures.time;
+    uniforms.known.value = name in textures;
+    uniforms.values.value = uniforms.ofNodes.value ? textures.time : textures[name] ?? textures.time;
     uniforms.low.value = low;
     uniforms.high.value = high > low ? high : low + 1;
     uniforms.colours.value = colours;

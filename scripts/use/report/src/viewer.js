@@ -36,7 +36,12 @@ async function buildView(grid, stage, part, packed) {
   grid.append(element('figure', {}, element('figcaption', {}, packed.label), surface,
     element('div', { class: 'legend' }, low, colours, high), state));
   stage.add(surface, model.scene);
-  return { model, ranges: packed.ranges, low, colours, high, state };
+  return { model, packed, low, colours, high, state };
+}
+
+// Ranges of a view's fields, as built and, where it is stored, released.
+function rangesOf({ packed }) {
+  return [packed.ranges, packed.released?.ranges].filter(Boolean);
 }
 
 class Viewer {
@@ -44,13 +49,14 @@ class Viewer {
     Object.assign(this, { data, views, stage, remember });
     this.fields = data.scene.fields;
     this.colours = Object.fromEntries(Object.values(this.fields).map(({ colours }) => [colours, colourTexture(colourTable(colours))]));
-    const most = Math.max(...views.map((view) => view.ranges.displacement[1]));
+    const most = Math.max(...views.flatMap(rangesOf).map((ranges) => ranges.displacement[1]));
     this.usualMagnification = most > 0 ? plainBelow((DRAWN * longest) / most) : 1;
     const known = (key, usual) => (Number.isFinite(Number(address.get(key) ?? NaN)) ? Number(address.get(key)) : usual);
     this.time = Math.min(Math.max(known('time', 1), 0), 1);
     this.magnification = Math.max(known('magnification', this.usualMagnification), 0);
     this.field = address.get('field') in this.fields ? address.get('field') : Object.keys(this.fields)[0];
     this.same = address.get('scale') !== 'own';
+    this.released = address.get('state') === 'released' && views.some(({ packed }) => packed.released);
   }
 
   controls() {
@@ -62,6 +68,7 @@ class Viewer {
     const choice = element('select', { change: (event) => this.set({ field: event.target.value }) },
       ...Object.entries(this.fields).map(([name, { label }]) => element('option', { value: name }, label)));
     choice.value = this.field;
+    this.states = this.stateChoice();
     const most = Math.max(4 * this.usualMagnification, this.magnification);
     this.magnifier = slider(this.magnification, most, this.usualMagnification / 20, (magnification) => this.set({ magnification }));
     this.magnifierWords = element('output');
@@ -70,8 +77,16 @@ class Viewer {
     same.checked = this.same;
     return element('div', { class: 'bar' }, this.button,
       element('label', { class: 'time' }, 'built up to pseudo-time', this.slider, this.timeWords),
-      element('label', {}, 'colour', choice), this.magnifierLabel, element('label', {}, same, 'one scale for all views'),
+      element('label', {}, 'colour', choice), this.states, this.magnifierLabel, element('label', {}, same, 'one scale for all views'),
       element('button', { type: 'button', click: () => { this.stage.goHome(); this.remember('camera', null); } }, 'Reset view'));
+  }
+
+  // As built or released, for the fields that differ.
+  stateChoice() {
+    const choice = element('select', { change: (event) => this.set({ released: event.target.value === 'released' }) },
+      element('option', { value: 'built' }, 'as built'), element('option', { value: 'released' }, 'released'));
+    choice.value = this.released ? 'released' : 'built';
+    return element('label', {}, 'part', choice);
   }
 
   set(values) {
@@ -83,6 +98,7 @@ class Viewer {
   store() {
     this.remember('time', this.time === 1 ? null : this.time);
     this.remember('field', this.field);
+    this.remember('state', this.released ? 'released' : null);
     this.remember('magnification', this.magnification === this.usualMagnification ? null : Number(this.magnification.toPrecision(4)));
     this.remember('scale', this.same ? null : 'own');
   }
@@ -93,26 +109,48 @@ class Viewer {
     this.timeWords.textContent = this.time.toFixed(3);
     this.magnifierWords.textContent = `${number(this.magnification)} ×`;
     this.magnifierLabel.style.display = moved ? '' : 'none';
-    const unit = field.length ? this.data.unit : field.unit ?? '';
+    this.states.style.display = this.views.some(({ packed }) => this.field in (packed.released?.ranges ?? {})) ? '' : 'none';
     for (const view of this.views) {
       const range = this.range(view);
-      view.model.show(this.time, moved ? this.magnification : 0, this.field, range, this.colours[field.colours]);
+      view.model.show(this.time, this.released, moved ? this.magnification : 0, this.field, range, this.colours[field.colours]);
       view.colours.style.background = colourGradient(field.colours);
-      view.low.textContent = (field.open ? '≤ ' : '') + number(range[0]);
-      view.high.textContent = `${field.open ? '≥ ' : ''}${number(range[1])} ${unit}`;
+      [view.low.textContent, view.high.textContent] = this.ends(range);
       const { share, layer, layers } = view.model.progress(this.time);
-      const missing = this.field in view.ranges ? '' : `; ${field.label} is not stored here`;
-      const largest = moved ? `; displaced by ${number(view.ranges.displacement[1])} at most` : '';
-      view.state.textContent = `${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built${largest}${missing}`;
+      view.state.textContent = [`${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built`,
+        ...this.notes(view)].join('; ');
     }
     this.stage.request();
   }
 
-  // Of all views together, or of one; layers are counted by each view for itself.
+  // What stands at both ends of a colour bar.
+  ends([low, high]) {
+    const { open, length, unit, words } = this.fields[this.field];
+    if (words) return words;
+    const ending = length ? this.data.unit : unit;
+    return [`${open ? '≤ ' : ''}${number(low)}`, `${open ? '≥ ' : ''}${number(high)}${ending ? ` ${ending}` : ''}`];
+  }
+
+  // What is said of the field below a view.
+  notes(view) {
+    const { label, length } = this.fields[this.field];
+    const { notes, released } = view.packed;
+    if (!(this.field in view.packed.ranges)) return [`${label} is not stored here`];
+    const told = notes[this.field] ? [notes[this.field] + (length ? ` ${this.data.unit}` : '')] : [];
+    if (this.field === 'displacement') told.push(`displaced by ${number(this.shown(view).displacement[1])} ${this.data.unit} at most`);
+    if (this.released && this.states.style.display === '' && !released) told.push('as built, as no release is stored here');
+    return told;
+  }
+
+  // Ranges of the fields as they are shown.
+  shown({ packed }) {
+    return this.released && packed.released ? { ...packed.ranges, ...packed.released.ranges } : packed.ranges;
+  }
+
+  // Of all views together, as built and released, or of one; layers are counted by each view for itself.
   range(view) {
-    const own = view.ranges[this.field] ?? [0, 1];
+    const own = this.shown(view)[this.field] ?? [0, 1];
     if (!this.same || this.field === 'layer') return own;
-    const all = this.views.map((each) => each.ranges[this.field]).filter(Boolean);
+    const all = this.views.flatMap(rangesOf).map((ranges) => ranges[this.field]).filter(Boolean);
     return [Math.min(...all.map((range) => range[0])), Math.max(...all.map((range) => range[1]))];
   }
 

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
+overview."""
+
+from read_run import number
+
+USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
+
+
+def hanging(run, state):
+    """How many elements begin in the air; None where the file does not tell."""
+    return run.summary.get(state, {}).get("checks", {}).get("hanging", {}).get("elements")
+
+
+def beyond_yield(run, state):
+    """Which share of the part is stressed beyond the yield stress; None without one."""
+    return run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
+
+
+def check_sentences(run):
+    """Sentences on elements that begin in the air, and on stress beyond the yield stress."""
+    return [sentence for sentence in (planar_words(run), hanging_words(run), stress_words(run)) if sentence]
+
+
+def planar_words(run):
+    if not hanging(run, "baseline"):
+        return ""
+    return (f"The planar layers cannot be built as they are: {in_the_air(run, 'baseline')}. "
+            "So a comparison with them flatters.")
+
+
+def hanging_words(run):
+    """Of the layers that the run is about: how many begin in the air, or none where that is news."""
+    state = state_of(run)
+    if hanging(run, state):
+        count = in_the_air(run, state)
+        return f"{count[0].upper()}{count[1:]}{', in the optimized layers' * (state == 'binary')}."
+    if hanging(run, state) == 0 and (state == "simulated" or hanging(run, "baseline")):
+        return f"No element{' of the optimized layers' * (state == 'binary')} begins in the air."
+    return ""
+
+
+def in_the_air(run, state):
+    count, at = hanging(run, state), run.summary[state]["checks"]["hanging"].get("at")
+    place = f", the first near [{', '.join(f'{x:.6g}' for x in at)}]{f' {run.unit}' * bool(run.unit)}" if at else ""
+    return f"{count:,} element{'s begin' if count > 1 else ' begins'} in the air{place}"
+
+
+def stress_words(run):
+    share, with_planar = (beyond_yield(run, state) for state in (state_of(run), "baseline"))
+    if share is None:
+        return ""
+    limit = f"the yield stress {run.config.get('material', {}).get('yield_stress', 0):g}"
+    if share == 0:
+        return f"The residual stress is nowhere above {limit}."
+    planar = f" (with planar layers in {percent(with_planar)})" if with_planar is not None else ""
+    return f"The residual stress is above {limit} in {percent(share)} of the part{planar}, where a linear model overstates it."
+
+
+def state_of(run):
+    return "simulated" if "simulated" in run.summary else "binary"
+
+
+def percent(share):
+    """A share as percents; never 0 or 100 where it is not."""
+    value = 100 * share
+    return "less than 0.1 %" if 0 < value < 0.05 else "more than 99.9 %" if 99.95 <= value < 100 else f"{value:.1f} %"
+
+
+def thickness_limits(run):
+    """Between which local thicknesses a layer can be deposited; None without a target."""
+    constraint = run.thickness_constraint()
+    factors = run.config.get("tool", {}).get("thickness", USUAL_RANGE)
+    return [factor * constraint["target"] for factor in factors] if constraint else None
+
+
+def check_figures(run=None):
+    """Rows of a table by heading, "" for the first ones: for each row's words a function from a state's block
+    to its value, and one from the value to text or None."""
+    limits = run and thickness_limits(run)
+    span = " to ".join(map(number, limits)) if limits else "its range"
+    yield_stress = run and run.config.get("material", {}).get("yield_stress")
+    limit = f"the yield stress {yield_stress:g}" if yield_stress else "the yield stress"
+    thickness = ("checks", "local_thickness")
+    return {"": {"local thickness, least": (inner(*thickness, "least"), None),
+                 "local thickness, largest": (inner(*thickness, "largest"), None),
+                 f"share of the part outside {span}": (inner(*thickness, "share_outside"), percent)},
+            "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
+                         "build time, hours": (inner("build_hours"), None),
+                         "wire, kg": (inner("wire_mass"), None)},
+            "Residual stress": {"largest equivalent stress": (largest_stress, None),
+                                "the same after the release": (inner("released", "residual_stress", "von_mises"), None),
+                                f"share of the part above {limit}": (inner("stress", "share_beyond_yield"), percent)}}
+
+
+def inner(*names):
+    """The function that takes what lies that deep in nested dictionaries; None where something is missing."""
+    def value(block):
+        for name in names:
+            block = (block or {}).get(name)
+        return block
+
+    return value
+
+
+def largest_stress(block):
+    return (block.get("stress") or block.get("residual_stress") or {}).get("von_mises")
