@@ -84,7 +84,7 @@ def check_figures(run=None):
     thickness = ("checks", "local_thickness")
     return {"": {"local thickness, least": (inner(*thickness, "least"), None),
                  "local thickness, largest": (inner(*thickness, "largest"), None),
-                 f"share of the part outside {span}": (inner(*thickness, "share_outside"), percent)},
+                 f"local thickness outside {span}, share of the part": (inner(*thickness, "share_outside"), percent)},
             "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
                          "build time, hours": (inner("build_hours"), None),
                          "wire, kg": (inner("wire_mass"), None)},

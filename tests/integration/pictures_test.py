@@ -30,6 +30,8 @@ def kind(value):
 
 def strangers(made_up, real, place=""):
     """Where `made_up` has a member, or a kind of entry, that `real` has not."""
+    if "NoneType" in (made_up, real):
+        return []
     if isinstance(made_up, dict) and isinstance(real, dict):
         found = [f"{place}/{name}" for name in made_up if name not in real]
         for name in made_up.keys() & real.keys():
@@ -65,9 +67,14 @@ class PicturesTest(FabseqTest):
         for config, density in ((plate_2d(), np.ones((12, 20))), (hook_3d(), np.ones((8, 4, 8)))):
             config["objective"] = [{"type": "distortion", "nodes": "top"}, {"type": "layer_uniformity"}]
             config["constraints"] = config["constraints"][:1]
+            config["domain"]["unit"] = "mm"
+            config["material"] = {**config.get("material", {}), "yield_stress": 1.0, "mass_density": 1.0}
+            config["process"] = {**config.get("process", {}), "deposition_rate": 1.0}
+            config["baseline"] = {**config.get("baseline", {}), "layers": 2}
             run = self.optimized(config)
             fake = os.path.join(self.directory, "made_up_" + config["name"])
             fake_results.write_run(fake, config["name"], density, config["domain"]["size"], count=4, planar_count=4)
+            fake_results.add_checks(fake)
             for name in ("summary.json", "config.json", "history.jsonl"):
                 with open(os.path.join(fake, name), encoding="utf-8") as file:
                     made_up = json.loads(file.readline() if name.endswith("l") else file.read())

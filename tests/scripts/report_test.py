@@ -150,7 +150,7 @@ class Contents(Report):
         layers, building, stress = (self.page.rows_after("results", name)
                                     for name in ("Layers", "Building", "Residual stress"))
         self.assertEqual(layers["local thickness, largest"][:5], [0.1] * 5)
-        self.assertEqual(layers["share of the part outside 0.0833 to 0.25"][:5], [0.25] * 5)
+        self.assertEqual(layers["local thickness outside 0.0833 to 0.25, share of the part"][:5], [0.25] * 5)
         self.assertEqual(building["elements that begin in the air"][:5], [0, 6, 6, 0, 0])
         self.assertEqual(building["build time, hours"][1], 1.5)
         self.assertEqual(stress["share of the part above the yield stress 250"][1], 0.125)
