@@ -9,7 +9,7 @@ import numpy as np
 
 import run_fabseq
 from read_outputs import read_result
-from run_fabseq import BAD_INPUT, FabseqTest, distinct
+from run_fabseq import BAD_INPUT, ROOT, FabseqTest, distinct
 
 # A column with an arm that planar layers begin in the air; unit cubes.
 CRANE = {"name": "crane", "domain": {"size": [8, 2, 6], "elements": [8, 2, 6], "unit": "mm"},
@@ -77,6 +77,12 @@ class BuildReportTest(FabseqTest):
             self.assertIn(words, run.stdout)
         self.assertLess(len(run.stdout.splitlines()), 30)
         self.assertEqual(run.json("summary.json")["checks"]["hanging"]["elements"], read_result(run)["hanging"].sum())
+
+    def test_the_shelf(self):
+        """Every material of configs/materials can be taken."""
+        shelf = os.path.join(ROOT, "configs", "materials")
+        for name in distinct(*sorted(os.listdir(shelf))):
+            self.assert_done(self.run_config(1, CRANE, "-task", "check", "-material", os.path.join(shelf, name)))
 
     def test_material_files_that_cannot_be_used(self):
         cases = {"": "cannot be read", "{": "steel.json", "[1]": "holds no object", '{"file": "other.json"}': "another file",
