@@ -39,7 +39,7 @@ std::string field_text(const Grid<Dim>& grid, const typename FieldSet<Dim>::Fiel
   std::vector<double> shape =
       slowest_first(field.on_nodes ? grid.all_nodes().size : grid.all_elements().size, /*third=*/1.0);
   if (field.components > 1) shape.push_back(field.components);
-  const bool is_vector = field.on_nodes && field.components == Dim;
+  const bool is_vector = field.components == Dim;
   const std::string type = field.components == 1 ? "Scalar" : is_vector ? "Vector" : "Matrix";
   return "      <Attribute Name=\"" + field.name + "\" AttributeType=\"" + type + "\" Center=\"" +
          (field.on_nodes ? "Node" : "Cell") + "\">\n        <DataItem Dimensions=\"" + list_text(shape) +

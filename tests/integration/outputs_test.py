@@ -99,6 +99,9 @@ class OutputsOfOneRankTest(FabseqTest):
         elements, nodes = (12, 20), (13, 21)
         shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer",
                                               "start/time", "start/layer")}
+        for prefix in ("", "planar/", "start/"):
+            shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements,
+                       prefix + "build_direction": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes
         for prefix in ("", "binary/", "planar/", "start/"):
             shapes[prefix + "displacement"] = shapes[prefix + "release_displacement"] = nodes + (2,)
@@ -192,7 +195,7 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
                 found = {key.split(" ", 1)[1] for key in arrays} - {"position"}
                 self.assertEqual(found, set(fields))
                 for field, values in fields.items():
-                    center, count = ("Cell", 240) if values.size == 240 else ("Node", 273)
+                    center, count = ("Cell", 240) if values.size % 240 == 0 else ("Node", 273)
                     expected = values.reshape(count, -1)
                     array = arrays[f"{center} {field}"].reshape(count, -1)[:, :expected.shape[1]]
                     np.testing.assert_array_equal(array, expected, err_msg=field)
