@@ -225,7 +225,7 @@ def main():
     parser.add_argument("--keep", help="folder that keeps the files of the case of --only")
     options = parser.parse_args()
     if options.short:
-        options.cases, options.seed, options.jobs = SHORT_CASES, SHORT_SEED, 1
+        options.cases, options.seed, options.jobs = SHORT_CASES, SHORT_SEED, 2  # they mostly wait for MPI to start
     numbers = [options.only] if options.only is not None else range(options.first, options.first + options.cases)
     jobs = options.jobs or max(1, (os.cpu_count() or 1) // options.ranks)
     with tempfile.TemporaryDirectory(prefix="fabseq_configs_") as directory:
