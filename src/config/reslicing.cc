@@ -26,6 +26,13 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
+/// Then there is no number of layers to take from the file.
+bool has_sub_parts(const Json& document) {
+  const Json* layers = find_member(document, "layers");
+  const Json* type = layers == nullptr ? nullptr : find_member(*layers, "type");
+  return type != nullptr && *type == "multi_planar";
+}
+
 bool needs_gradient(const Json& term, TermList list) {
   const Json* type = find_member(term, "type");
   if (type == nullptr || !type->is_string()) return false;
@@ -68,7 +75,7 @@ void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
   const std::string file = std::filesystem::absolute(*command_line.sequence_file, error).string();
   const Slicing of_file = slicing_of(comm, file);
   document["sequence"] = Json::object({{"type", "file"}, {"file", file}});
-  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count"))
+  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count") && !has_sub_parts(document))
     apply_override(document, "layers.count", std::to_string(static_cast<int>(of_file.layers)));
   const Json* layers = find_member(document, "layers");
   const Json* count = layers == nullptr ? nullptr : find_member(*layers, "count");

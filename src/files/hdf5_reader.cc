@@ -2,6 +2,7 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/files/hdf5_writer.h"
 
+#include <algorithm>
 #include <array>
 
 namespace fabseq {
@@ -52,7 +53,8 @@ std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std:
                               const std::string& dataset_key, int columns) {
   const Hdf5ParallelDataset data(comm, file, dataset, file_key, dataset_key);
   std::vector<hsize_t> shape = {count};
-  if (columns > 0) shape = {count / columns, static_cast<hsize_t>(columns)};
+  if (columns > 0 && !std::ranges::equal(data.shape(), shape))
+    shape = {count / columns, static_cast<hsize_t>(columns)};
   data.require_shape(shape, meaning);
   return data.read(std::vector<hsize_t>(shape.size(), 0), shape);
 }

@@ -104,6 +104,15 @@ std::unique_ptr<const RunLock> prepare_to_continue(const fs::path& directory) {
 
 }  // namespace
 
+bool is_file_of_run(const std::string& directory, const std::string& file) {
+  std::error_code error;
+  const fs::path inside = fs::relative(file, directory, error);
+  if (error || inside.empty() || !fs::exists(fs::path(directory) / mark_of_a_run, error)) return false;
+  const bool of_coarse_run = *inside.begin() == coarse_folder;
+  return of_coarse_run ? is_file_of_run(directory + "/" + coarse_folder, file)
+                       : std::ranges::find(files_of_a_run, inside.string()) != files_of_a_run.end();
+}
+
 OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
     : comm_(comm), path_(path) {
   run_on_first(comm_, [&] { lock_ = set_up(path_, overwrite); });

@@ -4,7 +4,9 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
+#include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
+#include "fabseq/base/verdict.h"
 #include "fabseq/config/config_difference.h"
 #include "fabseq/files/checkpoint.h"
 #include "fabseq/files/seal.h"
@@ -91,6 +93,20 @@ bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b) {
   return any(comm, rank_of(comm) == 0 && std::filesystem::equivalent(a, b, error));
 }
 
+/// Refuses to replace the run that this one takes its design or its sequence from. Collective.
+void require_inputs_to_stay(const Config& config, const CommandLine& command_line, MPI_Comm comm,
+                            const std::string& directory) {
+  const auto require = [&](const std::string& key, const std::string& file) {
+    if (is_file_of_run(directory, file))
+      refuse(key, shown(file) + " of the run that is to be replaced",
+             "a copy of it elsewhere, or another directory with -output");
+  };
+  run_on_first(comm, [&] {
+    if (command_line.design_file) require("-design", *command_line.design_file);
+    if (config.sequence.type == SequenceType::file) require("/sequence/file", config.sequence.file);
+  });
+}
+
 }  // namespace
 
 std::string output_path(const Config& config, const CommandLine& command_line) {
@@ -143,6 +159,7 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   const bool goes_on = command_line.restart == "auto" ||
                        (command_line.restart && same_directory(comm, *command_line.restart, path));
   const bool replaces = command_line.overwrite || goes_on;
+  if (replaces && !continues) require_inputs_to_stay(setup.config, command_line, comm, path);
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
   if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();

@@ -141,9 +141,9 @@ void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& m
 void Terminal::baseline(const SequenceNumbers& planar) {
   planar_objective_ = planar.first_objective();
   char line[160];
-  std::snprintf(line, sizeof line, "planar baseline: %zu layers, first objective term %.4e",
-                planar.layers.size(), planar_objective_);
-  print(line);
+  std::snprintf(line, sizeof line, ", first objective term %.4e", planar_objective_);
+  const bool is_defined = std::isfinite(planar_objective_);  // not so for alignment of sub-parts
+  print("planar baseline: " + std::to_string(planar.layers.size()) + " layers" + (is_defined ? line : ""));
 }
 
 void Terminal::iteration(const Iterate& iterate, double seconds) {

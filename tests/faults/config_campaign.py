@@ -38,8 +38,8 @@ sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
 # pylint: disable=wrong-import-position
 from config_mutations import LEGAL, TEXT, TREE, dumps  # noqa: E402
 from config_schema import read_keys  # noqa: E402
-from option_mutations import FILE, FOLDER, OPTIONS, TASKS  # noqa: E402
-from run_fabseq import PROGRAM, ROOT, Process, Result  # noqa: E402
+from option_mutations import FILE, FOLDER, OPTIONS, RUN, TASKS, of_a_run  # noqa: E402
+from run_fabseq import DONE, PROGRAM, ROOT, Process, Result  # noqa: E402
 from run_outcome import ENDED_BY_US, Judge, difference, value_of  # noqa: E402
 from shrunken_configs import shrunken_configs  # noqa: E402
 
@@ -53,18 +53,24 @@ class Case:
     """The `number`-th case of a seed: `content` of its config, `arguments`, and in words what is wrong with
     them."""
 
-    KINDS = ("config", "legal", "text", "options", "both")
+    KINDS = ("config", "legal", "text", "options", "both", "again")
 
     def __init__(self, seed, number, configs, keys, kind=None):
         self.number = number
         chance = random.Random(f"{seed}/{number}")
         self.name = chance.choice(sorted(configs))
         config, told = copy.deepcopy(configs[self.name]), []
-        kind = kind or chance.choices(self.KINDS, [25, 40, 8, 18, 9])[0]
+        kind = kind or chance.choices(self.KINDS, [25, 35, 8, 15, 7, 10])[0]
         self.arguments = self.task(chance, config)
         if kind in ("config", "legal", "both"):
             for _ in range(chance.choices([1, 2, 3], [70, 20, 10])[0]):
                 told.append(self.change(chance, config, keys, LEGAL if kind == "legal" else TREE))
+        if kind == "again":
+            if chance.random() < 0.5:
+                told.append(self.change(chance, config, keys, (*LEGAL, *TREE)))
+            self.arguments += of_a_run(chance)
+            told.append(" ".join(self.arguments))
+        self.unchanged = dumps(configs[self.name]).encode()
         self.content = dumps(config).encode("utf-8", "surrogatepass")
         if kind == "text":
             self.content, text = chance.choice(TEXT)(chance, json.dumps(config, indent=1).encode())
@@ -123,7 +129,18 @@ class Campaign:
         with open(os.path.join(folder, FILE), "w", encoding="utf-8") as file:
             file.write("what was there\n")
         os.mkdir(os.path.join(folder, FOLDER))
+        if any(word.startswith(RUN) for word in case.arguments):
+            self.run_before(case, folder)
         return folder
+
+    def run_before(self, case, folder):
+        """Leaves a run of the config without the changes."""
+        with open(os.path.join(folder, "before.json"), "wb") as file:
+            file.write(case.unchanged)
+        task = ["-task", "simulate"] if self.configs[case.name]["sequence"]["type"] == "planar" else []
+        status, _, stderr = self.wait([PROGRAM, "-config", "before.json", "-output", RUN, *task], folder)
+        if status != DONE:
+            raise SystemExit(f"{case.name} without a change ends with status {status}: {stderr}")
 
     def run(self, case, ranks):
         """The result and its outcome."""
@@ -131,13 +148,16 @@ class Campaign:
         top = os.path.dirname(folder)  # outputs of "../x" count
         before = all_files(top)
         arguments = ["-config", "case.json", *case.arguments]
-        if "-output" not in arguments:
-            arguments += ["-output", "out"]
+        output = value_of(arguments, "-output")
+        if output is None:
+            in_place = value_of(arguments, "-restart") not in (None, "auto")
+            output = value_of(arguments, "-restart") if in_place else "out"
+            arguments += [] if in_place else ["-output", output]
         command = ["prlimit", f"--as={MOST_MEMORY}", PROGRAM, *arguments]
         if ranks > 1:
             command = ["mpirun", "-np", str(ranks), *command]
         status, stdout, stderr = self.wait(command, folder)
-        run = Result(command, status, stdout, stderr, os.path.join(folder, value_of(arguments, "-output")))
+        run = Result(command, status, stdout, stderr, os.path.join(folder, output))
         outcome = Judge(run, arguments, before, all_files(top)).outcome()
         if not outcome.wrong and case.number % REREAD_EVERY == 0 and os.path.exists(run.path("config.json")):
             outcome.wrong = self.reread(run.path("config.json"), folder)
@@ -205,7 +225,7 @@ def main():
     parser.add_argument("--keep", help="folder that keeps the files of the case of --only")
     options = parser.parse_args()
     if options.short:
-        options.cases, options.seed = SHORT_CASES, SHORT_SEED
+        options.cases, options.seed, options.jobs = SHORT_CASES, SHORT_SEED, 2  # they mostly wait for MPI to start
     numbers = [options.only] if options.only is not None else range(options.first, options.first + options.cases)
     jobs = options.jobs or max(1, (os.cpu_count() or 1) // options.ranks)
     with tempfile.TemporaryDirectory(prefix="fabseq_configs_") as directory:

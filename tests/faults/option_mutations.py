@@ -5,8 +5,8 @@ from config_mutations import NUMBERS, VALUES, Raw, dumps, misspelt, places
 from config_schema import TEXTS, legal_value
 
 TASKS = ("optimize", "simulate", "sensitivity", "evaluate", "check_gradients", "check")
-# Where the words below may point to: a file, a folder, and what is not there.
-FILE, FOLDER, MISSING = "a_file", "a_folder", "missing"
+# Where the words below may point to: a file, a folder, what is not there, and a run of the config as it was.
+FILE, FOLDER, MISSING, RUN = "a_file", "a_folder", "missing", "a_run"
 ODD_WORDS = ("", "-", "--", "---", "-1", "0", "nan", "1e999", "1.5", "auto", "\u00e9", "-é", " ", "x=1", "-x=1", "n" * 5000)
 
 
@@ -42,6 +42,19 @@ def restart(chance, *_):
 def input_file(chance, *_):
     option = chance.choice(["-design", "-sequence", "-config"])
     return [option, chance.choice([FILE, FOLDER, MISSING, "case.json", "/dev/null", "/dev/zero", ""])]
+
+
+def of_a_run(chance, *_):
+    """Something that a finished run has left."""
+    return chance.choice([
+        ["-restart", RUN], ["-restart", RUN, "-output", "other"], ["-restart", RUN, "-max_iterations", "3"],
+        ["-restart", "auto", "-output", RUN], ["-restart", "auto", "-output", RUN, "-max_iterations", "4"],
+        ["-output", RUN, "-overwrite"], ["-output", RUN], ["-output", RUN + "/deeper"], ["-design", RUN + "/result.h5"],
+        ["-design", RUN + "/checkpoint/slot_0.h5"], ["-design", RUN + "/config.json"], ["-design", RUN],
+        ["-task", "simulate", "-sequence", RUN + "/result.h5"], ["-task", "sensitivity", "-sequence", RUN + "/result.h5"],
+        ["-task", "simulate", "-design", RUN + "/result.h5", "-output", RUN, "-overwrite"], ["-restart", RUN + "/checkpoint"],
+        ["-output", RUN, "-overwrite", "-design", RUN + "/result.h5"], ["-restart", RUN, "-overwrite"],
+        ["-task", chance.choice(["simulate", "sensitivity"]), "-sequence", RUN + "/result.h5", "-output", RUN, "-overwrite"]])
 
 
 def groups(chance, *_):

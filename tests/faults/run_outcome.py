@@ -80,7 +80,7 @@ class Judge:
         lines = run.messages()
         # A text of the user's may have line breaks; these lines belong to the one before.
         self.warnings = [line for line in lines if line.startswith("warning: ")]
-        self.errors = [line for line in lines if not line.startswith("warning: ")]
+        self.errors = [line for line in lines if not line.startswith("warning: ") and line != ENDED_BY_US]
 
     def outcome(self):
         if self.run.status is None:
@@ -122,7 +122,8 @@ class Judge:
     def refused(self):
         kind = "2 refused"
         if self.before != self.after:
-            return kind, f"written before the refusal: {sorted(set(self.after) - set(self.before))[:3]}"
+            changed = {path for path, _ in set(self.after.items()) ^ set(self.before.items())}
+            return kind, f"written or removed before the refusal: {sorted(changed)[:3]}"
         return kind, self.one_message(r"(^|[\s'\"(:])(/[A-Za-z0-9_]+|-[A-Za-z]\w*)|case\.json|a_file|PETSc|belongs to no option")
 
     def failed(self):
@@ -149,7 +150,7 @@ class Judge:
     def one_message(self, named):
         """What is wrong with what the run says: it should be one line, which matches the regular expression
         `named`."""
-        lines = [line for line in self.errors if line != ENDED_BY_US]
+        lines = self.errors
         if len(lines) != 1:
             return f"{len(lines)} lines on stderr: {lines[:3]}"
         if not lines[0].startswith("fabseq: "):

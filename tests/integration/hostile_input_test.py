@@ -78,6 +78,15 @@ class FilesTest(HostileInputTest):
             caught = next(line for line in file if line.startswith("SigCgt"))
         return int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1
 
+    def test_a_run_that_another_begins_from_is_not_replaced(self):
+        finished = self.finished_run(plate_2d(), "-coarse_iterations", 1)
+        for arguments, key in ((("-design", "result.h5"), "-design"), (("-design", "coarse/refined.h5"), "-design"),
+                               (("-task", "evaluate", "-design", "checkpoint/slot_0.h5"), "-design"),
+                               (("-task", "sensitivity", "-sequence", "result.h5"), "/sequence/file")):
+            *words, name = arguments
+            self.assert_refused(plate_2d(), "-overwrite", *words, finished.path(name), words=[key, name, "-output"],
+                                output=finished.output, ranks=1)
+
     def test_times_that_descend(self):
         finished = self.finished_run(direct_2d())
         with h5py.File(finished.path("result.h5"), "r+") as file:

@@ -9,7 +9,7 @@ import numpy as np
 
 import run_fabseq
 from read_outputs import assert_close, read_dump, read_result
-from run_fabseq import BAD_INPUT, FabseqTest, SANITIZED, largest_relative_difference
+from run_fabseq import BAD_INPUT, DONE, FabseqTest, SANITIZED, largest_relative_difference
 from small_parts import write_voxels
 
 COMPARED = ("objective", "objective_scaled", "constraints", "change", "angles")
@@ -147,6 +147,22 @@ class OutputsTest(FabseqTest):
         self.assert_done(run)
         self.assertIn("4 angles", run.stdout)
         self.assertRegex(run.stdout, r"layers: about \d+ multi-planar, 4 planar in the baseline")
+
+    def test_what_a_run_leaves_is_taken_by_others(self):
+        config = tee_2d()
+        config["objective"].insert(0, config["objective"].pop(1))  # alignment, which planar layers do not have
+        run = self.run_config(1, config, "-max_iterations", 1)
+        self.assert_done(run)
+        self.assertNotIn("nan", run.stdout)
+        with open(run.path("checkpoint/newest"), encoding="utf-8") as file:
+            checkpoint = run.path("checkpoint/" + file.read().strip())
+        evaluated = self.run_config(1, config, "-task", "evaluate", "-design", checkpoint)
+        self.assert_done(evaluated)
+        with h5py.File(checkpoint, "r") as file:
+            self.assertEqual(np.ravel(evaluated.json("evaluation.json")["angles"]).tolist(), file["angles"][...].tolist())
+        config["objective"], config["material"] = [{"type": "distortion", "measure": "layerwise"}], {}
+        sliced = self.run_config(1, config, "-task", "simulate", "-sequence", run.path("result.h5"))
+        self.assertEqual(sliced.status, DONE, str(sliced))
 
 
 class RanksTest(FabseqTest):

@@ -84,7 +84,7 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
 /// read_field() does, and also if the dataset has several axes.
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,
                               const std::string& file_key, const std::string& dataset_key);
-/// Reads `count` numbers, the same on all ranks: a list or, if `columns` > 0, a table [row][column].
+/// Reads `count` numbers, the same on all ranks: a list or, if `columns` > 0, also a table [row][column].
 /// `meaning` says in error messages where that shape comes from. Collective on `comm`. Throws InputError as
 /// read_field() does.
 std::vector<double> read_list(MPI_Comm comm, const std::string& file, const std::string& dataset,

@@ -14,6 +14,10 @@ namespace fabseq {
 /// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
 
+/// Whether `file` is one that a run in `directory` has written, which an overwriting run removes. Looks at
+/// the file system on the calling rank.
+bool is_file_of_run(const std::string& directory, const std::string& file);
+
 /// The directory of a run, which it creates, keeps for itself (RunLock) and writes small text files into.
 /// Rank 0 of comm() does the work. Calls that say "collective" are so on comm().
 class OutputDirectory {

@@ -35,7 +35,8 @@ template <int Dim>
 void save_problem(const Setup<Dim>& setup, CheckpointState& state);
 
 /// Makes the directory of output_path(), writes config.json: the effective config with the key `run` (command
-/// line, versions, ranks). `continues`: a run that is there goes on. Collective.
+/// line, versions, ranks). `continues`: a run that is there goes on. Throws InputError if the run takes its
+/// design or its sequence from one that it would replace. Collective.
 template <int Dim>
 OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
                                       bool continues = false);
