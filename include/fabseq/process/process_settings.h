@@ -20,16 +20,16 @@ struct TurningStrain {
 struct MaterialSettings {
   double young = 1.0;  ///< stress unit
   double poisson = 0.3;
-  std::string name = {};                              ///< a label, empty: none
-  std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
-  std::optional<double> yield_stress = std::nullopt;  ///< stress unit
   /// Voigt order xx,yy,zz,xy,yz,zx (2D xx,yy,xy), engineering shear; strain_scale applied; empty where it
   /// turns
   std::vector<double> inherent_strain;
   std::optional<TurningStrain> turning_strain = std::nullopt;
   std::vector<double> strain_scale = {};  ///< one factor per axis, for strains that turn
   std::vector<std::vector<double>> scenarios =
-      {};  ///< [scenario]: one factor per axis, on top of strain_scale
+      {};                 ///< [scenario]: one factor per axis, on top of strain_scale
+  std::string name = {};  ///< a label, empty: none
+  std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
+  std::optional<double> yield_stress = std::nullopt;  ///< stress unit
 };
 
 enum class VoidModel { absent, quiet };
