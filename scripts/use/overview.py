@@ -13,9 +13,10 @@ draws in memory (virtual_display.py).
 import os
 from functools import partial
 
+from command_line import parser_of, run_script
+
 import overview_charts as charts
 from check_words import check_sentences
-from command_line import parser_of, run_script
 from drawing import INK, OPTIMIZED, PLANAR
 from overview_pictures import Pictures
 from overview_sheet import draw_sheet

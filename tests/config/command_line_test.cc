@@ -116,7 +116,7 @@ TEST(CommandLineTest, UnknownOptionsNameTheNearest) {
     EXPECT_EQ(error_of({"-config", "c", word, "10"}),
               std::string(word) + ": unknown option; did you mean \"" + meant + "\"? " + allowed);
   }
-  for (const char* stranger : {"-quite_something_else", "-logview", "-materials"})
+  for (const char* stranger : {"-quite_something_else", "-logview", "-mesh_files"})
     EXPECT_EQ(error_of({stranger}), std::string(stranger) + ": unknown option; " + allowed);
 }
 

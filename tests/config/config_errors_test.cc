@@ -39,11 +39,12 @@ TEST(ConfigErrorsTest, OverridesThatLeadNowhere) {
 }
 
 TEST(ConfigErrorsTest, UnknownKeys) {
-  EXPECT_EQ(solid_error("projektion", "{}"),
-            "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
-            "build_plate, substrate, clamps, node_sets, "
-            "material, process, sequence, layers, projection, objective, constraints, baseline, optimizer, "
-            "solver, output");
+  EXPECT_EQ(
+      solid_error("projektion", "{}"),
+      "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
+      "build_plate, substrate, clamps, node_sets, "
+      "material, process, sequence, layers, projection, objective, constraints, baseline, tool, optimizer, "
+      "solver, output");
   EXPECT_EQ(
       solid_error("output.qqqq", "1"),
       "/output/qqqq: unknown key; allowed here: every, checkpoint_every, stages, sensitivity, finer_grid");

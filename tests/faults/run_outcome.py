@@ -20,7 +20,8 @@ WRITTEN = {
     "check_gradients": ("config.json", "gradient_check.csv", "gradient_check.json", "gradient_check.svg"),
     "check": ()}
 # What may be null in the files: docs/reference.md says when.
-MAY_BE_NULL = {"thickness", "cv", "nodes", "released", "length", "rms", "max", "distortion", "value", "failure", "finer_grid"}
+MAY_BE_NULL = {"thickness", "cv", "nodes", "released", "length", "rms", "max", "distortion", "value", "failure", "finer_grid",
+               "local_thickness", "share_outside", "at"}
 # A run that is told to end, and how long it may take to do so.
 ENDED_BY_US = "ended by SIGTERM"
 
