@@ -15,8 +15,9 @@ import os
 from html import escape
 from string import Template
 
-from check_words import check_sentences
 from command_line import ROOT, parser_of, run_script
+
+from check_words import check_sentences
 from read_run import Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
 from report_tables import comparison, constraints, facts_table, results, sensitivity
