@@ -50,11 +50,17 @@ def stress_words(run):
     share, with_planar = (beyond_yield(run, state) for state in (state_of(run), "baseline"))
     if share is None:
         return ""
-    limit = f"the yield stress {run.config.get('material', {}).get('yield_stress', 0):g}"
+    limit = yield_words(run)
     if share == 0:
         return f"The residual stress is nowhere above {limit}."
     planar = f" (with planar layers in {percent(with_planar)})" if with_planar is not None else ""
     return f"The residual stress is above {limit} in {percent(share)} of the part{planar}, where a linear model overstates it."
+
+
+def yield_words(run=None):
+    """With the figure, where the run has one."""
+    stress = run.config.get("material", {}).get("yield_stress", "none") if run else "none"
+    return "the yield stress" if stress == "none" else f"the yield stress {stress:g}"
 
 
 def state_of(run):
@@ -79,8 +85,7 @@ def check_figures(run=None):
     to its value, and one from the value to text or None."""
     limits = run and thickness_limits(run)
     span = " to ".join(map(number, limits)) if limits else "its range"
-    yield_stress = run and run.config.get("material", {}).get("yield_stress")
-    limit = f"the yield stress {yield_stress:g}" if yield_stress else "the yield stress"
+    limit = yield_words(run)
     thickness = ("checks", "local_thickness")
     return {"": {"local thickness, least": (inner(*thickness, "least"), None),
                  "local thickness, largest": (inner(*thickness, "largest"), None),

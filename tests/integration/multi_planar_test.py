@@ -267,7 +267,7 @@ class RefusalsTest(FabseqTest):
     def test_designs(self):
         path = os.path.join(self.directory, "design.h5")
         evaluate = ("-task", "evaluate", "-design", path)
-        for angles, words in (([0.2, 0.4, 0.6], ["angles", "[3]", "[3,1]"]),
+        for angles, words in (([0.2, 0.4], ["angles", "[2]", "[3,1]"]),
                               ([[0.2], [0.4], [2.0]], ["angles", "2.0", "outside 0.0 to 1.5708"])):
             write_voxels(path, np.full((15, 22), 0.1), dataset="design")
             with h5py.File(path, "a") as file:
