@@ -25,8 +25,11 @@ class RanksTest(FabseqTest):
                 self.assertLess(error, LIMIT, f"{key} of iteration {line['iteration']}")
 
     def compare_ranks(self, config, *arguments):
+        if SANITIZED:  # which do not look at digits
+            self.history(config, 3, *arguments)
+            return
         expected = self.history(config, 1, *arguments)
-        for ranks in (3,) if SANITIZED else (2, 4):
+        for ranks in (2, 4):
             with self.subTest(ranks=ranks):
                 self.assert_same(self.history(config, ranks, *arguments), expected)
 

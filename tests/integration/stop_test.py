@@ -44,7 +44,7 @@ class StopTest(FabseqTest):
 
     def check_goes_on(self, ranks, output, *arguments):
         """Continues for four iterations, and compares with a run that was not interrupted but wrote a
-        checkpoint at the same iteration."""
+        checkpoint at the same iteration: without sanitizers, which do not look at digits."""
         stopped = Result([], STOPPED, "", "", output)
         done = len(stopped.history())
         self.assertEqual(stopped.json("summary.json")["status"], "stopped")
@@ -52,15 +52,15 @@ class StopTest(FabseqTest):
         runs = []
         expected = output + "_expected"
         os.mkdir(expected)
-        for folder, options in ((output, ("-restart", "auto", "-checkpoint_every", done)),
-                                (expected, ("-checkpoint_every", done))):
+        for folder, options in distinct((output, ("-restart", "auto", "-checkpoint_every", done)),
+                                        (expected, ("-checkpoint_every", done))):
             with open(os.path.join(folder, "stop"), "w", encoding="utf-8") as file:
                 file.write(str(done + 4))
             with self.start(ranks, folder, *arguments, *options) as process:
                 runs.append(self.finish(process, folder))
             self.assertEqual(runs[-1].status, STOPPED, str(runs[-1]))
         self.assertIn(f"continues after iteration {done} of", runs[0].stdout)
-        self.assertEqual(history_text(runs[0]), history_text(runs[1]))
+        self.assertEqual(history_text(runs[0]), history_text(runs[-1]))
         self.assertEqual(len(runs[0].history()), done + 4)
 
 
@@ -239,7 +239,7 @@ class KillTest(StopTest):
                 expected = output + "_expected"
                 os.mkdir(expected)
                 runs = []
-                for folder in (output, expected):
+                for folder in distinct(output, expected):
                     with open(os.path.join(folder, "stop"), "w", encoding="utf-8") as file:
                         file.write(str(done + 2))
                     with self.start(2, folder, "-checkpoint_every", 3, "-restart", "auto") as process:
@@ -247,7 +247,7 @@ class KillTest(StopTest):
                     self.assertEqual(runs[-1].status, STOPPED, str(runs[-1]))
                 continued = int(runs[0].stdout.split("continues after iteration ")[1].split()[0])
                 self.assertGreaterEqual(continued, done - 4)  # the one every three iterations, or the one under way then
-                self.assertEqual(history_text(runs[0]), history_text(runs[1]))
+                self.assertEqual(history_text(runs[0]), history_text(runs[-1]))
 
 
 class LostDiskTest(StopTest):
