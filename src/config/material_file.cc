@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* pointer = "/material/file";
 constexpr const char* allowed = "a readable file with a JSON object of at most 1 MB";
-constexpr std::uintmax_t most_bytes_of_material = 1 << 20;
+constexpr std::uintmax_t largest_material = 1 << 20;
 
 /// What is wrong with the file; empty: nothing.
 std::string problem_of(const std::string& path) {
@@ -23,7 +23,7 @@ std::string problem_of(const std::string& path) {
   if (!problem.empty()) return shown(path) + ", which cannot be read (" + problem + ")";
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  return bytes > most_bytes_of_material ? shown(path) + ", which has " + std::to_string(bytes) + " bytes" : "";
+  return bytes > largest_material ? shown(path) + ", which has " + std::to_string(bytes) + " bytes" : "";
 }
 
 Json read_material(MPI_Comm comm, const std::string& path) {
