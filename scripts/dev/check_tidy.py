@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""clang-tidy over the program's sources, with the flags of the release build.
+"""clang-tidy over the program's sources, with the flags of the release build, each a source of its own.
 
     scripts/dev/check_tidy.py [--jobs N] [FILE.cc...]     with files: these only
 
@@ -43,8 +43,11 @@ def main():
 
 
 def program_sources():
-    """Command of each source file of the program."""
-    with open(os.path.join(ROOT, "build", "release", "compile_commands.json"), encoding="utf-8") as file:
+    """Command of each source file of the program, where it is not compiled together with others."""
+    build = os.path.join(ROOT, "build", "lint")
+    subprocess.run(["cmake", "--preset", "release", "-B", build, "-D", "FABSEQ_UNITY=OFF", "-D", "FABSEQ_TESTS=OFF",
+                    "--log-level=WARNING"], cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
+    with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         return {entry["file"]: entry["command"] for entry in json.load(file)
                 if entry["file"].startswith(os.path.join(ROOT, "src") + os.sep)}
 

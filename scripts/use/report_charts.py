@@ -128,7 +128,7 @@ def seconds(runs):
     if len(runs) > 1:
         curves = [{**role(n, run, runs, ""), "points": [(line["iteration"], line["seconds"]["total"]) for line in run.history]}
                   for n, run in enumerate(runs)]
-        return chart("Seconds an iteration", curves, "iteration")
+        return chart("Seconds per iteration", curves, "iteration")
     run, curves = runs[0], []
     for position, phase in enumerate(PHASES):
         total = run.summary.get("seconds", {}).get(phase)
@@ -136,4 +136,4 @@ def seconds(runs):
         if any(value for _, value in points):
             curves.append({"label": f"{phase}, {total:.0f} s in all" if total is not None else phase, "role": position,
                            "points": points})
-    return chart("Seconds an iteration, by phase", curves, "iteration") if curves else None
+    return chart("Seconds per iteration, by phase", curves, "iteration") if curves else None

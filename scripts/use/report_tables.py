@@ -91,7 +91,7 @@ def results(run):
         return ""
     columns = list(states)
     rows = measured(run, columns)
-    compared = [state for state in ("baseline", "baseline_matched", "start") if {state, "binary"} <= set(columns)]
+    compared = [state for state in ("baseline", "start") if {state, "binary"} <= set(columns)]
     for position, row in enumerate(rows):
         if not isinstance(row, str):
             by_state = dict(zip(columns, row[1]))
