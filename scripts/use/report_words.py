@@ -58,13 +58,16 @@ def ratio(above, below):
 def sentence(term):
     """What a distortion term says, with a gap for how much less or more."""
     nodes, to = (str(term.get(key, "part")).replace("_", " ") for key in ("nodes", "to"))
-    return {"shape": f"the shape of the {nodes} distorts {{}}", "flatness": f"the {nodes} deviates {{}} from a plane",
+    return {"shape": f"the shape of the {nodes} distorts {{}}", "flatness": f"the {nodes} deviates from a plane {{}}",
             "angle": f"the angle between {nodes} and {to} changes {{}}",
             "layerwise": "the part moves, layer by layer, {}"}.get(term.get("measure"), f"the {nodes} moves {{}}")
 
 
 def less(value):
-    return f"{factor(value)} times less" if value >= 1 else f"{factor(1 / value)} times more"
+    """How a length compares with one that is `value` times as long, which is named next."""
+    if 0.95 < value < 1.05:
+        return "about as much as"
+    return f"{factor(value)} times less than" if value > 1 else f"{factor(1 / value)} times more than"
 
 
 def headline(run):
@@ -77,11 +80,13 @@ def headline(run):
         return f"{run_name(run).capitalize()}, as built: displaced by {rms} root mean square, {most} at most."
     if not planar:
         return f"{run_name(run).capitalize()}: {run.summary.get('status', 'no result yet').replace('_', ' ')}."
-    words = f"{sentence(term).format(less(planar))} than in planar layers"
-    words += f", {less(start)} than the unoptimized start" if start else ""
+    words = f"{sentence(term).format(less(planar))} in planar layers"
+    words += f", {less(start)} the unoptimized start" if start else ""
     notes = ["binary layers", MODELS[model], *["after release"] * bool(term.get("after_release"))]
     if term.get("aggregate", "nominal") != "nominal":
         notes.append(f"{term['aggregate']} over the scenarios")
+    if run.summary.get("feasible") is False:
+        notes.append("constraints are not satisfied")
     return f"{words[0].upper()}{words[1:]} ({', '.join(notes)})."
 
 
@@ -90,7 +95,7 @@ def worst_case(run):
     worst = (run.sensitivity or {}).get("worst", {}).get("length")
     if not worst or worst.get("ratio") is None:
         return ""
-    return f"Under the worst of the changes that were tried, {less(worst['ratio'])} than in planar layers ({worst['change']})."
+    return f"Under the worst of the changes that were tried, {less(worst['ratio'])} in planar layers ({worst['change']})."
 
 
 def summary_line(run):
