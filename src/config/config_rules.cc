@@ -64,12 +64,14 @@ void check_magnitudes(const Config& config) {
   }
 }
 
-void check_direction(const Config& config, const char* section, const std::vector<double>& direction) {
+/// `word`: what the key takes in place of a vector.
+void check_direction(const Config& config, const char* section, const char* key, const char* word,
+                     const std::vector<double>& direction) {
   const bool zero =
       std::all_of(direction.begin(), direction.end(), [](double value) { return value == 0.0; });
   if (direction.empty() || !zero) return;
-  refuse(pointer_to(pointer_to("", std::string(section)), "direction"), given(config, section, "direction"),
-         "\"auto\" or a vector other than 0");
+  refuse(pointer_to(pointer_to("", std::string(section)), std::string(key)), given(config, section, key),
+         std::string("\"") + word + "\" or a vector other than 0");
 }
 
 void check_initial_diffusivity(const Config& config) {
@@ -92,6 +94,18 @@ void check_strain(const Config& config) {
   if (!config.material.turning_strain || config.has_time_gradient() || config.layers.multi_planar) return;
   refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
          "a list of numbers, or sequence type heat, planar, or direct with location nodes");
+}
+
+/// The torch turns with the layers, and each rank gathers the layers of all elements.
+void check_torch(const Config& config) {
+  if (config.tool.profile.empty()) return;
+  if (config.tool.axis.empty() && !config.has_time_gradient() && !config.layers.multi_planar)
+    refuse("/tool/axis", "\"normal\"" + without_gradient(config), "a vector, such as the plate's normal");
+  constexpr double most_elements = 1e8;
+  double elements = 1.0;
+  for (const int count : config.elements) elements *= count;
+  if (elements > most_elements)
+    refuse("/tool/profile", "a torch with " + shown(elements) + " elements", "[] above 1e8 elements");
 }
 
 /// Checks what a term needs: a kind of layers, and the gradient of the pseudo-time.
@@ -206,8 +220,10 @@ void check_optimizer(const Config& config) {
 void check_rules(const Config& config) {
   check_names(config);
   check_magnitudes(config);
-  check_direction(config, "sequence", config.sequence.direction);
-  check_direction(config, "baseline", config.baseline.direction);
+  check_direction(config, "sequence", "direction", "auto", config.sequence.direction);
+  check_direction(config, "baseline", "direction", "auto", config.baseline.direction);
+  check_direction(config, "tool", "axis", "normal", config.tool.axis);
+  check_torch(config);
   check_initial_diffusivity(config);
   check_strain(config);
   check_terms(config, config.objective, "objective");

@@ -51,6 +51,8 @@ class ValueCheck {
         return value_.is_object() ? turning_strain() : numbers();
       case KeyType::points:
         return points();
+      case KeyType::profile:
+        return profile();
       case KeyType::list:
         return list();
       case KeyType::vectors:
@@ -224,6 +226,19 @@ class ValueCheck {
       const bool valid =
           item.is_array() && item.size() == 2 && is_number_in_range(item[0]) && is_number_in_range(item[1]);
       if (!valid) refuse(pointer_to(pointer_, i), shown(item), "a list of 2 numbers");
+    }
+    return value_;
+  }
+
+  Json profile() const {
+    if (!value_.is_array() || value_.size() == 1) refuse_found();
+    for (std::size_t i = 0; i < value_.size(); ++i) {
+      const auto is_pair = [&](const Json& item) {
+        return item.is_array() && item.size() == 2 && is_number_in_range(item[0]) &&
+               is_number_in_range(item[1]) && item[1].get<double>() >= 0.0;
+      };
+      if (!is_pair(value_[i]) || (i > 0 && value_[i][0].get<double>() < value_[i - 1][0].get<double>()))
+        refuse_value(key_, value_[i], pointer_to(pointer_, i), context_);
     }
     return value_;
   }

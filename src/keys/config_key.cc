@@ -66,6 +66,8 @@ std::string plain_values(const ConfigKey& key, int dimension) {
       return "a list of [axis, degrees], where axis is \"x\", \"y\", \"z\" or a vector other than 0";
     case KeyType::points:
       return "a list of three or more pairs of numbers";
+    case KeyType::profile:
+      return "a list of two or more pairs [height, radius >= 0], heights ascending, or an empty list";
     case KeyType::list:
       return "a list of numbers" + range;
     case KeyType::angles:

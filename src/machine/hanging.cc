@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/machine/hanging.h"
 
-#include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
+#include "fabseq/machine/built_layers.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace fabseq {
 
@@ -14,7 +13,6 @@ namespace {
 
 /// What is relative to an element's edges and no larger than this is rounding.
 constexpr double rounding = 1e-6;
-constexpr double never = std::numeric_limits<double>::infinity();
 
 /// The cylinder below an element in which something must lie: along the axis from half an element's extent to
 /// a whole one, across it within `radius`.
@@ -82,35 +80,20 @@ template <int Dim>
 class BuiltIn {
  public:
   BuiltIn(const Part<Dim>& part, std::span<const double> layer_index, const Index<Dim>& width)
-      : part_(part), halo_(part.grid(), width), layer_(gathered(layer_index)) {}
+      : part_(part), halo_(part.grid(), width), layer_(halo_.gather(built_layers(part, layer_index))) {}
 
   double layer(const Index<Dim>& element) const {
     const BuildPlate& plate = part_.plate();
     const int height = element[plate.axis];
     if (plate.upper ? height >= part_.grid().domain().elements[plate.axis] : height < 0) return 0.0;
-    return halo_.box().contains(element) ? layer_[halo_.box().offset(element)] : never;
+    return halo_.box().contains(element) ? layer_[halo_.box().offset(element)] : never_built;
   }
 
  private:
-  std::vector<double> gathered(std::span<const double> layer_index) const {
-    std::vector<double> layer = part_.expand(layer_index, never);
-    const auto& substrate = part_.substrate().elements();
-    for (std::size_t element = 0; element < substrate.size(); ++element)
-      if (substrate[element] != 0) layer[element] = 0.0;
-    return halo_.gather(layer);
-  }
-
   const Part<Dim>& part_;
   ElementHalo<Dim> halo_;
   std::vector<double> layer_;
 };
-
-template <int Dim>
-Point<Dim> plate_normal(const BuildPlate& plate) {
-  Point<Dim> result{};
-  result[plate.axis] = plate.upper ? -1.0 : 1.0;
-  return result;
-}
 
 }  // namespace
 
@@ -121,7 +104,7 @@ std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const doub
   const Footing<Dim> footing = footing_of(grid, bead_width);
   const std::vector<Index<Dim>> steps = steps_within(footing);
   const BuiltIn<Dim> built_in(part, layer_index, halo_width<Dim>(steps));
-  const Point<Dim> normal = plate_normal<Dim>(part.plate());
+  const Point<Dim> normal = part.plate().template normal<Dim>();
   std::vector<double> result(layer_index.size());
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
@@ -137,32 +120,6 @@ std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const doub
   return result;
 }
 
-template <int Dim>
-HangingCount<Dim> count_hanging(const Part<Dim>& part, std::span<const double> hanging,
-                                std::span<const double> layer_index, int layers) {
-  const Grid<Dim>& grid = part.grid();
-  HangingCount<Dim> result;
-  result.per_layer.assign(static_cast<std::size_t>(layers), 0);
-  for (std::size_t e = 0; e < hanging.size(); ++e)
-    if (hanging[e] != 0.0) ++result.per_layer[static_cast<std::size_t>(layer_index[e]) - 1];
-  sum_in_place(grid.comm(), result.per_layer);
-  const auto first = std::find_if(result.per_layer.begin(), result.per_layer.end(),
-                                  [](std::int64_t count) { return count > 0; });
-  if (first == result.per_layer.end()) return result;
-  for (const std::int64_t count : result.per_layer) result.elements += count;
-
-  // Of the earliest layer that has any, the one that comes first in the grid, whatever its rank.
-  const double layer = static_cast<double>(first - result.per_layer.begin()) + 1.0;
-  const IndexBox<Dim> whole{{}, grid.domain().elements};
-  std::int64_t place = whole.count();
-  for (std::size_t e = 0; e < hanging.size(); ++e)
-    if (hanging[e] != 0.0 && layer_index[e] == layer)
-      place = std::min(place, whole.offset(grid.owned_elements().index(part.elements()[e])));
-  result.at = grid.element_center(whole.index(min(grid.comm(), place)));
-  return result;
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(hanging_elements);
-FABSEQ_INSTANTIATE_FUNCTION(count_hanging);
 
 }  // namespace fabseq

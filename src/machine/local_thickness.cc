@@ -26,21 +26,20 @@ std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDens
 
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
-                                              const std::optional<std::array<double, 2>>& allowed) {
+                                              const std::optional<std::array<double, 2>>& allowed,
+                                              std::span<const double> layer_index, int layers) {
   const MPI_Comm comm = part.grid().comm();
   // A rank without part elements has no values whether they are defined or not.
   if (!any(comm, !thickness.empty())) return std::nullopt;
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  double least = infinite, largest = 0.0, volume = 0.0, outside = 0.0;
-  for (std::size_t e = 0; e < thickness.size(); ++e) {
-    const double density = part.part_density()[e];
-    least = std::min(least, thickness[e]);
-    largest = std::max(largest, thickness[e]);
-    volume += density;
-    if (allowed && (thickness[e] < (*allowed)[0] || thickness[e] > (*allowed)[1])) outside += density;
+  double least = std::numeric_limits<double>::infinity(), largest = 0.0;
+  std::vector<double> outside;
+  for (const double value : thickness) {
+    least = std::min(least, value);
+    largest = std::max(largest, value);
+    if (allowed) outside.push_back(std::max(value / (*allowed)[1], (*allowed)[0] / value) - 1.0);
   }
   ThicknessRange result{min(comm, least), max(comm, largest), std::nullopt};
-  if (allowed) result.share_outside = sum(comm, outside) / sum(comm, volume);
+  if (allowed) result.outside = count_marked(part, outside, layer_index, layers, MarkedPlace::largest);
   return result;
 }
 

@@ -2,8 +2,13 @@
 #include "fabseq/run/build_report.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/machine/blocked.h"
 #include "fabseq/machine/build_direction.h"
+#include "fabseq/machine/hanging.h"
+#include "fabseq/machine/interior_extrema.h"
 #include "fabseq/process/residual_stress.h"
+
+#include <algorithm>
 
 namespace fabseq {
 
@@ -35,33 +40,81 @@ std::optional<std::vector<double>> expand_vectors(const Part<Dim>& part, std::sp
   return field;
 }
 
+/// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).
+template <int Dim>
+class MachineChecks {
+ public:
+  MachineChecks(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state)
+      : part_(model.part),
+        settings_(model.settings),
+        state_(state),
+        layer_(pipeline.last_layer_index()),
+        direction_(build_direction(state.time, state.layers, layer_)) {}
+
+  /// Collective.
+  void add_to(BuildReport& report) const {
+    report.fields.direction = expand_vectors<Dim>(part_, direction_);
+    add_torch(report);
+    add_thickness(report);
+    const std::vector<double> hanging =
+        hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
+    report.numbers.hanging = count(hanging, MarkedPlace::earliest);
+    report.fields.hanging = part_.expand(hanging);
+    const InteriorExtrema extrema = find_interior_extrema<Dim>(part_, state_.time.time);
+    report.numbers.interior_minima = count(extrema.minima, MarkedPlace::earliest);
+    report.numbers.interior_maxima = count(extrema.maxima, MarkedPlace::earliest);
+  }
+
+ private:
+  MarkedElements count(std::span<const double> marks, MarkedPlace place) const {
+    return count_marked<Dim>(part_, marks, layer_, state_.layers.count(), place);
+  }
+
+  void add_torch(BuildReport& report) const {
+    const ToolSettings& tool = settings_.tool;
+    const std::vector<double> axis = torch_axis<Dim>(part_, tool, direction_);
+    if (!any(part_.grid().comm(), !axis.empty())) return;
+    const std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
+    report.fields.tilt = part_.expand(tilt);
+    double largest = 0.0;
+    std::vector<double> beyond;
+    for (const double angle : tilt) {
+      largest = std::max(largest, angle);
+      beyond.push_back(angle - tool.max_tilt);
+    }
+    report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond, MarkedPlace::largest)};
+    if (tool.profile.empty()) return;
+    const std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
+    report.numbers.blocked = count(blocked, MarkedPlace::largest);
+    report.fields.blocked = part_.expand(blocked);
+  }
+
+  void add_thickness(BuildReport& report) const {
+    const std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
+    report.numbers.local_thickness =
+        thickness_range<Dim>(part_, thickness, allowed_thickness(settings_), layer_, state_.layers.count());
+    if (report.numbers.local_thickness) report.fields.local_thickness = part_.expand(thickness);
+  }
+
+  const Part<Dim>& part_;
+  const ModelSettings& settings_;
+  const PipelineState<Dim>& state_;
+  std::vector<double> layer_, direction_;
+};
+
 }  // namespace
 
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state, int used_layers) {
-  const Part<Dim>& part = model.part;
-  const ModelSettings& settings = model.settings;
-  const std::vector<double> layer = pipeline.last_layer_index();
-  const std::vector<double> direction = build_direction(state.time, state.layers, layer);
-  const std::vector<double> thickness = local_thickness(state.time, state.layers, layer);
-  const std::vector<double> hanging = hanging_elements<Dim>(part, direction, layer, settings.tool.bead_width);
-  const HangingCount<Dim> count = count_hanging<Dim>(part, hanging, layer, state.layers.count());
-
   BuildReport report;
-  BuildNumbers& numbers = report.numbers;
-  numbers.local_thickness = thickness_range<Dim>(part, thickness, allowed_thickness(settings));
-  numbers.hanging = count.elements;
-  numbers.hanging_per_layer = count.per_layer;
-  if (count.at) numbers.hanging_at.assign(count.at->begin(), count.at->end());
-  estimate_time(settings, part.volume(), used_layers, numbers);
-  if (const auto yield = settings.material.yield_stress) {
+  MachineChecks<Dim>(model, pipeline, state).add_to(report);
+  estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
+  if (const auto yield = model.settings.material.yield_stress) {
     const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
-    numbers.stress = {stress_extremes(part, stress).von_mises, share_beyond(part, stress, *yield)};
+    report.numbers.stress = {stress_extremes(model.part, stress).von_mises,
+                             share_beyond(model.part, stress, *yield)};
   }
-  report.fields.direction = expand_vectors<Dim>(part, direction);
-  if (numbers.local_thickness) report.fields.local_thickness = part.expand(thickness);
-  report.fields.hanging = part.expand(hanging);
   return report;
 }
 

@@ -2,10 +2,10 @@
 #include "fabseq/run/optimization.h"
 
 #include "fabseq/base/session.h"
+#include "fabseq/machine/interior_extrema.h"
 #include "fabseq/optimize/stages.h"
 #include "fabseq/run/sensitivity.h"
 #include "fabseq/run/tasks.h"
-#include "fabseq/sequence/given_sequence.h"
 
 namespace fabseq {
 

@@ -30,22 +30,46 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
   return table;
 }
 
-Json to_record(const BuildNumbers& numbers) {
-  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
-  Json thickness;
-  if (const auto& range = numbers.local_thickness)
-    thickness = Json::object({{"least", range->least},
-                              {"largest", range->largest},
-                              {"share_outside", or_null(range->share_outside)}});
-  return Json::object(
-      {{"local_thickness", thickness},
-       {"hanging", Json::object({{"elements", numbers.hanging},
-                                 {"at", numbers.hanging_at.empty() ? Json() : Json(numbers.hanging_at)},
-                                 {"per_layer", numbers.hanging_per_layer}})}});
+Json checks_record(const BuildNumbers& numbers) {
+  const auto place = [](const MarkedElements& marked) {
+    return marked.at.empty() ? Json() : Json(marked.at);
+  };
+  Json blocked, tilt, thickness;
+  if (const auto& marked = numbers.blocked)
+    blocked = Json::object({{"elements", marked->elements},
+                            {"share", marked->share},
+                            {"deepest", marked->largest},
+                            {"at", place(*marked)},
+                            {"per_layer", marked->per_layer}});
+  if (numbers.tilt)
+    tilt = Json::object({{"largest", numbers.tilt->largest},
+                         {"beyond", numbers.tilt->beyond.elements},
+                         {"share", numbers.tilt->beyond.share},
+                         {"at", place(numbers.tilt->beyond)},
+                         {"per_layer", numbers.tilt->beyond.per_layer}});
+  if (const auto& range = numbers.local_thickness) {
+    thickness =
+        Json::object({{"least", range->least}, {"largest", range->largest}, {"share_outside", Json()}});
+    if (const auto& outside = range->outside) {
+      thickness["share_outside"] = outside->share;
+      thickness["at"] = place(*outside);
+      thickness["per_layer"] = outside->per_layer;
+    }
+  }
+  const auto marks_record = [&](const MarkedElements& marked) {
+    return Json::object(
+        {{"elements", marked.elements}, {"at", place(marked)}, {"per_layer", marked.per_layer}});
+  };
+  return Json::object({{"blocked", blocked},
+                       {"tilt", tilt},
+                       {"local_thickness", thickness},
+                       {"hanging", marks_record(numbers.hanging)},
+                       {"interior_minima", marks_record(numbers.interior_minima)},
+                       {"interior_maxima", marks_record(numbers.interior_maxima)}});
 }
 
 void add_build(Json& record, const BuildNumbers& numbers) {
-  record["checks"] = to_record(numbers);
+  record["checks"] = checks_record(numbers);
   if (numbers.wire) record["wire_mass"] = *numbers.wire;
   if (numbers.hours) record["build_hours"] = *numbers.hours;
   if (const auto& stress = numbers.stress)

@@ -4,9 +4,9 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/machine/interior_extrema.h"
 #include "fabseq/run/records.h"
 #include "fabseq/run/result.h"
-#include "fabseq/sequence/given_sequence.h"
 
 #include <cstdio>
 #include <utility>

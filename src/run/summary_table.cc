@@ -159,11 +159,26 @@ void add_build(Table& table) {
                 of_thickness([](const ThicknessRange& of) { return std::optional(of.least); }));
   table.numbers("  local thickness, largest", "%.4g",
                 of_thickness([](const ThicknessRange& of) { return std::optional(of.largest); }));
-  table.numbers("  outside its range, % of part", "%.1f",
-                of_thickness([=](const ThicknessRange& of) { return share(of.share_outside); }));
-  table.numbers("  elements that hang in the air", "%.0f", of_build([](const BuildNumbers& of) {
-                  return std::optional(static_cast<double>(of.hanging));
+  table.numbers("  outside its range, % of part", "%.1f", of_thickness([=](const ThicknessRange& of) {
+                  return of.outside ? share(of.outside->share) : std::nullopt;
                 }));
+  table.numbers("  out of the torch's reach, %", "%.1f", of_build([=](const BuildNumbers& of) {
+                  return of.blocked ? share(of.blocked->share) : std::nullopt;
+                }));
+  table.numbers("  largest tilt, degrees", "%.1f", of_build([](const BuildNumbers& of) {
+                  return of.tilt ? std::optional(of.tilt->largest) : std::nullopt;
+                }));
+  table.numbers("  tilted beyond the limit, %", "%.1f", of_build([=](const BuildNumbers& of) {
+                  return of.tilt ? share(of.tilt->beyond.share) : std::nullopt;
+                }));
+  const auto add_count = [&](const char* label, MarkedElements BuildNumbers::*marked) {
+    table.numbers(label, "%.0f", of_build([=](const BuildNumbers& of) {
+                    return std::optional(static_cast<double>((of.*marked).elements));
+                  }));
+  };
+  add_count("  elements that hang in the air", &BuildNumbers::hanging);
+  add_count("  nothing earlier beside them", &BuildNumbers::interior_minima);
+  add_count("  nothing later beside them", &BuildNumbers::interior_maxima);
   table.numbers("build time, h", "%.3g", of_build([](const BuildNumbers& of) { return of.hours; }));
   table.numbers("wire, kg", "%.4g", of_build([](const BuildNumbers& of) { return of.wire; }));
   table.numbers("stress beyond yield, % of part", "%.1f", of_build([=](const BuildNumbers& of) {
@@ -173,11 +188,11 @@ void add_build(Table& table) {
 
 /// What is to be known of the planar layers, which all others are compared with.
 std::string words_on_planar(const SequenceNumbers& planar) {
-  if (!planar.build || planar.build->hanging == 0) return "";
+  if (!planar.build || planar.build->hanging.elements == 0) return "";
   std::string place;
-  for (const double coordinate : planar.build->hanging_at)
+  for (const double coordinate : planar.build->hanging.at)
     place += (place.empty() ? "[" : ",") + number(coordinate, "%.6g");
-  return "planar layers: " + std::to_string(planar.build->hanging) +
+  return "planar layers: " + std::to_string(planar.build->hanging.elements) +
          " elements begin in the air, the first near " + place + "]; a comparison with them flatters";
 }
 

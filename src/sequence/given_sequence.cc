@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/files/hdf5_writer.h"
-#include "fabseq/grid/element_halo.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +14,8 @@ namespace {
 
 template <int Dim>
 Point<Dim> unit_direction(const Part<Dim>& part, const std::vector<double>& direction) {
+  if (direction.empty()) return part.plate().template normal<Dim>();
   Point<Dim> result{};
-  if (direction.empty()) {
-    result[part.plate().axis] = part.plate().upper ? -1.0 : 1.0;
-    return result;
-  }
   double square = 0.0;
   for (const double d : direction) square += d * d;
   for (int axis = 0; axis < Dim; ++axis) result[axis] = direction[axis] / std::sqrt(square);
@@ -86,29 +82,8 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   return result;
 }
 
-template <int Dim>
-std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time) {
-  const Grid<Dim>& grid = part.grid();
-  const ElementHalo<Dim> halo(grid, 1);
-  // The void gets a time larger than any other, so that it is no earlier neighbour.
-  const std::vector<double> times = halo.gather(part.expand(time, 2.0));
-  std::int64_t minima = 0;
-  for (std::size_t e = 0; e < part.elements().size(); ++e) {
-    const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
-    bool minimum = !std::isfinite(part.contact_distance()[e]);
-    for (int face = 0; face < 2 * Dim && minimum; ++face) {
-      Index<Dim> neighbour = element;
-      neighbour[face / 2] += face % 2 == 0 ? -1 : 1;
-      if (halo.box().contains(neighbour) && times[halo.box().offset(neighbour)] < time[e]) minimum = false;
-    }
-    minima += minimum ? 1 : 0;
-  }
-  return sum(grid.comm(), minima);
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(planar_time);
 FABSEQ_INSTANTIATE_FUNCTION(planar_height);
 FABSEQ_INSTANTIATE_FUNCTION(time_from_file);
-FABSEQ_INSTANTIATE_FUNCTION(count_interior_minima);
 
 }  // namespace fabseq

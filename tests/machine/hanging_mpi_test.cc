@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Elements that begin in the air (docs/formulation.md 13.1), on 1 to 4 ranks.
 #include "fabseq/machine/hanging.h"
+#include "fabseq/machine/marked_elements.h"
 
 #include <gtest/gtest.h>
 
@@ -27,9 +28,10 @@ std::vector<double> layers_along(const Part<3>& part, int axis) {
   return result;
 }
 
-HangingCount<3> hanging_of(const Part<3>& part, const std::vector<double>& direction,
-                           const std::vector<double>& layer, double bead_width = 0.0) {
-  return count_hanging<3>(part, hanging_elements<3>(part, direction, layer, bead_width), layer, 8);
+MarkedElements hanging_of(const Part<3>& part, const std::vector<double>& direction,
+                          const std::vector<double>& layer, double bead_width = 0.0) {
+  return count_marked<3>(part, hanging_elements<3>(part, direction, layer, bead_width), layer, 8,
+                         MarkedPlace::earliest);
 }
 
 TEST(HangingTest, NothingHangsInABlockOnThePlate) {
@@ -38,20 +40,20 @@ TEST(HangingTest, NothingHangsInABlockOnThePlate) {
     std::vector<double> layer = layers_along(block.part, 2);
     if (plate.upper)
       for (double& number : layer) number = 7.0 - number;
-    const HangingCount<3> found = hanging_of(block.part, {}, layer);
+    const MarkedElements found = hanging_of(block.part, {}, layer);
     EXPECT_EQ(found.elements, 0);
-    EXPECT_FALSE(found.at);
+    EXPECT_TRUE(found.at.empty());
   }
 }
 
 TEST(HangingTest, TheUndersideOfABarHangsWherePlanarLayersLeaveTheColumn) {
   const PartOnGrid<3> on_grid(crane_domain, crane());
   const Part<3>& part = on_grid.part;
-  const HangingCount<3> found = hanging_of(part, {}, layers_along(part, 2));
+  const MarkedElements found = hanging_of(part, {}, layers_along(part, 2));
   EXPECT_EQ(found.elements, 5 * 2);  // one column of elements may lean out
   EXPECT_EQ(found.per_layer, (std::vector<std::int64_t>{0, 0, 0, 0, 10, 0, 0, 0}));
-  ASSERT_TRUE(found.at);
-  EXPECT_EQ(*found.at, (Point<3>{3.5, 0.5, 4.5}));
+  EXPECT_EQ(found.at, (std::vector<double>{3.5, 0.5, 4.5}));
+  EXPECT_DOUBLE_EQ(found.share, 10.0 / 48.0);
   // A bead of six elements' width rests on the column with half of it.
   EXPECT_EQ(hanging_of(part, {}, layers_along(part, 2), 6.0).elements, 3 * 2);
 }
@@ -140,7 +142,7 @@ TYPED_TEST(HangingOnAnyRanksTest, MarksWhatTheDefinitionSays) {
         << to_text<Dim>(index);
     hanging += marks[e] != 0.0 ? 1 : 0;
   }
-  const HangingCount<Dim> count = count_hanging<Dim>(part, marks, layer, 6);
+  const MarkedElements count = count_marked<Dim>(part, marks, layer, 6, MarkedPlace::earliest);
   EXPECT_EQ(count.elements, sum(grid.comm(), hanging));
   EXPECT_GT(count.elements, 0);
   EXPECT_EQ(std::accumulate(count.per_layer.begin(), count.per_layer.end(), std::int64_t{0}), count.elements);

@@ -27,14 +27,16 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   for (std::size_t e = 0; e < layer.size(); ++e)
     EXPECT_NEAR(thickness[e], (layer[e] == 1.0 ? 0.25 : 0.75) * height, 1e-12);
   const std::array<double, 2> allowed{0.1 * height, 0.5 * height};
-  const auto range = thickness_range<3>(part, thickness, allowed);
+  const auto range = thickness_range<3>(part, thickness, allowed, layer, 2);
   ASSERT_TRUE(range);
   EXPECT_NEAR(range->least, 0.25 * height, 1e-12);
   EXPECT_NEAR(range->largest, 0.75 * height, 1e-12);
   const double second =
       sum(part.grid().comm(), static_cast<double>(std::count(layer.begin(), layer.end(), 2.0)));
-  EXPECT_NEAR(*range->share_outside, second / static_cast<double>(part.count()), 1e-12);
-  EXPECT_FALSE(thickness_range<3>(part, thickness, std::nullopt)->share_outside);
+  EXPECT_NEAR(range->outside->share, second / static_cast<double>(part.count()), 1e-12);
+  EXPECT_EQ(range->outside->per_layer, (std::vector<std::int64_t>{0, static_cast<std::int64_t>(second)}));
+  EXPECT_NEAR(range->outside->largest, 0.5, 1e-12);  // 0.75 in place of 0.5
+  EXPECT_FALSE(thickness_range<3>(part, thickness, std::nullopt, layer, 2)->outside);
 
   const std::vector<double> direction = build_direction<3>(time, layers, layer);
   for (std::size_t i = 0; i < direction.size(); ++i)
@@ -46,11 +48,12 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   const Part<2>& part = on_grid.part;
   PseudoTime<2> time = planar_time(part, {});
   const std::vector<double> layer(time.time.size(), 1.0);
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), std::nullopt));
+  EXPECT_FALSE(
+      thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), std::nullopt, layer, 1));
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), std::nullopt));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time, layers, layer).empty());
 }
 

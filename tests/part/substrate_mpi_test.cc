@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// What stands before the first layer, and what is held (formulation 4.4).
+#include "fabseq/machine/interior_extrema.h"
 #include "fabseq/part/substrate.h"
 #include "fabseq/part/supports.h"
 #include "fabseq/sequence/geodesic_distance.h"

@@ -31,6 +31,7 @@ enum class KeyType {
   lengths,         ///< a number, or one per axis
   turns,           ///< list of pairs of an axis (a name or a vector) and degrees
   points,          ///< list of pairs of numbers
+  profile,         ///< list of pairs of numbers, the first of which never descend; or empty
   list,            ///< list of any number of numbers
   angles,          ///< list of directions: lists of one angle in 2D, of two in 3D
   angle_bounds,    ///< two ascending numbers, or a list of such pairs

@@ -3,8 +3,6 @@
 
 #include "fabseq/part/part.h"
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,18 +17,5 @@ namespace fabseq {
 template <int Dim>
 std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const double> direction,
                                      std::span<const double> layer_index, double bead_width);
-
-/// Elements that begin in the air: how many, in which layers, and where the first one is.
-template <int Dim>
-struct HangingCount {
-  std::int64_t elements = 0;
-  std::vector<std::int64_t> per_layer;
-  std::optional<Point<Dim>> at;  ///< centre of one of the earliest layer that has any; none if there are none
-};
-
-/// Counts the marks of hanging_elements(). `layers`: number of layers. Collective on the grid's communicator.
-template <int Dim>
-HangingCount<Dim> count_hanging(const Part<Dim>& part, std::span<const double> hanging,
-                                std::span<const double> layer_index, int layers);
 
 }  // namespace fabseq

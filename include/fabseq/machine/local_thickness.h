@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
+#include "fabseq/machine/marked_elements.h"
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
 
@@ -20,16 +21,19 @@ template <int Dim>
 std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDensities& layers,
                                     std::span<const double> layer_index);
 
-/// What a local thickness is between, and which share of the part's volume lies outside of an allowed range.
+/// What a local thickness is between, and the elements at which it lies outside of an allowed range.
 struct ThicknessRange {
-  double least = 0.0, largest = 0.0;    ///< length unit
-  std::optional<double> share_outside;  ///< none without an allowed range
+  double least = 0.0, largest = 0.0;      ///< length unit
+  std::optional<MarkedElements> outside;  ///< by what share of its end they miss it; none without a range
 };
 
-/// The range of a local thickness, none if it is not defined. `allowed`: least and largest length. Collective
-/// on the grid's communicator.
+/// The range of a local thickness, none if it is not defined. Collective on the grid's communicator.
+/// \param allowed      least and largest length
+/// \param layer_index  the layer that builds each part element, from 1
+/// \param layers       number of layers
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
-                                              const std::optional<std::array<double, 2>>& allowed);
+                                              const std::optional<std::array<double, 2>>& allowed,
+                                              std::span<const double> layer_index, int layers);
 
 }  // namespace fabseq

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 namespace fabseq {
 
@@ -12,7 +13,13 @@ class Section;
 
 /// Section "tool".
 struct ToolSettings {
-  double bead_width = 0.0;  ///< length unit; 0: two elements' longest edges
+  /// The torch, a body of revolution around the build direction: height above its tip and radius there, both
+  /// in length units, ascending. Empty: there is none.
+  std::vector<std::array<double, 2>> profile;
+  std::vector<double> axis;  ///< of the torch in the box, of any length; empty: the build direction
+  double clearance = 0.0;    ///< distance that the torch keeps from what is there, length unit
+  double max_tilt = 180.0;   ///< of the torch's axis from the plate's normal, degrees
+  double bead_width = 0.0;   ///< length unit; 0: two elements' longest edges
   /// Least and largest local thickness of a layer that the process can deposit, relative to the target.
   std::array<double, 2> thickness = {0.5, 1.5};
 };

@@ -15,6 +15,13 @@ struct BuildPlate {
   int axis = 2;
   bool upper = false;  ///< at the upper end of the axis
 
+  /// The unit vector from the plate into the box.
+  template <int Dim>
+  Point<Dim> normal() const {
+    Point<Dim> result{};
+    result[axis] = upper ? -1.0 : 1.0;
+    return result;
+  }
   /// The face as the config writes it: "z-".
   std::string name() const { return std::string(1, "xyz"[axis]) + (upper ? "+" : "-"); }
   /// Whether an element has a face on the plate. `elements`: number of elements of the grid along each axis.

@@ -3,8 +3,8 @@
 /// What a sequence asks of the machine, and what it leaves in the part.
 #pragma once
 
-#include "fabseq/machine/hanging.h"
 #include "fabseq/machine/local_thickness.h"
+#include "fabseq/machine/marked_elements.h"
 #include "fabseq/optimize/pipeline.h"
 
 #include <optional>
@@ -18,12 +18,19 @@ struct StressNumbers {
   std::optional<double> share_beyond_yield;  ///< of the part's volume; none without a yield stress
 };
 
+/// Angle between the torch's axis and the plate's normal.
+struct TiltNumbers {
+  double largest = 0.0;   ///< degrees
+  MarkedElements beyond;  ///< by how much it is beyond tool.max_tilt
+};
+
 /// Figures of a sequence, the same on all ranks.
 struct BuildNumbers {
+  std::optional<MarkedElements> blocked;          ///< by how deep the torch is blocked; none without a torch
+  std::optional<TiltNumbers> tilt;                ///< none where the torch's axis is not defined
   std::optional<ThicknessRange> local_thickness;  ///< none where it is not defined
-  std::int64_t hanging = 0;                       ///< elements that begin in the air
-  std::vector<std::int64_t> hanging_per_layer;
-  std::vector<double> hanging_at;       ///< centre of one of the first of them; empty: none
+  MarkedElements hanging;                         ///< elements that begin in the air
+  MarkedElements interior_minima, interior_maxima;
   std::optional<double> wire, hours;    ///< kg; build time. None without density and deposition rate
   std::optional<StressNumbers> stress;  ///< where the config has a yield stress
 };
@@ -32,6 +39,8 @@ struct BuildNumbers {
 /// are not defined, on all ranks alike.
 struct BuildFields {
   std::optional<std::vector<double>> direction;        ///< [element][axis]
+  std::optional<std::vector<double>> blocked;          ///< depth, length unit; 0 where the torch gets
+  std::optional<std::vector<double>> tilt;             ///< of the torch's axis, degrees
   std::optional<std::vector<double>> local_thickness;  ///< length unit
   std::optional<std::vector<double>> hanging;          ///< 1 where an element begins in the air
 };

@@ -37,10 +37,4 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction);
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 
-/// Number of part elements, summed over all ranks, at which a layer would begin in the air: they have no face
-/// on plate or substrate, and none of their face neighbours in the part comes earlier. `time`: a part field.
-/// Collective on the grid's communicator.
-template <int Dim>
-std::int64_t count_interior_minima(const Part<Dim>& part, std::span<const double> time);
-
 }  // namespace fabseq
