@@ -17,7 +17,7 @@ from render_part import poly_data
 LEVEL = 0.25           # of the way through a layer: where its paths lie; thin ends of a layer reach no higher
 LEAST_SLOPE = 0.3      # of the median: the layer is thought no thicker where its values hardly rise
 LONGEST_EDGE = 1 / 3   # of the surface's triangles, in beads
-PIECE, MOST_PIECES = 1 / 6, 64  # edge of the pieces that a layer's volume is counted in, in beads; per tetrahedron
+PIECE, MOST_PIECES = 1 / 8, 64  # edge of the pieces that a layer's volume is counted in, in beads; per tetrahedron
 BOUNDARY_STEP = 1 / 20  # between the points that stand for the boundary, in beads
 SHORTEST = 0.5         # of a line, in beads: shorter ones are left out
 NARROWEST = 0.25       # width that is hatched, in beads
@@ -69,6 +69,12 @@ class PathSurface:
         finer.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
         finer.Update()
         return finer.GetOutput()
+
+    def spots(self):
+        """Places (n, 3) of equal quarters of the triangles, and their areas."""
+        weights = np.array([(1, 1, 1), (4, 1, 1), (1, 4, 1), (1, 1, 4)]) / np.array([[3], [6], [6], [6]])
+        places = np.einsum("qc,ncx->nqx", weights, self.points[self.corners]).reshape(-1, 3)
+        return places, np.repeat(self.areas / 4.0, 4)
 
     def below(self):
         """How far the layer reaches below the points, along its build direction."""

@@ -90,7 +90,8 @@ def complete(surface, found, at):
     points = np.concatenate([one.points for one in found])
     near = nearest(surface.points, points)[0]
     axes, below = surface.directions()[near], surface.below()[near]
-    areas = np.bincount(nearest(points, surface.points[surface.corners].mean(axis=1))[0], surface.areas, len(points))
+    spots, areas = surface.spots()
+    areas = np.bincount(nearest(points, spots)[0], areas, len(points))
     volumes = np.bincount(nearest(points, surface.pieces)[0], surface.volumes, len(points))
     first = 0
     for one in found:

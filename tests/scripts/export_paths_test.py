@@ -38,9 +38,9 @@ class PathsTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.run_directory = os.path.join(folder.name, "run")
 
-    def box(self, count=4, config=None):
-        """2 x 1 x 0.4 in planar layers."""
-        counts, size = (20, 10, 8), (2.0, 1.0, 0.4)
+    def box(self, count=2, config=None):
+        """2 x 1 x 0.2 in planar layers."""
+        counts, size = (20, 10, 4), (2.0, 1.0, 0.2)
         height = node_coordinates(counts, size)[2] / size[2]
         z = element_centres(counts, size)[2]
         return write_layers(self.run_directory, size, np.ones(counts[::-1], bool), count, 1.0 - height, config=config,
@@ -53,7 +53,7 @@ class PathsTest(unittest.TestCase):
         for outlines, angle, expected in ((1, 0.0, 5.6 + 8 * 1.9), (1, 90.0, 5.6 + 18 * 0.9), (2, 0.0, 5.6 + 4.9 + 6 * 1.7)):
             passes = all_passes(part, 0.1, outlines, angle, 0.0, 0.5)
             rows = summary(part, passes, UP)
-            self.assertEqual([row["starts"] for row in rows], [1] * 4)
+            self.assertEqual([row["starts"] for row in rows], [1] * 2)
             for row in rows:
                 links = sum(one.lengths()[one.kinds == "link"].sum() for one in passes if one.layer == row["layer"])
                 self.assertAlmostEqual(row["length"] / expected, 1.0, delta=0.03)  # corners are cut
@@ -63,7 +63,8 @@ class PathsTest(unittest.TestCase):
         first = passes[0]
         np.testing.assert_allclose(first.points[:, 2], 0.05, atol=5e-3)
         inner = (first.kinds == "hatch") & np.all(np.abs(first.points[:, :2] - (1.0, 0.5)) < (0.5, 0.15), axis=1)
-        np.testing.assert_allclose(first.heights[inner], 0.1, rtol=0.02)
+        np.testing.assert_allclose(first.heights[inner], 0.1, rtol=0.05)  # volume is counted in random places
+        self.assertAlmostEqual(first.heights[inner].mean(), 0.1, delta=5e-4)
         self.assertAlmostEqual(first.spacings[inner].mean(), 0.1, delta=0.01)
 
     def test_height_of_the_waypoints(self):
@@ -174,7 +175,7 @@ class PathsTest(unittest.TestCase):
             import_paths.checked_config({"domain": {"element": 5}, "part": {"mesh": {}}}, "part.json")
 
     def test_picture(self):
-        done = self.call("export_paths.py", self.box(2), "--bead-width", "0.2")
+        done = self.call("export_paths.py", self.box(), "--bead-width", "0.2")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater((Path(self.run_directory) / "paths" / "paths.png").stat().st_size, 10_000)
 
