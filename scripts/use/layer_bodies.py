@@ -16,7 +16,7 @@ from read_run import Run
 from report_views import element_edges, node_slopes
 
 GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
-BLOCKS = {"optimized": ("binary", "optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
+BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
 SNAPPED = 1e-3  # of a layer: points of the body so near to an interface lie on it
 
 
