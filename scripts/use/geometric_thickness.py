@@ -179,21 +179,30 @@ class NodalTime:
 def read_times(directory, config, count):
     """NodalTime of a result and T_0 ... T_N."""
     path = os.path.join(directory, "result.h5")
-    size, sequence = config["domain"]["size"], config.get("sequence", {})
     try:
         with h5py.File(path, "r") as file:
-            built = file["density"][()] > 0
-            inner = file["time_points"][()] if "time_points" in file else np.arange(1, count) / count
-            if "temperature" in file:
-                time = NodalTime(1.0 - file["temperature"][()], built, size, "temperature of the nodes")
-            elif sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
-                time = NodalTime(file["design"][()], built, size, "times of the nodes")
-            else:
-                time = NodalTime(times_of_nodes(file["time"][()], built), built, size,
-                                 "times of the elements, continued to the nodes")
+            values, origin = nodal_time(file, config)
+            return NodalTime(values, file["density"][()] > 0, config["domain"]["size"], origin), layer_times(file, count)
     except (OSError, KeyError) as error:
         raise RunError(f"{path} cannot be read: {error}") from error
-    return time, np.concatenate([[0.0], inner, [1.0]])
+
+
+def nodal_time(file, config, group=""):
+    """Pseudo-time of the nodes of a sequence in result.h5, and in words where it comes from. `group`: of the
+    sequence's datasets, as start/."""
+    sequence = config.get("sequence", {})
+    if group + "temperature" in file:
+        return 1.0 - file[group + "temperature"][()], "temperature of the nodes"
+    if not group and sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
+        return file["design"][()], "times of the nodes"
+    return (times_of_nodes(file[group + "time"][()], file["density"][()] > 0),
+            "times of the elements, continued to the nodes")
+
+
+def layer_times(file, count, group=""):
+    """T_0 ... T_N of a sequence in result.h5."""
+    inner = file["time_points"][()] if "time_points" in file and not group else np.arange(1, count) / count
+    return np.concatenate([[0.0], inner, [1.0]])
 
 
 def times_of_nodes(time, built):

@@ -23,22 +23,30 @@ def read_measurement(path, dimension):
         if data.GetNumberOfPoints() == 0:
             raise RunError(f"{path}: holds no points")
         return vtk_to_numpy(data.GetPoints().GetData()).astype(float)[:, :dimension], None
+    header, rows = read_table(path)
+    measured = ["u" + axis for axis in AXES[:dimension]]
+    is_scan = not any(name in header for name in measured)
+    columns = [*AXES[:dimension], *([] if is_scan else measured)]
+    values = numbers(path, header, rows, columns)
+    return values[:, :dimension], None if is_scan else values[:, dimension:]
+
+
+def read_table(path):
+    """The names of the columns of a table (CSV), and its rows as texts."""
     with open(path, encoding="utf-8-sig", newline="") as file:
         lines = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
         header, *rows = [[cell.strip() for cell in line] for line in lines] or [[]]
     if not rows:
         raise RunError(f"{path}: holds no points")
-    measured = ["u" + axis for axis in AXES[:dimension]]
-    is_scan = not any(name in header for name in measured)
-    columns = [*AXES[:dimension], *([] if is_scan else measured)]
-    missing = [name for name in columns if name not in header]
-    if missing:
-        raise RunError(f"{path}: the first line names no column {', '.join(missing)}; needed: {', '.join(columns)}")
-    values = numbers(path, header, rows, columns)
-    return values[:, :dimension], None if is_scan else values[:, dimension:]
+    return header, rows
 
 
 def numbers(path, header, rows, columns):
+    """Columns of a table as an array (row, column)."""
+    missing = [name for name in columns if name not in header]
+    if missing:
+        raise RunError(f"{path}: the first line names no column {', '.join(missing)}; needed: {', '.join(columns)}")
+
     def number(point, name, cell):
         try:
             value = float(cell or (np.nan if name[0] == "u" else ""))

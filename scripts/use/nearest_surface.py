@@ -26,7 +26,7 @@ class Surface:
         normals = edges[:, 0, ::-1] * (1.0, -1.0) if corners.shape[2] == 2 else np.cross(edges[:, 0], edges[:, 1])
         sizes = np.linalg.norm(normals, axis=1)
         corners, self.normals = corners[sizes > 0], normals[sizes > 0] / sizes[sizes > 0, None]
-        self.dimension = corners.shape[2]
+        self.dimension, self.corners = corners.shape[2], corners
         self.data = poly_data(np.pad(corners, ((0, 0), (0, 0), (0, 3 - self.dimension))))
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.data)

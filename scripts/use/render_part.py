@@ -113,7 +113,11 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(8)
     aim_camera(renderer, part, points if frame is None else frame, pixels)
+    return picture_of(renderer, pixels)
 
+
+def picture_of(renderer, pixels):
+    """What a renderer shows, (height, width, 3) bytes."""
     window = vtkRenderWindow()
     window.SetOffScreenRendering(True)
     window.SetMultiSamples(0)  # depth peeling does not go with it; pictures are drawn large and shrunk instead

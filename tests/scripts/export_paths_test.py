@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""scripts/use/export_paths.py and import_paths.py on parts whose paths have known lengths."""
+
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+PROJECT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(PROJECT / "scripts/use"))
+sys.path.insert(0, str(Path(__file__).parent))
+import import_paths
+import path_order
+from command_line import RunError
+from fake_results import element_centres, node_coordinates
+from layer_bodies import LayeredPart
+from layer_paths import Line
+from layered_results import write_layers
+from nearest_points import nearest
+from torch_paths import all_passes, summary
+
+UP = np.array([0.0, 0.0, 1.0])
+SCRIPTS = PROJECT / "scripts/use"
+
+
+class PathsTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.run_directory = os.path.join(folder.name, "run")
+
+    def box(self, count=2, config=None):
+        """2 x 1 x 0.2 in planar layers."""
+        counts, size = (20, 10, 4), (2.0, 1.0, 0.2)
+        height = node_coordinates(counts, size)[2] / size[2]
+        z = element_centres(counts, size)[2]
+        return write_layers(self.run_directory, size, np.ones(counts[::-1], bool), count, 1.0 - height, config=config,
+                            layer=np.ceil(z / size[2] * count - 1e-9))
+
+    def test_outline_and_hatch_of_a_box(self):
+        """With a bead of 0.1: an outline of 1.9 x 0.9, and eight lines of 1.8, or eighteen of 0.8 across, in
+        one pass, with ways of a bead's width between them."""
+        part = LayeredPart(self.box())
+        for outlines, angle, expected in ((1, 0.0, 5.6 + 8 * 1.9), (1, 90.0, 5.6 + 18 * 0.9), (2, 0.0, 5.6 + 4.9 + 6 * 1.7)):
+            passes = all_passes(part, 0.1, outlines, angle, 0.0, 0.5)
+            rows = summary(part, passes, UP)
+            self.assertEqual([row["starts"] for row in rows], [1] * 2)
+            for row in rows:
+                links = sum(one.lengths()[one.kinds == "link"].sum() for one in passes if one.layer == row["layer"])
+                self.assertAlmostEqual(row["length"] / expected, 1.0, delta=0.03)  # corners are cut
+                self.assertLess(links, 0.1 * expected)
+                self.assertAlmostEqual(row["wire"] / 0.2, 1.0, delta=0.01)
+                self.assertAlmostEqual(row["angle"][1], 0.0, delta=1e-4)
+        first = passes[0]
+        np.testing.assert_allclose(first.points[:, 2], 0.05, atol=5e-3)
+        inner = (first.kinds == "hatch") & np.all(np.abs(first.points[:, :2] - (1.0, 0.5)) < (0.5, 0.15), axis=1)
+        np.testing.assert_allclose(first.heights[inner], 0.1, rtol=0.05)  # volume is counted in random places
+        self.assertAlmostEqual(first.heights[inner].mean(), 0.1, delta=5e-4)
+        self.assertAlmostEqual(first.spacings[inner].mean(), 0.1, delta=0.01)
+
+    def test_height_of_the_waypoints(self):
+        part = LayeredPart(self.box())
+        for at, level in ((0.0, 0.0), (1.0, 0.1)):
+            first = all_passes(part, 0.1, 1, 0.0, 0.0, at)[0]
+            np.testing.assert_allclose(first.points[:, 2], level, atol=5e-3)
+
+    def test_layers_of_a_ball(self):
+        """Axes point away from the centre, and the wire is the part's volume."""
+        counts, size = (16, 16, 16), (1.0, 1.0, 1.0)
+        radius = np.sqrt(sum(x**2 for x in node_coordinates(counts, size)))
+        built = np.sqrt(sum(x**2 for x in element_centres(counts, size))) < 1.0
+        part = LayeredPart(write_layers(self.run_directory, size, built, 4, 1.0 - np.minimum(radius, 1.2) / 1.2))
+        passes = all_passes(part, 0.1, 1, 0.0, 90.0, 0.5)
+        points, axes = (np.concatenate([getattr(one, name) for one in passes if one.layer > 1]) for name in ("points", "axes"))
+        outward = points / np.linalg.norm(points, axis=1)[:, None]
+        self.assertGreater(np.quantile(np.einsum("ni,ni->n", axes, outward), 0.05), math.cos(math.radians(8)))
+        for row in summary(part, passes, UP):  # those that hold a bead
+            self.assertAlmostEqual(row["wire"] / row["volume"], 1.0, delta=0.02, msg=row["layer"])
+
+    def test_order(self):
+        """A zigzag is found from lines in any order; of closed lines any point may be the first."""
+        lines = [Line(np.array([[0.0, y, 0], [5.0, y, 0]]), "hatch") for y in range(10)]
+        random = np.random.default_rng(4)
+        found = path_order.ordered([lines[k] for k in random.permutation(10)], np.zeros(3), 1.5)
+        gaps = [path_order.gap(a.points[-1], b.points[0]) for a, b in zip(found, found[1:])]
+        self.assertEqual(gaps, [1.0] * 9)
+        self.assertEqual(len(path_order.passes(found, 1.5, lambda a, b: True)), 1)
+        self.assertEqual(len(path_order.passes(found, 0.5, lambda a, b: True)), 10)
+        ring = Line(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]]), "outline", True)
+        np.testing.assert_array_equal(path_order.ordered([ring], np.array([2.0, 2, 0]), 1.0)[0].points[[0, -1]], [[1, 1, 0]] * 2)
+
+    def test_nearest(self):
+        random = np.random.default_rng(1)
+        points, places = random.random((300, 3)), random.random((200, 3))
+        expected = np.linalg.norm(points[None] - places[:, None], axis=2)
+        found, distance = nearest(points, places)
+        np.testing.assert_array_equal(found, expected.argmin(axis=1))
+        np.testing.assert_allclose(distance, expected.min(axis=1))
+
+    def call(self, script, *arguments):
+        return subprocess.run(["/usr/bin/python3", SCRIPTS / script, *arguments], capture_output=True, text=True, check=False)
+
+    def test_files_and_the_way_back(self):
+        """Files of a part that its mesh file has in inches and lying, and the sequence read from them."""
+        matrix = 25.4 * np.array([[0, 1, 0, 0], [0, 0, 1, 0], [1, 0, 0, 0]], float)
+        counts, size = (20, 10, 8), (50.8, 25.4, 10.16)
+        config = {"domain": {"size": size, "elements": counts, "unit": "mm"}, "tool": {"bead_width": 3.0},
+                  "run": {"mesh_placement": matrix.tolist()}}
+        height = node_coordinates(counts, size)[2] / size[2]
+        number = np.ceil(element_centres(counts, size)[2] / size[2] * 4 - 1e-9)
+        write_layers(self.run_directory, size, np.ones(counts[::-1], bool), 4, 1.0 - height, config=config, layer=number)
+        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--turn", "0")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("4 starts", done.stdout)
+        folder = Path(self.run_directory) / "paths"
+        with open(folder / "paths.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        first = {name: float(rows[0][name]) for name in ("x", "y", "z", "axis_x", "axis_y", "axis_z", "height")}
+        self.assertAlmostEqual(first["x"], 0.05, delta=5e-3)  # up in the config is x in the file, 0.1 a layer
+        np.testing.assert_allclose([first["axis_x"], first["axis_y"], first["axis_z"]], [1, 0, 0], atol=1e-6)
+        self.assertLess(max(float(row["z"]) for row in rows), 1.0)
+        record = json.loads((folder / "paths.json").read_text())
+        self.assertEqual((len(record["waypoints"]), record["unit"]), (len(rows), None))
+        self.check_programs(folder, rows)
+        for table, least in (("paths.csv", 0.999), ("plain.csv", 0.99)):
+            if table == "plain.csv":  # position and layer are enough
+                (folder / table).write_text("x,y,z,layer\n" + "".join(
+                    f"{row['x']},{row['y']},{row['z']},{10 * int(row['layer'])}\n" for row in rows), encoding="utf-8")
+            done = self.call("import_paths.py", folder / table, self.run_directory)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn('"count": 4', done.stdout)
+            with h5py.File(folder / table.replace(".csv", "_sequence.h5")) as file:
+                self.assertGreaterEqual((file["layer"][()] == number).mean(), least)
+                np.testing.assert_array_equal(np.ceil(file["time"][()] * 4), file["layer"][()])
+
+    def check_programs(self, folder, rows):
+        """Print points of COMPAS Slicer, and targets of IRBCAM."""
+        points = json.loads((folder / "paths_compas.json").read_text())
+        self.assertEqual(list(points), [str(k) for k in range(len(rows))])
+        self.assertEqual(sum(not point["extruder_toggle"] for point in points.values()), 4)
+        frame = points["3"]["frame"]
+        np.testing.assert_allclose(np.cross(frame["xaxis"], frame["yaxis"]), [-1, 0, 0], atol=1e-6)  # the tool's way
+        with open(folder / "paths_irbcam.csv", encoding="utf-8", newline="") as file:
+            targets = list(csv.DictReader(file))
+        self.assertEqual(len(targets), len(rows) + 8)
+        self.assertEqual([k for k, row in enumerate(targets) if row["velocity"] == "-1"][0], 0)
+        rz1, ry = (math.radians(float(targets[5][name])) for name in ("rz1", "ry"))
+        tool = [math.cos(rz1) * math.sin(ry), math.sin(rz1) * math.sin(ry), math.cos(ry)]
+        np.testing.assert_allclose(tool, [-1, 0, 0], atol=1e-6)
+        in_radians = json.loads((folder / "paths_irbcam.json").read_text())["targets"]
+        self.assertAlmostEqual(in_radians["rY"][5], ry, places=6)
+
+    def test_refusals(self):
+        self.box()
+        for options, words in ((["--bead-width", "0.001"], "--bead-width: found 0.001; allowed: 0.0125 to 2"),
+                               (["--bead-width", "0.1", "--outlines", "0"], "--outlines: found 0; allowed: 1 to 100")):
+            done = self.call("export_paths.py", self.run_directory, "--no-picture", *options)
+            self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
+        table = Path(self.run_directory) / "table.csv"
+        for text, words in (("x,y,z\n0,0,0\n", "neither a column layer nor order"), ("x,y,layer\n0,0,1\n", "names no column z"),
+                            ("x,y,z,layer\n0,0,a,1\n", "point 1, column z: 'a' is no number")):
+            table.write_text(text, encoding="utf-8")
+            done = self.call("import_paths.py", table, self.run_directory)
+            self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
+        with self.assertRaisesRegex(RunError, "allowed: the config.json of a run"):
+            import_paths.checked_config({"domain": {"element": 5}, "part": {"mesh": {}}}, "part.json")
+
+    def test_picture(self):
+        done = self.call("export_paths.py", self.box(), "--bead-width", "0.2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater((Path(self.run_directory) / "paths" / "paths.png").stat().st_size, 10_000)
+
+
+if __name__ == "__main__":
+    unittest.main()
