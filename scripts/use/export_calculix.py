@@ -10,8 +10,8 @@ are written into DIR (default: RUN_DIR/calculix):
     layer_0007.inp          the step of layer 7 (default: of the last one): what the strain of the
                             layer does to what is built by then
     finished.inp            the whole part, with the strains of all its elements at once, on the plate
-    finished_released.inp   the same with the plate gone, held at three nodes without force; not for a
-                            part that falls apart without its plate
+    finished_released.inp   the same with the plate gone, held at three nodes (in 2D two) that take no
+                            force; not for a part that falls apart without its plate
 
 The bricks are those of the simulation, and nodes and elements have its numbers, from 1. Nodes lie where the
 part was drawn: in the coordinates of its mesh file if it has one. The inherent strain is the expansion under
@@ -51,8 +51,8 @@ def export(directory, layer, output):
     decks = {f"layer_{layer:04d}": (layer, layer, held, f"step of layer {layer} of {model.layers}"),
              "finished": (1, model.layers, held, "finished part, all strains at once, on the plate")}
     if hangs_together(model.density > 0):
-        decks["finished_released"] = (1, model.layers, three_supports(model),
-                                      "finished part, all strains at once, without the plate, held at three nodes")
+        decks["finished_released"] = (1, model.layers, free_supports(model),
+                                      "finished part, all strains at once, without the plate, held at nodes that take no force")
     paths = []
     for name, (first, last, fixed, what) in decks.items():
         paths.append(os.path.join(output, name + ".inp"))
@@ -81,9 +81,9 @@ def both_sides(nodes, count):
     return np.concatenate([nodes, nodes + count])
 
 
-def three_supports(model):
-    """Supports of three nodes of the part that leave it no rigid motion and hold back no strain: one is held
-    along all axes, the next ones along fewer."""
+def free_supports(model):
+    """Supports of three nodes of the part, in 2D two, that leave it no rigid motion and hold back no strain:
+    one is held along all axes, the next ones along fewer."""
     numbers = np.flatnonzero(nodes_of(model.density > 0))
     points, dimension = model.drawn_positions()[numbers], model.dimension
     first = np.argmin(points.sum(axis=1))

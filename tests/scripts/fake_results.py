@@ -147,8 +147,8 @@ def add_checks(directory, unit="mm"):
 
 
 def add_torch(directory, most_tilt=30.0):
-    """Adds to the checks of add_checks what a torch leaves: it tilts with the pseudo-time, beyond `most_tilt` in
-    the last tenth, and the last four elements of the optimized layers are out of its reach."""
+    """Adds to the checks of add_checks what a torch leaves: it tilts with the pseudo-time, beyond
+    `most_tilt` in the last tenth, and the last four elements of the optimized layers are out of its reach."""
     counts = {}
     with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
         part = file["density"][:] > 0
