@@ -24,7 +24,7 @@ def write_deck(path, title, nodes, bricks, young, strain, poisson, plane, fixed)
     values, axes, turned = principal(strain, 2 if plane else 3)
     kinds, kind = distinct(np.column_stack([young, values]))
     groups = [(k, turn, (kind == k) & (turned == turn)) for k in range(len(kinds)) for turn in (False, True)]
-    with open(path, "w", encoding="ascii") as file:
+    with open(path, "w", encoding="ascii", errors="replace") as file:
         file.write("".join(f"** {line}\n" for line in title))
         file.write("*NODE, NSET=ALL\n")
         for node in np.unique(corners):

@@ -56,7 +56,7 @@ def export(directory, layer, output):
     paths = []
     for name, (first, last, fixed, what) in decks.items():
         paths.append(os.path.join(output, name + ".inp"))
-        title = [f"fabseq, {model.config.get('name', 'part')}: {what}.",
+        title = [f"fabseq, {' '.join(model.config.get('name', 'part').split())}: {what}.",
                  "Nodes and elements have the numbers of result.h5, from 1, x fastest."]
         write_step(paths[-1], title, model, first, last, fixed)
     return paths

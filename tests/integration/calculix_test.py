@@ -72,6 +72,7 @@ class CalculixTest(FabseqTest):
         config["material"] = {"poisson": 0.4, "inherent_strain": [-0.01, -0.004, 0.002, 0.003, -0.005, 0.006],
                               "strain_scale": [1.2, 0.7, 1.0], "young": 210e3}
         config["process"] = {"void": "quiet", "min_stiffness": 1e-3, "deposition": "follow"}
+        config["name"] = "hängt"  # ccx reads ASCII
         run, folder = self.check(config, (1, 3))
         other = shutil.copy(os.path.join(folder, "layer_0003.dat"), os.path.join(folder, "layer_0002.dat"))
         refused = run_script("compare_calculix.py", run.output, other)
