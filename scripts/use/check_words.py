@@ -2,7 +2,7 @@
 """What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
 overview."""
 
-from read_run import number
+from read_run import number, quantity
 
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
 
@@ -12,38 +12,84 @@ def hanging(run, state):
     return run.summary.get(state, {}).get("checks", {}).get("hanging", {}).get("elements")
 
 
+def torch(run, state, check):
+    """What the check of that name, `blocked` or `tilt`, has found; empty without a torch."""
+    return run.summary.get(state, {}).get("checks", {}).get(check) or {}
+
+
 def beyond_yield(run, state):
     """Which share of the part is stressed beyond the yield stress; None without one."""
     return run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
 
 
 def check_sentences(run):
-    """Sentences on elements that begin in the air, and on stress beyond the yield stress."""
-    return [sentence for sentence in (planar_words(run), hanging_words(run), stress_words(run)) if sentence]
+    """Sentences on elements that begin in the air or that the torch does not reach, on its tilt, and on
+    stress beyond the yield stress."""
+    return [sentence for sentence in (planar_words(run), hanging_words(run), reach_words(run), tilt_words(run),
+                                      stress_words(run)) if sentence]
 
 
 def planar_words(run):
-    if not hanging(run, "baseline"):
+    reasons = [words for words in (in_the_air(run, "baseline"), out_of_reach(run, "baseline")) if words]
+    if not reasons:
         return ""
-    return (f"The planar layers cannot be built as they are: {in_the_air(run, 'baseline')}. "
-            "So a comparison with them flatters.")
+    return f"The planar layers cannot be built as they are: {'; '.join(reasons)}. So a comparison with them flatters."
 
 
 def hanging_words(run):
     """Of the layers that the run is about: how many begin in the air, or none where that is news."""
     state = state_of(run)
     if hanging(run, state):
-        count = in_the_air(run, state)
-        return f"{count[0].upper()}{count[1:]}{', in the optimized layers' * (state == 'binary')}."
+        return f"{in_the_air(run, state)}{', in the optimized layers' * (state == 'binary')}."
     if hanging(run, state) == 0 and (state == "simulated" or hanging(run, "baseline")):
         return f"No element{' of the optimized layers' * (state == 'binary')} begins in the air."
     return ""
 
 
 def in_the_air(run, state):
-    count, at = hanging(run, state), run.summary[state]["checks"]["hanging"].get("at")
-    place = f", the first near [{', '.join(f'{x:.6g}' for x in at)}]{f' {run.unit}' * bool(run.unit)}" if at else ""
-    return f"{count:,} element{'s begin' if count > 1 else ' begins'} in the air{place}"
+    """How many elements begin in the air, and where; nothing if none does."""
+    if not hanging(run, state):
+        return ""
+    count, place = hanging(run, state), near(run, run.summary[state]["checks"]["hanging"].get("at"))
+    return f"{count:,} element{'s begin' if count > 1 else ' begins'} in the air{f', the first {place}' * bool(place)}"
+
+
+def near(run, at):
+    return f"near [{', '.join(f'{x:.6g}' for x in at)}]{f' {run.unit}' * bool(run.unit)}" if at else ""
+
+
+def reach_words(run):
+    """Of the layers that the run is about, where there is a torch."""
+    state = state_of(run)
+    count = torch(run, state, "blocked").get("elements")
+    if count:
+        return f"{out_of_reach(run, state)}{', in the optimized layers' * (state == 'binary')}."
+    return f"The torch reaches all elements{' of the optimized layers' * (state == 'binary')}." if count == 0 else ""
+
+
+def out_of_reach(run, state):
+    """How many elements the torch does not reach, and where it is worst; nothing if it reaches all."""
+    found = torch(run, state, "blocked")
+    if not found.get("elements"):
+        return ""
+    many, place = found["elements"] > 1, near(run, found.get("at"))
+    return (f"{found['elements']:,} element{'s are' if many else ' is'} out of the torch's reach, {'the worst ' * many}by "
+            f"{quantity(found['deepest'], run.unit)}{f' {place}' * bool(place)}")
+
+
+def tilt_words(run):
+    state = state_of(run)
+    found = torch(run, state, "tilt")
+    if not found.get("beyond"):
+        return ""
+    return (f"The torch would tilt by more than {most_tilt(run)}, by {found['largest']:.3g} degrees at most, in "
+            f"{percent(found['share'])} of the part{', with the optimized layers' * (state == 'binary')}.")
+
+
+def most_tilt(run=None):
+    """With the figure, where the run has one."""
+    limit = run.config.get("tool", {}).get("max_tilt") if run else None
+    return "its limit" if limit is None else f"{limit:g} degrees"
 
 
 def stress_words(run):
@@ -93,6 +139,11 @@ def check_figures(run=None):
             "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
                          "build time, hours": (inner("build_hours"), None),
                          "wire, kg": (inner("wire_mass"), None)},
+            "Torch": {"elements out of its reach": (inner("checks", "blocked", "elements"), None),
+                      "their share of the part": (inner("checks", "blocked", "share"), percent),
+                      "deepest collision": (inner("checks", "blocked", "deepest"), None),
+                      "largest tilt, degrees": (inner("checks", "tilt", "largest"), None),
+                      f"tilted by more than {most_tilt(run)}, share of the part": (inner("checks", "tilt", "share"), percent)},
             "Residual stress": {"largest equivalent stress": (largest_stress, None),
                                 "the same after the release": (inner("released", "residual_stress", "von_mises"), None),
                                 f"share of the part above {limit}": (inner("stress", "share_beyond_yield"), percent)}}

@@ -10,6 +10,7 @@ import numpy as np
 
 from check_words import thickness_limits
 from read_run import nodes_of, number
+from report_words import unit_of
 
 LARGEST = 4_000_000      # bytes of all views together, as text
 MOST_ELEMENTS = 800_000  # of one part; with more the slider would be slow
@@ -23,10 +24,10 @@ FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "p
           "displacement": {"label": "displacement", "colours": "heat", "length": True},
           "stress": {"label": "residual stress (von Mises)", "colours": "heat", "unit": "stress units"},
           "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
-          "blocked": {"label": "depth of collisions with the tool", "colours": "heat", "length": True},
-          "tilt": {"label": "tilt", "colours": "heat", "unit": "degrees"},
+          "blocked": {"label": "depth of collisions with the torch", "colours": "heat", "length": True},
+          "tilt": {"label": "tilt of the torch", "colours": "heat", "unit": "degrees"},
           "hanging": {"label": "what begins in the air", "colours": "marked", "words": ["on something", "begins in the air"]}}
-LARGEST_OF = ("layer", "hanging")  # fields of which a coarser element shows the largest value, not the mean
+LARGEST_OF = ("layer", "hanging", "blocked")  # fields of which a coarser element shows the largest value, not the mean
 
 
 def views_of(run, labels):
@@ -67,10 +68,14 @@ def field_notes(run, fields):
     if "local_thickness" in fields:
         known = fields["local_thickness"][part & np.isfinite(fields["local_thickness"])]
         ends = list(dict.fromkeys(number(end(known)) for end in (np.min, np.max) if known.size))
-        notes["local_thickness"] = f"between {' and '.join(ends)}" if len(ends) > 1 else "".join(ends)
-    if "hanging" in fields:
-        count = int(fields["hanging"][part].sum())
-        notes["hanging"] = f"{count:,} element{'s' * (count != 1)} in the air"
+        if ends:
+            notes["local_thickness"] = f"{'between ' * (len(ends) > 1)}{' and '.join(ends)} {unit_of(run)}"
+    for name, words in (("hanging", "in the air"), ("blocked", "out of the torch's reach")):
+        if name in fields:
+            count = int((fields[name][part] > 0).sum())
+            notes[name] = f"{count:,} element{'s' * (count != 1)} {words}"
+    if "tilt" in fields:
+        notes["tilt"] = f"up to {number(np.max(fields['tilt'][part]))} degrees"
     return notes
 
 

@@ -75,7 +75,7 @@ class BuildReportTest(FabseqTest):
         for words in ("lengths in mm", "whole part, largest", "elements that hang in the air", "largest equivalent stress",
                       "constraint_0 (layer_thickness): "):
             self.assertIn(words, run.stdout)
-        self.assertLess(len(run.stdout.splitlines()), 30)
+        self.assertLess(len(run.stdout.splitlines()), 32)
         self.assertEqual(run.json("summary.json")["checks"]["hanging"]["elements"], read_result(run)["hanging"].sum())
 
     def test_the_shelf(self):

@@ -101,7 +101,7 @@ class OutputsOfOneRankTest(FabseqTest):
                                               "start/time", "start/layer")}
         for prefix in ("", "planar/", "start/"):
             shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements,
-                       prefix + "build_direction": elements + (2,)}
+                       prefix + "tilt": elements, prefix + "build_direction": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes
         for prefix in ("", "binary/", "planar/", "start/"):
             shapes[prefix + "displacement"] = shapes[prefix + "release_displacement"] = nodes + (2,)

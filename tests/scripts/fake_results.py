@@ -146,6 +146,36 @@ def add_checks(directory, unit="mm"):
                                                      config.update(material={"yield_stress": 250.0})))
 
 
+def add_torch(directory, most_tilt=30.0):
+    """Adds to the checks of add_checks what a torch leaves: it tilts with the pseudo-time, beyond
+    `most_tilt` in the last tenth, and the last four elements of the optimized layers are out of its reach."""
+    counts = {}
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
+        part = file["density"][:] > 0
+        for prefix in {prefix for prefix in PREFIXES.values() if prefix + "layer" in file}:
+            blocked = np.zeros(part.shape)
+            if not prefix:
+                blocked[tuple(index[-4:] for index in np.nonzero(part))] = [0.1, 0.4, 0.3, 0.2]
+            tilt = np.where(part, 0.0 if prefix == "planar/" else most_tilt / 0.9 * file[prefix + "time"][:], 0.0)
+            file[prefix + "blocked"], file[prefix + "tilt"] = blocked, tilt
+            counts[prefix] = blocked > 0, tilt > most_tilt, tilt.max()
+
+    def edit(summary):
+        for block in (name for name in PREFIXES if name in summary):
+            blocked, beyond, largest = counts[PREFIXES[block]]
+            found = int(blocked.sum())
+            summary[block]["checks"].update(
+                blocked={"elements": found, "share": found / part.sum(), "deepest": 0.4 if found else 0.0,
+                         "at": [1.5] * part.ndim if found else None, "per_layer": [found]},
+                tilt={"largest": largest, "beyond": int(beyond.sum()), "share": beyond.sum() / part.sum(), "at": None,
+                      "per_layer": [int(beyond.sum())]})
+        if "baseline_matched" in summary:
+            summary["baseline_matched"]["checks"] = summary["baseline"]["checks"]
+
+    change(directory, "summary.json", edit)
+    change(directory, "config.json", lambda config: config.update(tool={"max_tilt": most_tilt}))
+
+
 def make_simulation(directory):
     """What is left of a made-up optimization if it were a simulation of its binary layers."""
     def edit(summary):

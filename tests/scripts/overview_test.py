@@ -77,6 +77,17 @@ class Pictures(unittest.TestCase):
             distortion, _, planar, *_ = overview.sentences(Run(folder))
             self.assertIn("planar 0.64 mm, optimized 0.023 mm (with smooth layers 0.0212 mm)", distortion)
             self.assertIn("6 elements begin in the air, the first near [1.5, 0.5] mm", planar)
+            fake_results.add_torch(folder)
+            self.assertIn("4 elements are out of the torch's reach", " ".join(overview.sentences(Run(folder))))
+            fake_results.change(folder, "summary.json", lambda summary: summary["baseline"]["checks"].update(
+                blocked={"elements": 1, "share": 0.01, "deepest": 0.2, "at": [1.0, 2.0]}))
+            fake_results.change(folder, "summary.json", lambda summary: summary["binary"]["checks"].update(
+                blocked={"elements": 0, "share": 0.0, "deepest": 0.0, "at": None},
+                tilt={"largest": 1.0, "beyond": 0, "share": 0.0}))
+            words = " ".join(overview.sentences(Run(folder)))
+            self.assertIn("[1.5, 0.5] mm; 1 element is out of the torch's reach, by 0.2 mm near [1, 2] mm. So a", words)
+            self.assertIn("The torch reaches all elements of the optimized layers.", words)
+            self.assertNotIn("would tilt", words)
 
     def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:

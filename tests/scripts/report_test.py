@@ -113,6 +113,7 @@ class Report(unittest.TestCase):
         cls.solid, cls.flat = (Path(cls.folder.name) / name for name in ("solid", "flat"))
         write_run(cls.solid, fake_results.v_shape_density((20, 10, 20)), SIZE)
         fake_results.add_checks(cls.solid)
+        fake_results.add_torch(cls.solid)
         fake_results.write_run(cls.flat, "plate", np.ones((8, 12)), (3.0, 2.0))
         for directory in (cls.solid, cls.flat):
             done = report(directory)
@@ -158,6 +159,25 @@ class Contents(Report):
                       "So a comparison with them flatters.", "No element of the optimized layers begins in the air.",
                       "The residual stress is above the yield stress 250 in 3.1 % of the part (with planar layers in 12.5 %)"):
             self.assertIn(words, self.page.text)
+
+    def test_torch(self):
+        """Reach and tilt in the table, in sentences and below the views; no word where there is no torch."""
+        rows, found = self.page.rows_after("results", "Torch"), self.summary["binary"]["checks"]
+        self.assertEqual(rows["elements out of its reach"][:5], [0, 0, 0, 4, 4])
+        self.assertEqual(rows["deepest collision"][4], 0.4)
+        self.assertEqual(rows["their share of the part"][4], found["blocked"]["share"])
+        self.assertEqual(rows["largest tilt, degrees"][4], found["tilt"]["largest"])
+        self.assertEqual(rows["tilted by more than 30 degrees, share of the part"][4], found["tilt"]["share"])
+        self.assertGreater(found["tilt"]["share"], 0)
+        for words in ("4 elements are out of the torch's reach, the worst by 0.4 mm near [1.5, 1.5, 1.5] mm, in the optimized "
+                      "layers.", "The torch would tilt by more than 30 degrees, by 33.3 degrees at most, in "):
+            self.assertIn(words, self.page.text)
+        views = json.loads(self.page.source.split('type="application/json">')[1].split("</script>")[0])["scene"]["views"]
+        self.assertEqual([view["notes"]["blocked"].split()[0] for view in views], ["0", "0", "4"])
+        self.assertEqual(views[2]["notes"]["tilt"], "up to 33.3 degrees")
+        self.assertEqual(views[2]["notes"]["local_thickness"], "0.1 mm")
+        self.assertEqual([view["ranges"]["blocked"][1] for view in views], [0.0, 0.0, 0.4])
+        self.assertNotIn("torch", Page(self.flat / "report.html").text)
 
     def test_headline_is_a_ratio_of_lengths_of_binary_layers(self):
         self.assertIn("The top edge moves 2.0 times less than in planar layers, 4.0 times less than the unoptimized start "
@@ -210,6 +230,8 @@ class Contents(Report):
             fake_results.write_run(run, "arm", np.ones((4, 4, 4)), (1.0, 1.0, 1.0))
             fake_results.add_checks(run)
             fake_results.make_simulation(run)
+            fake_results.change(run, "summary.json", lambda summary: summary["checks"].update(
+                blocked=None, tilt=None))  # no torch
             self.assertEqual(report(run).returncode, 0)
             page = Page(run / "report.html")
             scene = json.loads(page.source.split('type="application/json">')[1].split("</script>")[0])["scene"]
@@ -217,6 +239,7 @@ class Contents(Report):
             self.assertEqual([view["ranges"]["stress"], view["released"]["ranges"]["stress"]], [[0.0, 3.0], [0.0, 1.0]])
             self.assertAlmostEqual(view["released"]["ranges"]["displacement"][1], 0.5 * view["ranges"]["displacement"][1])
             self.assertIn("No element begins in the air.", page.text)
+            self.assertNotIn("torch", page.text)
             self.assertRegex(page.text, r"Arm, as built: displaced by \S+ mm root mean square, \S+ mm at most\.")
 
     def test_bundle_is_of_these_sources(self):
@@ -321,6 +344,14 @@ class InBrowser(Report):
         self.assertGreater(red[1], 0.001)
         self.assertEqual([red[0], red[2]], [0.0, 0.0])
         self.assertIn("6 elements in the air", self.words(".state")[1])
+
+    def test_torch_colours(self):
+        views = self.open("field=blocked&camera=1,0,0.5,0,0,0,2")
+        self.assertTrue(self.words(".state")[2].endswith("; 4 elements out of the torch's reach"), self.words(".state"))
+        tilted = self.open("field=tilt&camera=1,0,0.5,0,0,0,2")
+        self.assertIn("up to 33.3 degrees", self.words(".state")[2])
+        self.assertGreater(float(np.abs(views[2] - tilted[2]).max(axis=-1).mean()), 0.02)
+        self.assertEqual(self.words(".legend span")[2], "33.3 degrees")
 
     def test_keys_move_the_slider_and_the_address_follows(self):
         self.open("time=0.5")

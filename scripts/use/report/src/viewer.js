@@ -132,10 +132,10 @@ class Viewer {
 
   // What is said of the field below a view.
   notes(view) {
-    const { label, length } = this.fields[this.field];
+    const { label } = this.fields[this.field];
     const { notes, released } = view.packed;
     if (!(this.field in view.packed.ranges)) return [`${label} is not stored here`];
-    const told = notes[this.field] ? [notes[this.field] + (length ? ` ${this.data.unit}` : '')] : [];
+    const told = notes[this.field] ? [notes[this.field]] : [];
     if (this.field === 'displacement') told.push(`displaced by ${number(this.shown(view).displacement[1])} ${this.data.unit} at most`);
     if (this.released && this.states.style.display === '' && !released) told.push('as built, as no release is stored here');
     return told;
