@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace fabseq {
@@ -18,8 +19,11 @@ namespace {
 
 constexpr double asymptote_gap = 0.1;     // a step covers at most 1 - gap of the way to an asymptote
 constexpr double least_curvature = 1e-5;  // of every row, over the range (Svanberg 2007)
-constexpr double still = 1e-7;            // fraction of the range: smaller steps have no direction
-constexpr double least_width = 1e-12;     // fraction of the range: a variable with less room stays
+// A subproblem that does not converge is tried again with so much more curvature.
+constexpr double conservative_factor = 1e3;
+constexpr int conservative_attempts = 5;
+constexpr double still = 1e-7;         // fraction of the range: smaller steps have no direction
+constexpr double least_width = 1e-12;  // fraction of the range: a variable with less room stays
 
 void require(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
@@ -55,6 +59,23 @@ void check_numbers(MPI_Comm comm, std::span<const double> x, std::span<const dou
   if (bad[1] != 0) throw NumericalError("MMA: the value of a row is not finite");
 }
 
+// The approximations have hardly any curvature where an objective and its gradient have vanished, and steep
+// rows then have no minimum that Newton's method could find. More conservative ones do, with shorter steps
+// [Svanberg 2002].
+std::vector<double> solve_kept_rows(MPI_Comm comm, MmaBox box, std::span<const double> objective_gradient,
+                                    std::span<const std::span<const double>> gradients,
+                                    const std::vector<double>& values, const MmaRows& rows,
+                                    MmaReport& report) {
+  for (int attempt = 0; attempt < conservative_attempts; ++attempt) {
+    MmaVariables variables(comm, box, objective_gradient, gradients);
+    report = solve_mma_subproblem(comm, variables, values, rows);
+    if (report.converged) return {variables.step().begin(), variables.step().end()};
+    for (double& curvature : box.curvature) curvature *= conservative_factor;
+  }
+  throw NumericalError("MMA: the subproblem has not converged after " + std::to_string(report.newton_steps) +
+                       " steps, residual " + std::to_string(report.kkt_residual));
+}
+
 // Steps of the variables. Rows that stay fulfilled wherever the variables go are left out: their multipliers
 // are 0.
 std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
@@ -78,12 +99,12 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
     kept_rows.c.push_back(rows.c[i]);
     kept_rows.d.push_back(rows.d[i]);
   }
-  MmaVariables variables(comm, box, objective_gradient, kept_gradients);
-  report = solve_mma_subproblem(comm, variables, kept_values, kept_rows);
+  const std::vector<double> step =
+      solve_kept_rows(comm, box, objective_gradient, kept_gradients, kept_values, kept_rows, report);
   std::vector<double> multipliers(values.size());
   for (std::size_t k = 0; k < kept.size(); ++k) multipliers[kept[k]] = report.multipliers[k];
   report.multipliers = std::move(multipliers);
-  return {variables.step().begin(), variables.step().end()};
+  return step;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ constexpr double most_caution = 0.9, least_caution = 0.02;
 constexpr int circling_steps = 20;
 constexpr double growing_caution = 0.015;
 // Rounding may end above the tolerance: after so many steps without a smaller residual this one is good, too.
-constexpr int stall_limit = 20;
+constexpr int stall_limit = 20, hopeless_limit = 60;
 constexpr double stalled_factor = 1e3;  // times the tolerance
 constexpr double value_rounding = 1e-14;
 constexpr int newton_step_limit = 300, cut_limit = 12;
@@ -225,10 +225,10 @@ MmaReport Solver::solve() {
     report.kkt_residual = residual();
     const double enough = (stalled(report.kkt_residual) ? stalled_factor : 1.0) * tolerance_;
     if (barrier_ == final_barrier && report.kkt_residual <= enough) break;
-    if (report.newton_steps == newton_step_limit)
-      throw NumericalError("MMA: the subproblem has not converged after " +
-                           std::to_string(newton_step_limit) + " steps, residual " +
-                           std::to_string(report.kkt_residual));
+    if (report.newton_steps == newton_step_limit || idle_steps_ == hopeless_limit) {
+      report.converged = false;
+      break;
+    }
     set_caution(good);
     if (good) lower_barrier();
   }

@@ -19,6 +19,9 @@ constexpr double least_share = 1e-6;
 /// Unless asked for, functionals that together hold less of the term do not pay for their adjoints
 /// (docs/formulation.md 9).
 constexpr double worthwhile_share = 0.5;
+/// Nothing is gained where a term has fallen below this share of its first value, a millionth in
+/// displacements.
+constexpr double negligible_share = 1e-12;
 
 double normalized(double normalize, double value) { return value > 0.0 ? normalize / value : 1.0; }
 
@@ -72,13 +75,21 @@ std::vector<int> Problem<Dim>::residuals_of(const Squares& squares, const Proble
   return result;
 }
 
+/// The value that a term with scaling `current` is divided by. What has fallen to the errors of the solves is
+/// not enlarged further: the optimizer would be given noise.
+template <int Dim>
+double Problem<Dim>::current_value(std::size_t term, double value) const {
+  return std::max(value, negligible_share * first_values_[term]);
+}
+
 /// Factor of each term: its value becomes `normalize` at the first iteration, or at every one.
 template <int Dim>
 std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<double>>& objective) const {
   std::vector<double> factors;
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    factors.push_back(normalized(
-        terms_[i].normalize, terms_[i].scaling == TermScaling::current ? objective[i][0] : first_values_[i]));
+    factors.push_back(normalized(terms_[i].normalize, terms_[i].scaling == TermScaling::current
+                                                          ? current_value(i, objective[i][0])
+                                                          : first_values_[i]));
   return factors;
 }
 
@@ -105,9 +116,10 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
     const double value = result.objective[i][0];
     result.scaled.push_back(terms_[i].weight * factors[i] * value);
     // A term scaled by its current value is normalize * ln(value) in disguise.
-    result.merit += terms_[i].scaling == TermScaling::current
-                        ? terms_[i].weight * terms_[i].normalize * std::log(std::max(value, 1e-300))
-                        : result.scaled.back();
+    result.merit +=
+        terms_[i].scaling == TermScaling::current
+            ? terms_[i].weight * terms_[i].normalize * std::log(std::max(current_value(i, value), 1e-300))
+            : result.scaled.back();
   }
   result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {

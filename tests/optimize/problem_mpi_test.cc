@@ -51,6 +51,24 @@ TYPED_TEST(ProblemTest, LaterOnesAreRelativeToTheFirstOrTheCurrentValue) {
   EXPECT_NEAR(second.merit, merit, 1e-11 * std::abs(merit));
 }
 
+/// What has fallen to the errors of the solves is not enlarged for the optimizer.
+TYPED_TEST(ProblemTest, NegligibleValuesAreNotScaledUp) {
+  auto& pipeline = this->case_;
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const ProblemValues first = pipeline.problem.evaluate(pipeline.pipeline, state);
+  ProcessResult small = state.process;
+  for (double& u : small.displacement) u *= 1e-9;
+  const ProblemValues values = pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
+  int compared = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double share = values.objective[i][0] / first.objective[i][0];
+    if (!current[i] || share > 1e-12) continue;
+    EXPECT_NEAR(values.scaled[i], weights[i] * normalize[i] * share / 1e-12, 1e-9) << i;
+    ++compared;
+  }
+  EXPECT_GT(compared, 0);
+}
+
 /// The objective's gradient is that of the merit: a term scaled by its current value c J / J is c ln J.
 TYPED_TEST(ProblemTest, GradientsAgreeWithDifferencesOfMeritAndRows) {
   auto& pipeline = this->case_;

@@ -30,7 +30,8 @@ struct MmaRows {
 /// What an update found out.
 struct MmaReport {
   int newton_steps = 0;
-  double kkt_residual = 0.0;        ///< largest residual of the subproblem's optimality conditions
+  bool converged = true;      ///< false only while more conservative approximations are still to be tried
+  double kkt_residual = 0.0;  ///< largest residual of the subproblem's optimality conditions
   std::vector<double> multipliers;  ///< lambda of each row
   double largest_violation = 0.0;   ///< largest y_i of rows with c > 0: how far the subproblem relaxed one
 };

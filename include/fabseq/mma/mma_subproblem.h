@@ -31,8 +31,8 @@ MmaMultipliers solve_row_model(std::span<const double> matrix, std::size_t strid
 /// Solves min f0 + a0 z + sum_i (c_i y_i + d_i y_i^2 / 2), g_i(v) - a_i z - y_i <= 0, alpha <= v <= beta, y,
 /// z >= 0, with f0, g the approximations of `variables`, by a primal-dual Newton method with a falling
 /// barrier; `variables.step()` is the solution. z is left out where all a_i are 0. Collective on `comm`,
-/// three reductions and a broadcast a Newton step. Throws NumericalError if a gradient is not finite or the
-/// method does not converge.
+/// three reductions and a broadcast a Newton step. The report says whether the method converged. Throws
+/// NumericalError if a gradient is not finite.
 MmaReport solve_mma_subproblem(MPI_Comm comm, MmaVariables& variables, std::span<const double> values,
                                const MmaRows& rows);
 
