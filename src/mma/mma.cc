@@ -99,7 +99,7 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
     kept_rows.c.push_back(rows.c[i]);
     kept_rows.d.push_back(rows.d[i]);
   }
-  const std::vector<double> step =
+  std::vector<double> step =
       solve_kept_rows(comm, box, objective_gradient, kept_gradients, kept_values, kept_rows, report);
   std::vector<double> multipliers(values.size());
   for (std::size_t k = 0; k < kept.size(); ++k) multipliers[kept[k]] = report.multipliers[k];

@@ -58,7 +58,8 @@ TYPED_TEST(ProblemTest, NegligibleValuesAreNotScaledUp) {
   const ProblemValues first = pipeline.problem.evaluate(pipeline.pipeline, state);
   ProcessResult small = state.process;
   for (double& u : small.displacement) u *= 1e-9;
-  const ProblemValues values = pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
+  const ProblemValues values =
+      pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
   int compared = 0;
   for (int i = 0; i < 6; ++i) {
     const double share = values.objective[i][0] / first.objective[i][0];
