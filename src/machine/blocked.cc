@@ -13,16 +13,6 @@ namespace fabseq {
 
 namespace {
 
-/// Width of the halo that holds everything within the torch's reach.
-template <int Dim>
-Index<Dim> halo_width(const Grid<Dim>& grid, const Torch& torch) {
-  Index<Dim> width;
-  for (int axis = 0; axis < Dim; ++axis)
-    width[axis] = static_cast<int>(std::min(std::ceil(torch.reach() / grid.spacing()[axis]),
-                                            static_cast<double>(grid.domain().elements[axis])));
-  return width;
-}
-
 /// Finds the deepest of all centres that are in the torch's way: branch and bound on blocks of elements.
 template <int Dim>
 class DeepestSearch {
@@ -107,7 +97,7 @@ template <int Dim>
 std::vector<double> blocked_depth(const Part<Dim>& part, const Torch& torch, std::span<const double> axis,
                                   std::span<const double> layer_index) {
   const Grid<Dim>& grid = part.grid();
-  const ElementHalo<Dim> halo(grid, halo_width(grid, torch));
+  const ElementHalo<Dim> halo(grid, torch_halo(grid, torch));
   const LayerPyramid<Dim> pyramid(halo.box(), halo.gather(built_layers(part, layer_index)));
   DeepestSearch<Dim> search(pyramid, torch, grid.spacing());
   std::vector<double> result;

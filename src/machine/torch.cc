@@ -55,6 +55,15 @@ double Torch::reach() const {
 }
 
 template <int Dim>
+Index<Dim> torch_halo(const Grid<Dim>& grid, const Torch& torch) {
+  Index<Dim> width;
+  for (int axis = 0; axis < Dim; ++axis)
+    width[axis] = static_cast<int>(std::min(std::ceil(torch.reach() / grid.spacing()[axis]),
+                                            static_cast<double>(grid.domain().elements[axis])));
+  return width;
+}
+
+template <int Dim>
 std::vector<double> torch_axis(const Part<Dim>& part, const ToolSettings& settings,
                                std::span<const double> direction) {
   std::vector<double> result(direction.begin(), direction.end());
@@ -84,6 +93,7 @@ std::vector<double> torch_tilt(const Part<Dim>& part, std::span<const double> ax
   return result;
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(torch_halo);
 FABSEQ_INSTANTIATE_FUNCTION(torch_axis);
 FABSEQ_INSTANTIATE_FUNCTION(torch_tilt);
 

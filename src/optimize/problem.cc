@@ -193,7 +193,7 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
       result.constraint_values.push_back(row.violation(components[row.component]));
       Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
       for (auto* entries : {&gradient.field, &gradient.layer_variables})
-        for (double& entry : *entries) entry *= row.sign / row.scale;
+        for (double& entry : *entries) entry *= row.slope(components[row.component]);
     }
   }
   for (std::size_t row = first_largest; row < first_residual; ++row)

@@ -30,6 +30,10 @@ class Torch {
   double rounding_;
 };
 
+/// Width of an element halo that holds everything within the torch's reach. Local.
+template <int Dim>
+Index<Dim> torch_halo(const Grid<Dim>& grid, const Torch& torch);
+
 /// The torch's axis at each part element, [part element][axis], of unit length: the axis of the settings or
 /// else the build direction, and the plate's normal where that is zero. Empty where neither is defined.
 /// Local. \param direction  build_direction()

@@ -60,9 +60,13 @@ class Model {
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;
   ResponseContext<Dim> context() const {
-    return {part, node_sets, characteristic_length,
+    return {part,
+            node_sets,
+            characteristic_length,
             start ? std::span<const char>(start->elements) : std::span<const char>{},
-            layers->traits().sub_parts};
+            layers->traits().sub_parts,
+            settings.tool,
+            settings.layers.target ? settings.layers.target->value : 0.0};
   }
 };
 

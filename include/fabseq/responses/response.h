@@ -4,11 +4,14 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
+#include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <span>
@@ -25,6 +28,8 @@ struct ResponseContext {
   double characteristic_length;      ///< l_c of docs/formulation.md 6
   std::span<const char> start = {};  ///< part field: 1 in a direct sequence's start region; or empty
   int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
+  ToolSettings tool = {};            ///< torch and bead
+  double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
 };
 
 /// The results of the pipeline's stages for one design, which the pipeline owns.
@@ -48,15 +53,23 @@ struct PipelineAdjoint {
 };
 
 /// One inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
-/// `scale`.
+/// `scale`; or else the optimizer sees the logarithms of both, for components that range over orders of
+/// magnitude (docs/formulation.md 13.2).
 struct ConstraintRow {
-  int component = 0;   ///< of the response
-  double sign = 1.0;   ///< 1: upper bound, -1: lower bound
-  double bound = 0.0;  ///< in the unit of the component
-  double scale = 1.0;  ///< in the unit of the component, > 0
+  int component = 0;         ///< of the response
+  double sign = 1.0;         ///< 1: upper bound, -1: lower bound
+  double bound = 0.0;        ///< in the unit of the component
+  double scale = 1.0;        ///< in the unit of the component, > 0
+  bool logarithmic = false;  ///< values and bound are positive; `scale` is not used
 
   /// Not positive if the inequality holds for a component with this value.
-  double violation(double value) const { return sign * (value - bound) / scale; }
+  double violation(double value) const {
+    return logarithmic ? sign * std::log(std::max(value, least) / bound) : sign * (value - bound) / scale;
+  }
+  /// Derivative of violation() by the value.
+  double slope(double value) const { return sign / (logarithmic ? std::max(value, least) : scale); }
+
+  static constexpr double least = 1e-100;  ///< whose logarithm is taken in place of that of 0
 };
 
 template <int Dim>

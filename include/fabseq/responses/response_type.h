@@ -26,7 +26,8 @@ struct TermPlace {
   int dimension;
   std::vector<std::string> node_sets;  ///< names of all node sets
   const LayerSettings& layers;
-  std::size_t scenarios = 0;  ///< number of scenarios of the strain
+  std::size_t scenarios;  ///< number of scenarios of the strain
+  const ToolSettings& tool;
 };
 
 /// What is known of a response before there is a part: its name and what it needs.

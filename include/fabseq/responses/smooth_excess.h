@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/responses/response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace fabseq {
+
+/// How much something counts that is x beyond a limit, in units of the sharpness: ln(1 + e^x) / ln 2. It is 1
+/// at the limit, grows in proportion to x beyond it, and falls exponentially before it. So a mean over the
+/// part is no less than the share of the part that is beyond (docs/formulation.md 13.2).
+struct SmoothExcess {
+  explicit SmoothExcess(double x)
+      : value((std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x)))) / std::numbers::ln2),
+        slope(1.0 / ((1.0 + std::exp(-x)) * std::numbers::ln2)) {}
+
+  double value, slope;
+};
+
+/// Upper bounds of components that are means of excesses. Their logarithms are bounded: the means range over
+/// orders of magnitude.
+inline std::vector<ConstraintRow> excess_bounds(int components, double limit, double margin) {
+  std::vector<ConstraintRow> result;
+  for (int i = 0; i < components; ++i)
+    result.push_back({.component = i, .bound = margin * limit, .logarithmic = true});
+  return result;
+}
+
+}  // namespace fabseq

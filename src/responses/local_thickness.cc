@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+/// Constraint: layers are nowhere thinner or thicker than the process can deposit (docs/formulation.md 13.2).
+#include "fabseq/base/mpi.h"
+#include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/responses/smooth_excess.h"
+
+#include <algorithm>
+#include <array>
+
+namespace fabseq {
+
+namespace {
+
+/// Least local thickness whose logarithm is taken, relative to the target: smooth layers may overlap.
+constexpr double least_thickness = 1e-6;
+
+struct LocalThicknessSettings {
+  double limit = 1e-3;
+  double width = 0.1;
+
+  void check(const TermPlace& place) const {
+    if (!place.layers.target)
+      refuse(pointer_to(place.pointer, "type"), "\"local_thickness\" without a target",
+             "a constraint layer_thickness, whose target it is measured by");
+  }
+};
+
+/// Two components: the shares of the part that are thicker and thinner than the range of tool.thickness,
+/// smoothly counted: mean of E(+-ln(d_e / end) / epsilon), with E the smooth excess and
+/// d_e = sum_j drho^j (T_j - T_{j-1}) / (rho M_e).
+template <int Dim>
+class LocalThickness : public Response<Dim> {
+ public:
+  LocalThickness(const ResponseContext<Dim>& context, const LocalThicknessSettings& settings)
+      : context_(context),
+        limit_(settings.limit),
+        epsilon_(0.25 * settings.width),
+        smallest_(least_thickness * context.target_thickness),
+        ends_{context.tool.thickness[1] * context.target_thickness,
+              context.tool.thickness[0] * context.target_thickness} {}
+
+  std::string type() const override { return "local_thickness"; }
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+    const std::vector<double> duration = durations(state.layers);
+    std::vector<double> result(2);
+    for (std::size_t e = 0; e < magnitude.size(); ++e)
+      for (int side = 0; side < 2; ++side)
+        result[side] += context_.part.part_density()[e] * beyond(side, duration[e] / magnitude[e]).value;
+    sum_in_place(context_.part.grid().comm(), result);
+    for (double& value : result) value *= context_.part.grid().element_volume() / context_.part.volume();
+    return result;
+  }
+
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    weight *= context_.part.grid().element_volume() / context_.part.volume();
+    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+    const std::vector<double> duration = durations(state.layers);
+    const std::vector<double>& density = context_.part.part_density();
+    std::vector<double> d_magnitude(magnitude.size()), d_duration(magnitude.size());
+    for (std::size_t e = 0; e < magnitude.size(); ++e) {
+      const double thickness = duration[e] / magnitude[e];
+      if (thickness <= smallest_) continue;
+      // d(ln d) = d(duration) / duration - d(magnitude) / magnitude
+      const double factor =
+          weight * density[e] * sign(component) * beyond(component, thickness).slope / epsilon_;
+      d_duration[e] = factor / duration[e];
+      d_magnitude[e] = -factor / magnitude[e];
+    }
+    add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
+    add_duration_derivative(state.layers, d_duration, adjoint.densities);
+  }
+
+  std::vector<ConstraintRow> rows(int components, double margin) const override {
+    return excess_bounds(components, limit_, margin);
+  }
+
+ private:
+  static double sign(int side) { return side == 0 ? 1.0 : -1.0; }
+  SmoothExcess beyond(int side, double thickness) const {
+    return SmoothExcess(sign(side) * std::log(std::max(thickness, smallest_) / ends_[side]) / epsilon_);
+  }
+
+  /// Pseudo-time that the layer of each element takes, sum_j drho^j (T_j - T_{j-1}) / rho.
+  std::vector<double> durations(const LayerDensities& layers) const {
+    std::vector<double> result(context_.part.part_density().size());
+    for (int j = 0; j < layers.count(); ++j) {
+      const double time = layers.time_points[j + 1] - layers.time_points[j];
+      for (std::size_t e = 0; e < result.size(); ++e)
+        result[e] += layers.layer[j][e] * time / context_.part.part_density()[e];
+    }
+    return result;
+  }
+
+  void add_duration_derivative(const LayerDensities& layers, const std::vector<double>& d_duration,
+                               DensityDerivatives& derivatives) const {
+    const std::vector<double>& density = context_.part.part_density();
+    std::vector<double> d_time(static_cast<std::size_t>(layers.count()));
+    for (int j = 0; j < layers.count(); ++j) {
+      const double time = layers.time_points[j + 1] - layers.time_points[j];
+      auto& d_layer = DensityDerivatives::touch(derivatives.layer[j], density.size());
+      for (std::size_t e = 0; e < density.size(); ++e) {
+        d_layer[e] += d_duration[e] * time / density[e];
+        d_time[j] += d_duration[e] * layers.layer[j][e] / density[e];
+      }
+    }
+    sum_in_place(context_.part.grid().comm(), d_time);
+    auto& d_time_points = derivatives.touch_time_points();
+    for (int j = 0; j < layers.count(); ++j) {
+      d_time_points[j + 1] += d_time[j];
+      d_time_points[j] -= d_time[j];
+    }
+  }
+
+  ResponseContext<Dim> context_;
+  double limit_, epsilon_, smallest_;
+  std::array<double, 2> ends_;  ///< largest and least thickness, length unit
+};
+
+const Registered<LocalThickness, LocalThicknessSettings> registered(
+    {.list = TermList::constraints,
+     .name = "local_thickness",
+     .layers = LayerKind::curved,
+     .needs_time_gradient = true},
+    Section<LocalThicknessSettings>("constraints")
+        .key("limit", &LocalThicknessSettings::limit,
+             "Largest share of the part above the range tool.thickness, and below it, smoothly counted",
+             {.range = "(0, 1)"})
+        .key("width", &LocalThicknessSettings::width,
+             "Relative range of thicknesses around a limit within which the count becomes steep",
+             {.range = "(0, 1]"}));
+
+}  // namespace
+
+}  // namespace fabseq
