@@ -17,7 +17,7 @@
 namespace fabseq {
 namespace {
 
-double excess(double x) { return std::log1p(std::exp(x)) / std::numbers::ln2; }
+double excess(double x) { return std::log2(1.0 + std::log1p(std::exp(x)) / std::numbers::ln2); }
 
 template <int Dim>
 double dot(const Point<Dim>& a, const Point<Dim>& b) {

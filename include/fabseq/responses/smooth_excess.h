@@ -10,13 +10,17 @@
 
 namespace fabseq {
 
-/// How much something counts that is x beyond a limit, in units of the sharpness: ln(1 + e^x) / ln 2. It is 1
-/// at the limit, grows in proportion to x beyond it, and falls exponentially before it. So a mean over the
-/// part is no less than the share of the part that is beyond (docs/formulation.md 13.2).
+/// How much something counts that is x beyond a limit, in units of the sharpness: log2(1 + ln(1 + e^x) / ln 2).
+/// It is 1 at the limit, grows with the logarithm of x beyond it, and falls exponentially before it. So a mean
+/// over the part is no less than the share of the part that is beyond, and places that cannot be mended do not
+/// hide the others (docs/formulation.md 13.2).
 struct SmoothExcess {
-  explicit SmoothExcess(double x)
-      : value((std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x)))) / std::numbers::ln2),
-        slope(1.0 / ((1.0 + std::exp(-x)) * std::numbers::ln2)) {}
+  explicit SmoothExcess(double x) {
+    constexpr double ln2 = std::numbers::ln2;
+    const double plus = (std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x)))) / ln2;
+    value = std::log1p(plus) / ln2;
+    slope = 1.0 / ((1.0 + std::exp(-x)) * (1.0 + plus) * ln2 * ln2);
+  }
 
   double value, slope;
 };
