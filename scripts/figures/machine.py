@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Runs the cases of configs/machine_cases.json, each without and with the limits of a machine, and prints what
+the torch does not reach, tilts, local thickness and what the limits cost in distortion.
+
+    scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--table] [-- PROGRAM OPTIONS]
+
+A case that was interrupted goes on where it was, one that is done is only looked at again; --table runs
+nothing. Sequences have binary layers. A length is the root of the first distortion. Local thickness is given
+relative to the target, between its 1st and its 99th percentile, and the range of all of it.
+"""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
+
+from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_script  # before any package
+
+import numpy as np
+
+from read_run import Run, duration
+from reproduce import Cases, run
+
+HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length", "constraints",
+        "time")
+
+
+def main():
+    parser = parser_of(__doc__)
+    parser.add_argument("names", nargs="*", metavar="CASE")
+    parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--output", default=os.path.join("output", "machine"))
+    parser.add_argument("--table", action="store_true", help="only of what is there")
+    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "machine_cases.json"))
+    parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
+    arguments = parse(parser)
+    cases = Cases(arguments.cases)
+    print("| " + " | ".join(HEAD) + " |\n|" + " --- |" * len(HEAD))
+    for name in arguments.names or cases.table:
+        directory = os.path.join(arguments.output, name)
+        if not arguments.table:
+            run(arguments.program, arguments.ranks, [*cases.command(name), "-restart", "auto", "-output", directory, *arguments.rest])
+        try:
+            for cells in rows(Run(directory), "like" not in cases.table[name]):
+                print("| " + " | ".join([cases[name]["what"], *cells]) + " |", flush=True)
+        except (RunError, OSError) as error:
+            if not arguments.table:
+                raise
+            print(f"{name}: {error}", file=sys.stderr)
+
+
+def rows(result, all_sequences):
+    """The cells of the optimized sequence, and before it, if asked for, those of planar and start."""
+    if all_sequences:
+        yield sequence(result, "baseline", "planar/", "planar")
+        yield sequence(result, "start", "start/", "start")
+    satisfied = "satisfied" if result.summary["feasible"] else f"{result.summary['worst_constraint']:.2g} beyond"
+    yield sequence(result, "binary", "", "optimized")[:-2] + [satisfied, duration(result.summary["seconds"]["total"])]
+
+
+def sequence(result, block, prefix, name):
+    built = result.fields["density"].ravel() > 0
+
+    def field(of):
+        return result.fields[prefix + of].ravel()[built]
+
+    tilt, thickness = field("tilt"), field("local_thickness") / result.thickness_constraint()["target"]
+    least, *percentiles, largest = np.percentile(thickness, [0, 1, 99, 100])
+    return [name, share(field("blocked") > 0), share(tilt > 45), share(tilt > 60), f"{tilt.max():.0f}°",
+            " to ".join(f"{value:.2f}" for value in percentiles), f"{least:.2f} to {largest:.3g}", f"{result.length(block):.3g}", "", ""]
+
+
+def share(marked):
+    """Of the part's elements; a single element is not 0."""
+    return "0" if not marked.any() else f"{100 * marked.mean():.2g} %"
+
+
+if __name__ == "__main__":
+    run_script(main)
