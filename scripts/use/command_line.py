@@ -53,6 +53,22 @@ def run_command(command, capture=True, **more):
     return result
 
 
+def run_program(arguments, path, task, *options):
+    """What the program prints of a task, with the ranks of the script and the options behind its --. Raises
+    RunError with the program's own line if it refuses or fails."""
+    ranks = ["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []
+    try:
+        return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options]).stdout
+    except RunError as error:
+        raise RunError(reason_of(error)) from error
+
+
+def reason_of(error):
+    """The program's own line among those of mpirun, or else the last that says something."""
+    lines = [line for line in str(error).splitlines() if line.strip("- ")]
+    return next((line.removeprefix("fabseq: ") for line in lines if line.startswith("fabseq: ")), lines[-1])
+
+
 def write_json(path, content):
     with open(path, "w", encoding="utf-8") as file:
         json.dump(content, file, indent=1)

@@ -22,14 +22,11 @@ import os
 from command_line import RunError, parser_of, run_script, write_json  # before any package
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkFiltersCore import vtkFeatureEdges
-from vtkmodules.vtkIOGeometry import vtkSTLWriter
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from layer_bodies import GROUPS, LayeredPart, Placement
 from part_body import drawn_surface
-from render_part import poly_data
+from surface_files import surface_of, write_surface
 
 POINTS_MEASURED = 5000  # of the mesh, when it is compared with what bounds the layers
 
@@ -62,11 +59,11 @@ def export(part, output, formats):
     rows, interfaces = [], []
     for number, layer in part.layers.items():
         bounding = faces[own == number]
-        row = write_surface(part, placement, layer, bounding, os.path.join(output, f"layer_{number:03}"), formats)
+        row = export_surface(part, placement, layer, bounding, os.path.join(output, f"layer_{number:03}"), formats)
         rows.append({"layer": number, **span(layer), **row, "volume": volumes[number]})
         upper = faces[(own == number) & (other > number)]
         if len(upper):
-            row = write_surface(part, placement, layer, upper, os.path.join(output, f"interface_{number:03}"), formats)
+            row = export_surface(part, placement, layer, upper, os.path.join(output, f"interface_{number:03}"), formats)
             interfaces.append({"layer": number, "time" if layer.direction is None else "height": layer.upper, **row})
     return {"unit": placement.unit, "coordinates": placement.system, "cut_off_at": part.source, "time": part.origin,
             "volume": float(volumes.sum()), "volume_of_elements": part.elements_volume * placement.scale**3,
@@ -81,26 +78,16 @@ def span(layer):
     return {"subpart": layer.subpart, "heights": [layer.lower, layer.upper], "print_direction": layer.direction.tolist()}
 
 
-def write_surface(part, placement, layer, faces, path, formats):
+def export_surface(part, placement, layer, faces, path, formats):
     """Writes triangles, and returns what the index says of them."""
     used, corners = np.unique(faces, return_inverse=True)
     corners = corners.reshape(-1, 3)
     points = placement.points(part.body.points[used])
     thickness, direction = part.thickness(layer, used)
-    data = poly_data(points, corners)
-    for name, values in {"layer": np.full(len(used), layer.number), "time": part.body.fields["time"][used],
-                         "thickness": thickness * placement.scale, "direction": placement.directions(direction)}.items():
-        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-        array.SetName(name)
-        data.GetPointData().AddArray(array)
+    data = surface_of(points, corners, {"layer": np.full(len(used), layer.number), "time": part.body.fields["time"][used],
+                                        "thickness": thickness * placement.scale, "direction": placement.directions(direction)})
     for form in formats:
-        writer = vtkSTLWriter() if form == "stl" else vtkXMLPolyDataWriter()
-        if form == "stl":
-            writer.SetFileTypeToBinary()
-        writer.SetFileName(f"{path}.{form}")
-        writer.SetInputData(data)
-        if not writer.Write():
-            raise RunError(f"{path}.{form}: cannot be written")
+        write_surface(data, f"{path}.{form}")
     a, b, c = np.moveaxis(points[corners], 1, 0)
     return {"files": [f"{os.path.basename(path)}.{form}" for form in formats], "triangles": len(corners),
             "open_edges": open_edges(data), "area": 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),

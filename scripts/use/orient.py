@@ -30,7 +30,7 @@ import os
 import re
 import shutil
 
-from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script, write_json
+from command_line import PROGRAM, RunError, parse, parser_of, run_program, run_script, write_json
 
 import numpy as np
 
@@ -116,7 +116,7 @@ def target_thickness(arguments, config):
     path = os.path.join(arguments.output, "as_given.json")
     os.makedirs(arguments.output, exist_ok=True)
     write_json(path, turned_config(arguments, config, []))
-    return sizes_of(run(arguments, path, "check"))["geodesic_height"] / layers["count"]
+    return sizes_of(run_program(arguments, path, "check"))["geodesic_height"] / layers["count"]
 
 
 def turned_config(arguments, config, turn):
@@ -142,15 +142,6 @@ def turned_config(arguments, config, turn):
     return result
 
 
-def run(arguments, path, task, *options):
-    """What the program prints. Raises a RunError with its own line if it refuses or fails."""
-    ranks = ["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []
-    try:
-        return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options]).stdout
-    except RunError as error:
-        raise RunError(reason_of(error)) from error
-
-
 def sizes_of(printed):
     """What -task check says."""
     height, geodesic = re.search(r"^height along the plate's normal (\S+), geodesic (\S+)", printed, re.MULTILINE).groups()
@@ -169,17 +160,17 @@ def record_of(arguments, config, turn, target):
     turned = turned_config(arguments, config, turn)
     write_json(path, turned)
     try:
-        sizes = sizes_of(run(arguments, path, "check"))
+        sizes = sizes_of(run_program(arguments, path, "check"))
         turned["layers"] = layers_of(config, sizes["geodesic_height"] / target)
         if turned["sequence"]["type"] == "heat":
             turned["sequence"]["characteristic_length"] = turned["layers"].get("count", 1) * target
         write_json(path, turned)
         if config["sequence"]["type"] not in WITHOUT_START:
-            run(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
+            run_program(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
             record["start"] = block_of(os.path.join(folder, "start"))
         planar = ["-set", 'sequence={"type": "planar"}', "-set",
                   f'layers={{"count": {max(1, round(sizes["height"] / target))}}}']
-        run(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
+        run_program(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
         record["planar"] = block_of(os.path.join(folder, "planar"))
         return record | sizes | areas_of(os.path.join(folder, "planar"), plate)
     except RunError as error:
@@ -192,12 +183,6 @@ def layers_of(config, count):
     if config["layers"].get("type") == "multi_planar":
         return config["layers"]
     return {"count": max(1, math.ceil(count - 1e-9))}
-
-
-def reason_of(error):
-    """The program's own line among those of mpirun, or else the first."""
-    lines = str(error).splitlines()
-    return next((line.removeprefix("fabseq: ") for line in lines if line.startswith("fabseq: ")), lines[-1])
 
 
 def block_of(directory):

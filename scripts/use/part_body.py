@@ -173,3 +173,18 @@ def sample(field, axes, places):
         share = share.reshape([-1 if k == axis else 1 for k in range(field.ndim)])
         field = (1.0 - share) * np.take(field, lower, axis=axis) + share * np.take(field, lower + 1, axis=axis)
     return field
+
+
+def at_points(field, axes, points):
+    """A field [z][y][x] or [z][y][x][axis], linear between the places of a grid of coordinates `axes` (x, y,
+    z), at points (n, 3); beyond the grid it stays as it is at the end."""
+    lower, share = [], []
+    for axis, places in zip(axes, np.moveaxis(points, 1, 0)):
+        lower.append(np.clip(np.searchsorted(axis, places, side="right") - 1, 0, len(axis) - 2))
+        share.append(np.clip((places - axis[lower[-1]]) / (axis[lower[-1] + 1] - axis[lower[-1]]), 0.0, 1.0))
+    result = 0.0
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod([s if c else 1.0 - s for c, s in zip(corner, share)], axis=0)
+        values = field[tuple(low + c for low, c in zip(lower, corner))[::-1]]
+        result = result + weight.reshape(-1, *[1] * (values.ndim - 1)) * values
+    return result
