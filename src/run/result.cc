@@ -49,7 +49,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
 template <int Dim>
 void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
                             const std::string& name, const Pipeline<Dim>& pipeline,
-                            std::span<const double> share, const std::vector<double>& displacement) {
+                            std::span<const double> share, const std::vector<double>& displacement,
+                            const BuildFields& checks) {
   const std::vector<double> design = model.design_field(share);
   std::vector<double> time, layer;
   FieldSet<Dim> fields{&model.grid, {}};
@@ -61,6 +62,7 @@ void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& dire
     fields.add_elements("time", time);
     fields.add_elements("layer", layer);
   }
+  add_build_fields(fields, checks, "");
   fields.add(model.design_support.on_nodes(), "design", design);
   if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
   if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);
