@@ -106,12 +106,13 @@ class MachineChecks {
 
 template <int Dim>
 void add_build_fields(FieldSet<Dim>& fields, const BuildFields& build, const std::string& prefix) {
-  const auto& [direction, blocked, tilt, local_thickness, hanging] = build;
+  const auto& [direction, blocked, tilt, local_thickness, hanging, von_mises] = build;
   if (direction) fields.add_elements(prefix + "build_direction", *direction, Dim);
   if (blocked) fields.add_elements(prefix + "blocked", *blocked);
   if (tilt) fields.add_elements(prefix + "tilt", *tilt);
   if (local_thickness) fields.add_elements(prefix + "local_thickness", *local_thickness);
   if (hanging) fields.add_elements(prefix + "hanging", *hanging);
+  if (von_mises) fields.add_elements(prefix + "von_mises", *von_mises);
 }
 
 template <int Dim>
@@ -131,6 +132,7 @@ BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
     const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
     report.numbers.stress = {stress_extremes(model.part, stress).von_mises,
                              share_beyond(model.part, stress, *yield)};
+    report.fields.von_mises = equivalent_stress(model.part, stress);
   }
   return report;
 }

@@ -23,6 +23,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   if (const auto& finished = reports.binary.finished; finished && !finished->release.empty())
     fields.add_nodes("binary/release_displacement", finished->release, Dim);
+  if (const auto& stress = reports.binary.build_fields.von_mises)
+    fields.add_elements("binary/von_mises", *stress);
   baseline.add_fields(fields, "planar/");
   if (reports.start) reports.start->add_fields(fields, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));

@@ -45,6 +45,7 @@ struct BuildFields {
   std::optional<std::vector<double>> tilt;             ///< of the torch's axis, degrees
   std::optional<std::vector<double>> local_thickness;  ///< length unit
   std::optional<std::vector<double>> hanging;          ///< 1 where an element begins in the air
+  std::optional<std::vector<double>> von_mises;        ///< equivalent residual stress, with a yield stress
 };
 
 /// Adds those that there are to a set, names prefixed. They must outlive it.
