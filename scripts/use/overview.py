@@ -47,7 +47,9 @@ def draw_optimization(run, path):
     plots = [charts.plot_distortion] + [charts.plot_violation] * bool(constrained)
     plots += [charts.plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     planar, binary = run.length("baseline"), run.length("binary")
-    draw_sheet(path, f"{title_name(run)}: distortion {compared(planar, binary)} than with planar layers",
+    nodes = run.distortion_config.get("nodes")
+    place = f" of the {nodes.replace('_', ' ')}" if nodes else ""
+    draw_sheet(path, f"{title_name(run)}: distortion{place} {compared(planar, binary)} than with planar layers",
                sentences(run), pictures, [*zip(words, 2 * colours)], [partial(plot, run=run) for plot in plots], run.unit)
 
 
