@@ -6,7 +6,7 @@
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]
 #
 #   --ci           also install what scripts/dev/lint.sh and all tests need, and, if it can be had, Slurm, in which the tests run the batch scripts
-#   --benchmarks   also install Google Benchmark and build benchmarks/kernels, now and with this preset from now on
+#   --benchmarks   also install Google Benchmark and build three of benchmarks/, now and with this preset from now on
 #   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -22,7 +22,7 @@ targets=(fabseq)
 while (($#)); do
   case $1 in
     --ci) packages+=("${ci_packages[@]}"); slurm_packages=(slurm-wlm munge) ;;
-    --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON); targets+=(kernels) ;;
+    --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON); targets+=(kernels voxelize machine_checks) ;;
     --preset) preset=${2:?"--preset needs a name"}; shift ;;
     *) echo "usage: scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]" >&2; exit 2 ;;
   esac

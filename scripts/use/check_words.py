@@ -2,8 +2,11 @@
 """What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
 overview."""
 
+import numpy as np
+
 from read_run import number, quantity
 
+LARGEST_TILT = 180.0  # degrees
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
 
 
@@ -20,6 +23,14 @@ def torch(run, state, check):
 def beyond_yield(run, state):
     """Which share of the part is stressed beyond the yield stress; None without one."""
     return run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
+
+
+def failing_elements(run, group):
+    """Elements of the layers of that prefix in result.h5 that begin in the air, that the torch does not reach
+    or at which it would tilt by more than its limit."""
+    limits = {"hanging": 0.0, "blocked": 0.0, "tilt": run.config.get("tool", {}).get("max_tilt", LARGEST_TILT)}
+    found = [run.fields[group + name] > limit for name, limit in limits.items() if group + name in run.fields]
+    return np.any(found, axis=0) if found else np.zeros(run.fields["density"].shape, bool)
 
 
 def check_sentences(run):

@@ -16,7 +16,7 @@ from functools import partial
 from command_line import parser_of, run_script
 
 import overview_charts as charts
-from check_words import check_sentences
+from check_words import check_sentences, failing_elements
 from drawing import INK, OPTIMIZED, PLANAR
 from overview_pictures import Pictures
 from overview_sheet import draw_sheet
@@ -47,7 +47,9 @@ def draw_optimization(run, path):
     plots = [charts.plot_distortion] + [charts.plot_violation] * bool(constrained)
     plots += [charts.plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
     planar, binary = run.length("baseline"), run.length("binary")
-    draw_sheet(path, f"{title_name(run)}: distortion {compared(planar, binary)} than with planar layers",
+    nodes = run.distortion_config.get("nodes")
+    place = f" of the {nodes.replace('_', ' ')}" if nodes else ""
+    draw_sheet(path, f"{title_name(run)}: distortion{place} {compared(planar, binary)} than with planar layers",
                sentences(run), pictures, [*zip(words, 2 * colours)], [partial(plot, run=run) for plot in plots], run.unit)
 
 
@@ -55,7 +57,8 @@ def pictures_of(run):
     """Planar beside optimized: two pictures of layers, two of the distorted shape with binary layers."""
     fields = run.fields
     optimized = fields["binary/displacement" if "binary/displacement" in fields else "displacement"]
-    return Pictures(run, [fields["planar/layer"], fields["layer"]], [fields["planar/displacement"], optimized])
+    return Pictures(run, [fields["planar/layer"], fields["layer"]], [fields["planar/displacement"], optimized],
+                    [failing_elements(run, group) for group in ("planar/", "")])
 
 
 def title_name(run):
@@ -88,7 +91,7 @@ def draw_simulation(run, path):
     moved = {"as built": run.fields["displacement"]}
     if "release_displacement" in run.fields:
         moved["released"] = moved["as built"] + run.fields["release_displacement"]
-    pictures = Pictures(run, [run.fields["layer"]], list(moved.values()))
+    pictures = Pictures(run, [run.fields["layer"]], list(moved.values()), [failing_elements(run, "")])
     labels = [(f"{len(run.layers('simulated'))} layers", INK)]
     labels += [(f"{state}, moved by up to {quantity(length, run.unit)}", colour)
                for state, length, colour in zip(moved, pictures.largest_each, (INK, OPTIMIZED))]

@@ -9,13 +9,15 @@ from read_run import nodes_of
 
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
 MOST_DOTS = 24
+FAILING = (226, 40, 40)  # bytes: what the machine cannot build
 
 
 class Pictures:
     """`images`: one for each of `layers` (fields of the elements), then one for each of `displacements` (of
-    the nodes). `largest_each`: the largest of each of these, inside the part, too."""
+    the nodes). `failing`: for each of `layers` which elements cannot be built, marked in its picture.
+    `largest_each`: the largest of each of the displacements, inside the part, too."""
 
-    def __init__(self, run, layers, displacements):
+    def __init__(self, run, layers, displacements, failing):
         config = run.config
         self.part = render_part.VoxelPart(run.fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
         self.displacements = [render_part.node_vectors(self.part, values) for values in displacements]
@@ -27,12 +29,13 @@ class Pictures:
         self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
                                for u in self.displacements])
         self.measured = spread(self.part.nodes, run.measured_nodes(), MOST_DOTS)
-        self.layers = len(layers)
-        self.images = crop_together([*map(self.layered, layers), *map(self.distorted, self.displacements, self.lengths)])
+        self.layers, self.marks = len(layers), any(elements.any() for elements in failing)
+        self.images = crop_together([*map(self.layered, layers, failing), *map(self.distorted, self.displacements, self.lengths)])
         self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
 
-    def layered(self, layer):
+    def layered(self, layer, failing):
         colours = render_part.layer_colours(self.part, layer, int(layer.max()))
+        colours[failing.ravel()[self.part.face_element]] = FAILING
         return render_part.render(self.part, frame=self.frame, face_colours=colours)
 
     def distorted(self, displacement, length):

@@ -18,6 +18,7 @@ DOTS_PER_INCH = 120
 LINE = 0.25   # inches: height of a line below the headline
 LETTERS = 165  # of such a line, at most
 BETWEEN_PANELS, BETWEEN_GROUPS = 0.01, 0.03  # of the width
+MARKED = "red: begins in the air, out of the torch's reach, or tilted too far"
 TITLE, HEADINGS, PICTURES, LEGENDS, CHARTS = range(5)  # rows
 LOOK = {"font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
         "axes.edgecolor": "#c5c9ce", "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
@@ -93,6 +94,8 @@ class Panels:
         legend(sheet, middles[0], render_part.LAYER_COLOURS, "built first", "built last")
         legend(sheet, middles[1], render_part.DISPLACEMENT_COLOURS, "displacement  0", quantity(pictures.largest, unit))
         notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
+        if pictures.marks:
+            sheet.text(middles[0], LEGENDS, 0.90, MARKED, ha="center", fontsize=10.5, color=SOFT_INK)
         sheet.text(middles[1], LEGENDS, 0.90, "      ".join(notes), ha="center", fontsize=10.5, color=SOFT_INK)
 
 

@@ -54,6 +54,8 @@ def view_of(run, state, group, shape):
     view = {"time": run.fields[group + "time"], "displacement": displacement, "fields": fields, "notes": notes}
     if state == "simulated" and "residual_stress" in run.fields:
         fields["stress"] = von_mises(run.fields["residual_stress"])
+    elif shape + "von_mises" in run.fields:
+        fields["stress"] = run.fields[shape + "von_mises"].astype(float)
     if shape + "release_displacement" in run.fields:
         release = np.moveaxis(run.fields[shape + "release_displacement"], -1, 0)
         view["released"] = {"displacement": displacement + release, "fields": {}}

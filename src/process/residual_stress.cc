@@ -91,6 +91,14 @@ std::vector<double> finished_stress(const ElasticModel<Dim>& model, std::span<co
 }
 
 template <int Dim>
+std::vector<double> equivalent_stress(const Part<Dim>& part, std::span<const double> stress) {
+  std::vector<double> result(part.density().size());
+  for (const int element : part.elements())
+    result[element] = von_mises<Dim>(&stress[static_cast<std::size_t>(element) * voigt_size<Dim>]);
+  return result;
+}
+
+template <int Dim>
 StressExtremes<Dim> stress_extremes(const Part<Dim>& part, std::span<const double> stress) {
   constexpr int components = voigt_size<Dim>;
   StressExtremes<Dim> result;
@@ -125,6 +133,7 @@ double share_beyond(const Part<Dim>& part, std::span<const double> stress, doubl
 
 FABSEQ_INSTANTIATE_FUNCTION(residual_stress);
 FABSEQ_INSTANTIATE_FUNCTION(finished_stress);
+FABSEQ_INSTANTIATE_FUNCTION(equivalent_stress);
 FABSEQ_INSTANTIATE_FUNCTION(stress_extremes);
 FABSEQ_INSTANTIATE_FUNCTION(share_beyond);
 

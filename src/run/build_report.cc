@@ -105,19 +105,40 @@ class MachineChecks {
 }  // namespace
 
 template <int Dim>
-BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state, int used_layers) {
+void add_build_fields(FieldSet<Dim>& fields, const BuildFields& build, const std::string& prefix) {
+  const auto& [direction, blocked, tilt, local_thickness, hanging, von_mises] = build;
+  if (direction) fields.add_elements(prefix + "build_direction", *direction, Dim);
+  if (blocked) fields.add_elements(prefix + "blocked", *blocked);
+  if (tilt) fields.add_elements(prefix + "tilt", *tilt);
+  if (local_thickness) fields.add_elements(prefix + "local_thickness", *local_thickness);
+  if (hanging) fields.add_elements(prefix + "hanging", *hanging);
+  if (von_mises) fields.add_elements(prefix + "von_mises", *von_mises);
+}
+
+template <int Dim>
+BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                        const PipelineState<Dim>& state) {
   BuildReport report;
   MachineChecks<Dim>(model, pipeline, state).add_to(report);
+  return report;
+}
+
+template <int Dim>
+BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state, int used_layers) {
+  BuildReport report = check_build(model, pipeline, state);
   estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
   if (const auto yield = model.settings.material.yield_stress) {
     const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
     report.numbers.stress = {stress_extremes(model.part, stress).von_mises,
                              share_beyond(model.part, stress, *yield)};
+    report.fields.von_mises = equivalent_stress(model.part, stress);
   }
   return report;
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(add_build_fields);
+FABSEQ_INSTANTIATE_FUNCTION(check_build);
 FABSEQ_INSTANTIATE_FUNCTION(report_build);
 
 }  // namespace fabseq

@@ -23,6 +23,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   if (const auto& finished = reports.binary.finished; finished && !finished->release.empty())
     fields.add_nodes("binary/release_displacement", finished->release, Dim);
+  if (const auto& stress = reports.binary.build_fields.von_mises)
+    fields.add_elements("binary/von_mises", *stress);
   baseline.add_fields(fields, "planar/");
   if (reports.start) reports.start->add_fields(fields, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
@@ -49,7 +51,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
 template <int Dim>
 void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
                             const std::string& name, const Pipeline<Dim>& pipeline,
-                            std::span<const double> share, const std::vector<double>& displacement) {
+                            std::span<const double> share, const std::vector<double>& displacement,
+                            const BuildFields& checks) {
   const std::vector<double> design = model.design_field(share);
   std::vector<double> time, layer;
   FieldSet<Dim> fields{&model.grid, {}};
@@ -61,6 +64,7 @@ void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& dire
     fields.add_elements("time", time);
     fields.add_elements("layer", layer);
   }
+  add_build_fields(fields, checks, "");
   fields.add(model.design_support.on_nodes(), "design", design);
   if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
   if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);

@@ -56,7 +56,7 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
       write_iteration_fields(setup_, directory_, dump_name(iterate.iteration), pipeline, design.field,
-                             state.process.displacement);
+                             state.process.displacement, check_build(setup_, pipeline, state).fields);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
@@ -125,7 +125,7 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
     write_iteration_fields(setup_, directory_, dump_name(checkpoints_.iteration() + 1) + "_failed", pipeline,
-                           checkpoints_.design(), {});
+                           checkpoints_.design(), {}, {});
   } catch (const OutputError& second) {
     warn(second.what());
   }

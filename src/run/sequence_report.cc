@@ -41,12 +41,7 @@ template <int Dim>
 void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& prefix) const {
   fields.add_elements(prefix + "time", time);
   fields.add_elements(prefix + "layer", layer);
-  const auto& [direction, blocked, tilt, local_thickness, hanging] = build_fields;
-  if (direction) fields.add_elements(prefix + "build_direction", *direction, Dim);
-  if (blocked) fields.add_elements(prefix + "blocked", *blocked);
-  if (tilt) fields.add_elements(prefix + "tilt", *tilt);
-  if (local_thickness) fields.add_elements(prefix + "local_thickness", *local_thickness);
-  if (hanging) fields.add_elements(prefix + "hanging", *hanging);
+  add_build_fields(fields, build_fields, prefix);
   if (!temperature.empty()) fields.add_nodes(prefix + "temperature", temperature);
   fields.add_nodes(prefix + "displacement", displacement, Dim);
   if (finished && !finished->release.empty())

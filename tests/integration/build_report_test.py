@@ -37,6 +37,11 @@ class BuildReportTest(FabseqTest):
             for block, prefix in (("optimized", ""), ("baseline", "planar/"), ("start", "start/")):
                 self.check_block(summary[block], {name: data[prefix + name] for name in
                                                   ("layer", "time", "hanging", "local_thickness", "build_direction")}, data)
+            for block, prefix in (("optimized", ""), ("binary", "binary/"), ("baseline", "planar/"), ("start", "start/")):
+                stress, part = data[prefix + "von_mises"], data["density"] > 0
+                self.assertAlmostEqual(summary[block]["stress"]["von_mises"] / stress.max(), 1)
+                self.assertAlmostEqual(summary[block]["stress"]["share_beyond_yield"], np.mean(stress[part] > 1))
+                self.assertFalse(stress[~part].any())
             planar, binary = summary["baseline"], summary["binary"]
             self.assertEqual(planar["checks"]["hanging"]["elements"], 10)
             self.assertEqual(planar["checks"]["hanging"]["per_layer"], [0, 0, 0, 0, 10, 0])

@@ -172,7 +172,8 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
     def test_fields_of_two_ranks_are_those_of_one(self):
         for iteration in range(1, ITERATIONS + 1):
             one, two = (read_dump(RUNS[ranks], iteration) for ranks in (1, 2))
-            self.assertEqual(set(one), {"density", "time", "layer", "design", "temperature", "displacement"})
+            self.assertEqual(set(one), {"density", "time", "layer", "design", "temperature", "displacement",
+                                        "build_direction", "tilt", "local_thickness", "hanging"})
             self.assertEqual(set(two), set(one))
             for name in ("density", "layer"):
                 np.testing.assert_array_equal(two[name], one[name])

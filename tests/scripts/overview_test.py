@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import h5py
+import matplotlib.pyplot as plt
 import numpy as np
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -19,6 +20,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 import fake_results
 import overview
 import render_part
+from check_words import failing_elements
+from overview_pictures import FAILING
 from pictures import coloured, drawn
 from read_run import Run
 
@@ -26,6 +29,14 @@ from read_run import Run
 def run(script, *arguments, **environment):
     return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use" / script, *map(str, arguments)], capture_output=True,
                           text=True, env={**os.environ, **environment})
+
+
+def overview_of(folder, name):
+    """Draws a run and returns the picture's path."""
+    picture = os.path.join(folder, name + ".png")
+    done = run("overview.py", folder, picture)
+    assert done.returncode == 0, done.stderr
+    return picture
 
 
 class Pictures(unittest.TestCase):
@@ -69,6 +80,26 @@ class Pictures(unittest.TestCase):
                 words = " ".join(overview.simulation_sentences(Run(folder, simulations=True)))
                 self.assertIn("after the release: 0.01 mm root mean" if release else "There is no shape", words)
                 self.assertIn("No element begins in the air. The residual stress is above the yield stress 250 in", words)
+
+    def test_what_cannot_be_built_is_red(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
+            fake_results.add_checks(folder)
+            fake_results.add_torch(folder)
+            data, red = Run(folder), {}
+            self.assertEqual(failing_elements(data, "planar/").sum(), 6)
+            self.assertEqual(failing_elements(data, "").sum(), np.sum((data.fields["tilt"] > 30) | (data.fields["blocked"] > 0)))
+            for name, limit in (("marked", 30.0), ("unmarked", 180.0)):
+                fake_results.change(folder, "config.json", lambda config, limit=limit: config["tool"].update(max_tilt=limit))
+                if limit == 180.0:
+                    with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
+                        for group in ("", "planar/"):
+                            file[group + "hanging"][:] = file[group + "blocked"][:] = 0.0
+                pixels = plt.imread(overview_of(folder, name))[:, :, :3]
+                pixels = pixels[:, :pixels.shape[1] // 2]  # displacement has red, too
+                red[name] = np.sum(np.abs(pixels - np.array(FAILING) / 255).max(axis=2) < 0.02)
+            self.assertGreater(red["marked"], 1000)
+            self.assertEqual(red["unmarked"], 0)
 
     def test_words_below_the_headline(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -3,11 +3,13 @@
 /// What a sequence asks of the machine, and what it leaves in the part.
 #pragma once
 
+#include "fabseq/files/field_set.h"
 #include "fabseq/machine/local_thickness.h"
 #include "fabseq/machine/marked_elements.h"
 #include "fabseq/optimize/pipeline.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -43,15 +45,27 @@ struct BuildFields {
   std::optional<std::vector<double>> tilt;             ///< of the torch's axis, degrees
   std::optional<std::vector<double>> local_thickness;  ///< length unit
   std::optional<std::vector<double>> hanging;          ///< 1 where an element begins in the air
+  std::optional<std::vector<double>> von_mises;        ///< equivalent residual stress, with a yield stress
 };
+
+/// Adds those that there are to a set, names prefixed. They must outlive it.
+template <int Dim>
+void add_build_fields(FieldSet<Dim>& fields, const BuildFields& build, const std::string& prefix);
 
 struct BuildReport {
   BuildNumbers numbers;
   BuildFields fields;
 };
 
-/// Report of a pipeline's last run, of its binary layers whatever layers it ran with (docs/formulation.md
-/// 13.1). `used_layers`: those with more than a trace of the volume. Collective.
+/// The checks of a pipeline's last run, of its binary layers whatever layers it ran with (docs/formulation.md
+/// 13.1). Collective.
+template <int Dim>
+BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                        const PipelineState<Dim>& state);
+
+/// The same with build time, wire and stress: report of a pipeline's last run, of its binary layers whatever
+/// layers it ran with (docs/formulation.md 13.1). `used_layers`: those with more than a trace of the volume.
+/// Collective.
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state, int used_layers);

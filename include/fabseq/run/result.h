@@ -33,11 +33,13 @@ template <int Dim>
 void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,
                   const SequenceReport<Dim>& baseline, const BestIterate& best);
 
-/// fields/NAME: density, design, and what the pipeline's last run led to; `displacement` may be empty.
+/// fields/NAME: density, design, what the pipeline's last run led to, and its checks; `displacement` and
+/// `checks` may be empty.
 /// Collective; throws OutputError on all ranks.
 template <int Dim>
 void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
                             const std::string& name, const Pipeline<Dim>& pipeline,
-                            std::span<const double> share, const std::vector<double>& displacement);
+                            std::span<const double> share, const std::vector<double>& displacement,
+                            const BuildFields& checks);
 
 }  // namespace fabseq
