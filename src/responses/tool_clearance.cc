@@ -18,10 +18,10 @@ namespace {
 constexpr double substrate_time = -1.0;
 
 struct ToolClearanceSettings {
-  double limit = 1e-4;
+  double limit = 3e-6;
   int samples = 200;
-  double delay = 0.25;       ///< in layers
-  double sharpness = 0.125;  ///< in layers
+  double delay = 0.5;       ///< in layers
+  double sharpness = 0.05;  ///< in layers
 
   void check(const TermPlace& place) const {
     if (place.tool.profile.empty())
