@@ -6,8 +6,9 @@ the torch does not reach, tilts, local thickness and what the limits cost in dis
     scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--table] [-- PROGRAM OPTIONS]
 
 A case that was interrupted goes on where it was, one that is done is only looked at again; --table runs
-nothing. Sequences have binary layers. A length is the root of the first distortion. Local thickness is given
-relative to the target, between its 1st and its 99th percentile, and the range of all of it.
+nothing. Sequences have binary layers. Blocked is what the torch itself does not reach, without a clearance
+that the optimizer kept. A length is the root of the first distortion. Local thickness is given relative to
+the target, between its 1st and its 99th percentile, and the range of all of it.
 """
 
 import os
@@ -65,9 +66,10 @@ def sequence(result, block, prefix, name):
     def field(of):
         return result.fields[prefix + of].ravel()[built]
 
+    blocked = field("blocked") > result.config["tool"]["clearance"]
     tilt, thickness = field("tilt"), field("local_thickness") / result.thickness_constraint()["target"]
     least, *percentiles, largest = np.percentile(thickness, [0, 1, 99, 100])
-    return [name, share(field("blocked") > 0), share(tilt > 45), share(tilt > 60), f"{tilt.max():.0f}°",
+    return [name, share(blocked), share(tilt > 45), share(tilt > 60), f"{tilt.max():.0f}°",
             " to ".join(f"{value:.2f}" for value in percentiles), f"{least:.2f} to {largest:.3g}", f"{result.length(block):.3g}", "", ""]
 
 
