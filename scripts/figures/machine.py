@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the cases of configs/machine_cases.json, each without and with the limits of a machine, and prints what
-the torch does not reach, tilts, local thickness and what the limits cost in distortion.
+"""Runs the cases of configs/machine_cases.json, without and with the limits of a machine, and prints what the
+torch does not reach, tilts, local thickness and what the limits cost in distortion.
 
     scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--table] [-- PROGRAM OPTIONS]
 
@@ -23,8 +23,8 @@ import numpy as np
 from read_run import Run, duration
 from reproduce import Cases, run
 
-HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length", "constraints",
-        "time")
+HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length",
+        "constraints", "time")
 
 
 def main():
@@ -41,7 +41,8 @@ def main():
     for name in arguments.names or cases.table:
         directory = os.path.join(arguments.output, name)
         if not arguments.table:
-            run(arguments.program, arguments.ranks, [*cases.command(name), "-restart", "auto", "-output", directory, *arguments.rest])
+            words = [*cases.command(name), "-restart", "auto", "-output", directory, *arguments.rest]
+            run(arguments.program, arguments.ranks, words)
         try:
             for cells in rows(Run(directory), "like" not in cases.table[name]):
                 print("| " + " | ".join([cases[name]["what"], *cells]) + " |", flush=True)
@@ -70,7 +71,8 @@ def sequence(result, block, prefix, name):
     tilt, thickness = field("tilt"), field("local_thickness") / result.thickness_constraint()["target"]
     least, *percentiles, largest = np.percentile(thickness, [0, 1, 99, 100])
     return [name, share(blocked), share(tilt > 45), share(tilt > 60), f"{tilt.max():.0f}°",
-            " to ".join(f"{value:.2f}" for value in percentiles), f"{least:.2f} to {largest:.3g}", f"{result.length(block):.3g}", "", ""]
+            " to ".join(f"{value:.2f}" for value in percentiles), f"{least:.2f} to {largest:.3g}",
+            f"{result.length(block):.3g}", "", ""]
 
 
 def share(marked):

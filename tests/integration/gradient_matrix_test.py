@@ -99,7 +99,8 @@ def problem(dimension, design, void, turning):
     if design != "diffusivity":
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
-                             {"type": "last_layer", "least_volume": least_volume}, {"type": "tool_clearance", "samples": 40}] + limits(up)
+                             {"type": "last_layer", "least_volume": least_volume},
+                             {"type": "tool_clearance", "samples": 40}] + limits(up)
     config["tool"] = {"profile": [[0.1, 0.05], [0.3, 0.3], [0.8, 0.3]], "max_tilt": 50, "thickness": [0.8, 1.4]}
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]

@@ -10,10 +10,10 @@
 
 namespace fabseq {
 
-/// How much something counts that is x beyond a limit, in units of the sharpness: log2(1 + ln(1 + e^x) / ln 2).
-/// It is 1 at the limit, grows with the logarithm of x beyond it, and falls exponentially before it. So a mean
-/// over the part is no less than the share of the part that is beyond, and places that cannot be mended do not
-/// hide the others (docs/formulation.md 13.2).
+/// How much something counts that is x beyond a limit, in units of the sharpness: log2(1 + ln(1 + e^x) / ln
+/// 2). It is 1 at the limit, grows with the logarithm of x beyond it, and falls exponentially before it. So a
+/// mean over the part is no less than the share of the part that is beyond, and places that cannot be mended
+/// do not hide the others (docs/formulation.md 13.2).
 struct SmoothExcess {
   explicit SmoothExcess(double x) {
     constexpr double ln2 = std::numbers::ln2;
