@@ -35,7 +35,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   RunOutput<Dim> output(setup, command_line, restart, timer);
   const CommandLine start =  // grid sequencing (9)
       begin_on_coarse_grid<Dim>(coarse, command_line, setup, output, optimize<Dim>);
-  Pipeline<Dim> pipeline(setup, setup.config.solver.tolerance, timer);
+  Pipeline<Dim> pipeline(setup, setup.config.solver.finest_tolerance(), timer);
   RunState<Dim> run = starting_state(setup, command_line, start, restart, pipeline);
   try {
     output.keep(run, pipeline);
@@ -45,6 +45,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
       const double beta = run.continuation.beta(iteration);        // sharpness (3.1)
+      pipeline.set_tolerance(run.tolerance());
       const auto binary = judge_binary(pipeline, run, iteration);  // (9)
       // Pseudo-time (2), layers (3), displacements (4).
       const auto state = pipeline.run(run.design(), beta, setup.config.projection.binary);
@@ -63,6 +64,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
+    pipeline.set_tolerance(setup.config.solver.finest_tolerance());
     finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);

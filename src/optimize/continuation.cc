@@ -10,6 +10,8 @@ namespace {
 
 /// Share of the run with the full move limit.
 constexpr double free_share = 0.4;
+/// Share of the run after which it nears its end.
+constexpr double end_share = 0.9;
 
 }  // namespace
 
@@ -34,11 +36,13 @@ bool Continuation::at_last_beta(int iteration) const {
 }
 
 double Continuation::move_limit(int iteration) const {
-  const double progress = static_cast<double>(earlier_iterations_ + iteration) / planned_iterations_;
-  if (progress <= free_share) return optimizer_.move_limit;
-  const double share = std::min(1.0, (progress - free_share) / (1.0 - free_share));
+  const double done = progress(iteration);
+  if (done <= free_share) return optimizer_.move_limit;
+  const double share = std::min(1.0, (done - free_share) / (1.0 - free_share));
   return optimizer_.move_limit * std::pow(optimizer_.final_move_limit / optimizer_.move_limit, share);
 }
+
+bool Continuation::near_the_end(int iteration) const { return progress(iteration) > end_share; }
 
 void Continuation::save(CheckpointState& state) const {
   state.set_scalar("continuation/planned_iterations", planned_iterations_);

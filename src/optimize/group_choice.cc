@@ -6,12 +6,14 @@
 #include "fabseq/base/refusal.h"
 #include "fabseq/layers/layer_model.h"
 #include "fabseq/optimize/run_cost.h"
+#include "fabseq/process/process_simulation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -96,33 +98,68 @@ GroupChoice choose_automatically(const ModelSettings& settings, const RunSize& s
   return {groups, explain<Dim>(settings, size, groups, available, fastest)};
 }
 
+/// The choice as far as it can be told without a part: only those groups count whose boxes fit the memory.
+template <int Dim>
+int likely_groups(const ModelSettings& settings, int ranks, double available) {
+  RunSize least;
+  least.nodes = 1.0;
+  for (const int elements : settings.domain<Dim>().elements) least.nodes *= elements + 1.0;
+  least.dimension = Dim;
+  least.layers = settings.layers.count.value_or(ranks * ProcessSimulation<Dim>::most_lanes);
+  least.ranks = ranks;
+  return choose_automatically<Dim>(settings, least, available).groups;
+}
+
+template <int Dim>
+PlacedPart<Dim> placed(MPI_Comm world, const ModelSettings& settings, GroupChoice choice,
+                       const PartDescription& description) {
+  PlacedPart<Dim> result;
+  result.groups = std::make_unique<const LayerGroups>(world, choice.groups);
+  result.grid = std::make_unique<Grid<Dim>>(
+      make_balanced_grid(result.groups->domain(), settings.domain<Dim>(), description));
+  result.part = std::make_unique<Part<Dim>>(*result.grid, description, settings.plate);
+  result.choice = std::move(choice);
+  return result;
+}
+
+GroupChoice asked_for(int groups, int ranks) {
+  if (ranks % groups != 0) {
+    std::vector<std::string> allowed;
+    for (const int possible : possible_groups(ranks)) allowed.push_back(std::to_string(possible));
+    refuse("/solver/layer_groups",
+           std::to_string(groups) + " on " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks"),
+           "\"auto\" or a divisor of the number of ranks (" + join(allowed, ", ") + ")");
+  }
+  return {groups, ranks > 1 ? "layer groups: " + groups_text(groups, ranks) + " ranks" : ""};
+}
+
 }  // namespace
 
 template <int Dim>
-GroupChoice choose_layer_groups(MPI_Comm world, const ModelSettings& settings) {
+PlacedPart<Dim> place_part(MPI_Comm world, const ModelSettings& settings) {
   const int ranks = size_of(world);
-  if (const std::optional<int> asked = settings.solver.layer_groups) {
-    if (ranks % *asked != 0) {
-      std::vector<std::string> allowed;
-      for (const int groups : possible_groups(ranks)) allowed.push_back(std::to_string(groups));
-      refuse("/solver/layer_groups",
-             std::to_string(*asked) + " on " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks"),
-             "\"auto\" or a divisor of the number of ranks (" + join(allowed, ", ") + ")");
-    }
-    return {*asked, ranks > 1 ? "layer groups: " + groups_text(*asked, ranks) + " ranks" : ""};
-  }
-  if (ranks == 1) return {};
-  // Number of layers and size of the systems are known once there is a part: this one is for that only.
-  PartDescription description = settings.part;
-  description.announce = false;
-  const Grid<Dim> grid = make_balanced_grid(world, settings.domain<Dim>(), description);
-  const Part<Dim> part(grid, description, settings.plate);
+  if (const std::optional<int> asked = settings.solver.layer_groups)
+    return placed<Dim>(world, settings, asked_for(*asked, ranks), settings.part);
+  if (ranks == 1) return placed<Dim>(world, settings, {}, settings.part);
+  // Number of layers and size of the systems are known once there is a part: as a rule, this one will do.
+  const auto available = static_cast<double>(available_memory_bytes(world));
+  PlacedPart<Dim> result =
+      placed<Dim>(world, settings, {likely_groups<Dim>(settings, ranks, available), ""}, settings.part);
+  const Part<Dim>& part = *result.part;
   const auto layers = make_layer_model(settings.layers, settings.projection, part);
   const RunSize size =
       run_size(settings, part, make_node_sets(part, settings.node_sets), layers->count(), ranks);
-  return choose_automatically<Dim>(settings, size, static_cast<double>(available_memory_bytes(world)));
+  GroupChoice choice = choose_automatically<Dim>(settings, size, available);
+  if (choice.groups == result.choice.groups) {
+    result.choice = std::move(choice);
+    return result;
+  }
+  result = {};
+  PartDescription quiet = settings.part;
+  quiet.announce = false;
+  return placed<Dim>(world, settings, std::move(choice), quiet);
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(choose_layer_groups);
+FABSEQ_INSTANTIATE_FUNCTION(place_part);
 
 }  // namespace fabseq

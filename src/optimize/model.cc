@@ -36,10 +36,11 @@ int baseline_count(const BaselineSettings& settings, const LayerModel<Dim>& laye
 template <int Dim>
 Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
     : settings(settings_),
-      group_choice(choose_layer_groups<Dim>(world, settings)),
-      groups(world, group_choice.groups),
-      grid(make_balanced_grid(groups.domain(), settings.domain<Dim>(), settings.part)),
-      part(grid, settings.part, settings.plate),
+      placed_(place_part<Dim>(world, settings)),
+      group_choice(placed_.choice),
+      groups(*placed_.groups),
+      grid(*placed_.grid),
+      part(*placed_.part),
       supports(part, settings.part),
       start(start_region(part, settings.sequence)),
       design_support(make_design_support(part, settings.sequence, start)),

@@ -37,6 +37,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> 
       timer_(timer),
       sequence_(std::move(sequence)),
       layer_model_(layers),
+      tolerance_(tolerance),
       negligible_{tolerance * model.settings.process.min_stiffness, model.settings.process.strain_penalty},
       strain_(model.settings.material, model.characteristic_length),
       elastic_(model.part, model.supports, model.settings.material, model.settings.process),
@@ -118,6 +119,14 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
     for (const LayerBlock& block : deal.blocks[group])
       for (int row = block.first; row < block.first + block.lanes; ++row) result[row].owner = group;
   return result;
+}
+
+/// Which layers are negligible stays as it was: that is part of the model.
+template <int Dim>
+void Pipeline<Dim>::set_tolerance(double tolerance) {
+  tolerance_ = tolerance;
+  sequence_->set_tolerance(tolerance);
+  process_.set_tolerance(tolerance);
 }
 
 template <int Dim>

@@ -204,6 +204,15 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 }
 
 template <int Dim>
+double Problem<Dim>::share_left(const ProblemValues& values) const {
+  double share = 1.0;
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (terms_[i].weight != 0.0 && responses_[i]->uses_displacements() && first_values_[i] > 0.0)
+      share = std::min(share, std::max(0.0, values.objective[i][0] / first_values_[i]));
+  return share;
+}
+
+template <int Dim>
 double Problem<Dim>::merit_unit() const {
   double unit = 0.0;
   for (const Term& term : terms_) unit += term.weight * term.normalize;

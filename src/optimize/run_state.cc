@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/run_state.h"
 
+#include "fabseq/optimize/following_tolerance.h"
+
 #include <utility>
 
 namespace fabseq {
@@ -15,13 +17,23 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
                 model.layers->variables(), design, settings.mma),
       best(model.layers->variables().name),
       settings_(settings),
+      solver_(model.settings.solver),
       layer_variables_(model.layers->variables()),
       design_(std::move(design)),
       convergence_(settings, problem.merit_unit()) {}
 
 template <int Dim>
+double RunState<Dim>::tolerance() const {
+  if (solver_.tolerance) return *solver_.tolerance;
+  const int iteration = completed_ + 1;
+  if (continuation.near_the_end(iteration)) return solver_.finest_tolerance();
+  return following_tolerance(continuation.move_limit(iteration), share_left_);
+}
+
+template <int Dim>
 void RunState<Dim>::complete(Design next, double change, const ProblemValues& values) {
   design_ = std::move(next);
+  share_left_ = problem.share_left(values);
   ++completed_;
   convergence_.add(continuation.beta(completed_), change, values.merit);
 }
@@ -45,6 +57,7 @@ CheckpointState RunState<Dim>::save() const {
   CheckpointState state;
   state.set_scalar("iteration", completed_);
   state.set_scalar("beta", continuation.beta(completed_ + 1));
+  state.set_scalar("share_left", share_left_);
   state.set_field("design", design_.field);
   if (!design_.layer_variables.empty()) state.set_array(layer_variables_.name, design_.layer_variables);
   problem.save(state);
@@ -58,6 +71,7 @@ CheckpointState RunState<Dim>::save() const {
 template <int Dim>
 void RunState<Dim>::restore(const CheckpointState& state) {
   completed_ = state.integer("iteration");
+  share_left_ = state.number("share_left");
   design_.field = state.field("design");
   if (!design_.layer_variables.empty()) design_.layer_variables = state.array(layer_variables_.name);
   problem.restore(state);

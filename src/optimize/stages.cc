@@ -16,9 +16,6 @@ namespace fabseq {
 
 namespace {
 
-/// Conjugate gradients stop making progress below this.
-constexpr double smallest_tolerance = 1e-13;
-
 LaneCycle lane_cycle(const SolverSettings& settings) {
   LaneCycle cycle;
   cycle.kind = settings.cycle;
@@ -26,13 +23,12 @@ LaneCycle lane_cycle(const SolverSettings& settings) {
   return cycle;
 }
 
-/// Elasticity is solved to `tolerance`, heat a thousand times closer: its error enters all others.
 AssembledSolverSettings elasticity_settings(const SolverSettings& settings, double tolerance) {
-  return {settings.method, std::max(tolerance, smallest_tolerance), 1000, "elasticity_"};
+  return {settings.method, elasticity_tolerance(tolerance), 1000, "elasticity_"};
 }
 
 AssembledSolverSettings heat_settings(const SolverSettings& settings, double tolerance) {
-  return {settings.method, std::max(1e-3 * tolerance, smallest_tolerance), 1000, "heat_"};
+  return {settings.method, heat_tolerance(tolerance), 1000, "heat_"};
 }
 
 template <int Dim>
@@ -59,7 +55,7 @@ std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Model<Dim>& model, doubl
 }  // namespace
 
 ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
-  return {{settings.method, std::max(tolerance, smallest_tolerance), 1000, "release_"},
+  return {{settings.method, elasticity_tolerance(tolerance), 1000, "release_"},
           settings.path,
           lane_cycle(settings)};
 }

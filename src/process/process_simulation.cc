@@ -2,6 +2,7 @@
 #include "fabseq/process/process_simulation.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/solve/solver_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,6 +61,12 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
   result_.other_cases.resize(cases_.cases.size() - 1);
   if (model.settings.deposition == DepositionModel::nominal)
     deposition_ = std::make_unique<const Deposition<Dim>>(model);
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::set_tolerance(double tolerance) {
+  solver_->set_tolerance(elasticity_tolerance(tolerance));
+  if (release_) release_->set_tolerance(elasticity_tolerance(tolerance));
 }
 
 template <int Dim>

@@ -110,6 +110,12 @@ Release<Dim>::Release(const ElasticModel<Dim>& model, const ReleaseSolver& solve
 }
 
 template <int Dim>
+void Release<Dim>::set_tolerance(double tolerance) {
+  settings_.reference.tolerance = tolerance;
+  if (system_) system_->set_tolerance(tolerance);
+}
+
+template <int Dim>
 void Release<Dim>::start_cold() {
   lanes_.reset();
   system_.reset();

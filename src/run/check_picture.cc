@@ -38,7 +38,7 @@ VoxelPicture::Color color_of_share(double share) {
 /// The layer that builds each part element in the start design, 1 to N (a part field). Collective.
 template <int Dim>
 std::vector<double> start_layers(const Setup<Dim>& setup, const CommandLine& command_line) {
-  const auto sequence = make_sequence<Dim>(setup, setup.config.solver.tolerance);
+  const auto sequence = make_sequence<Dim>(setup, setup.config.solver.finest_tolerance());
   const Design design = starting_design(setup, *sequence, command_line);
   const std::vector<double>& time = sequence->update(setup.groups.gather(design.field)).time;
   const auto layers = setup.layers->make(design.layer_variables, 0.0, true, {});

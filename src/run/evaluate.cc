@@ -12,7 +12,7 @@
 
 namespace fabseq {
 
-double evaluation_tolerance(const Config& config) { return std::min(config.solver.tolerance, 1e-9); }
+double evaluation_tolerance(const Config& config) { return std::min(config.solver.finest_tolerance(), 1e-9); }
 
 namespace {
 

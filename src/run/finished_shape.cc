@@ -118,7 +118,7 @@ std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline
   try {
     process.groups().run([&] {
       release =
-          Release<Dim>(process.model(), release_solver(solver, solver.tolerance)).displacement(reactions);
+          Release<Dim>(process.model(), release_solver(solver, solver.finest_tolerance())).displacement(reactions);
     });
   } catch (const NumericalError& error) {
     failure = error.what();

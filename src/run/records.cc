@@ -171,6 +171,7 @@ Json to_record(const HistoryLine& line) {
                               {"change", line.step.change},
                               {"merit", values.merit},
                               {"interior_minima", line.interior_minima},
+                              {"tolerance", line.tolerance},
                               {"optimizer", optimizer_record(line.step.mma)},
                               {"solver_iterations", to_record(line.solver_iterations)},
                               {"seconds", seconds_record(line.seconds)},

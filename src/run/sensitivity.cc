@@ -110,7 +110,7 @@ void write_sensitivity(const Setup<Dim>& setup, Sequence<Dim>& sequence, const D
 
 template <int Dim>
 void run_sensitivity(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  const auto sequence = make_sequence(setup, setup.config.solver.tolerance);
+  const auto sequence = make_sequence(setup, setup.config.solver.finest_tolerance());
   const Design design = starting_design(setup, *sequence, command_line);
   double beta = setup.layers->traits().first_beta;
   if (command_line.design_file)

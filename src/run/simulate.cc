@@ -159,7 +159,7 @@ void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
 template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double start = MPI_Wtime();
-  Pipeline<Dim> pipeline(setup, setup.config.solver.tolerance, timer);
+  Pipeline<Dim> pipeline(setup, setup.config.solver.finest_tolerance(), timer);
   const Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);

@@ -111,7 +111,7 @@ VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& give
   const Setup<Dim> varied(setup.world(), config);
   varied.require_memory_of_layers();
   const Problem<Dim> problem(varied, config.optimizer.constraint_margin);
-  const double tolerance = config.solver.tolerance;
+  const double tolerance = config.solver.finest_tolerance();
   VariedPair result;
   {
     PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, varied.part) : given.time;

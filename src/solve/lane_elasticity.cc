@@ -147,6 +147,13 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
 }
 
 template <int Dim>
+void LaneElasticity<Dim>::set_tolerance(double tolerance) {
+  reference_settings_.tolerance = tolerance;
+  stop_.tolerance = tolerance;
+  if (fallback_) fallback_->set_tolerance(tolerance);
+}
+
+template <int Dim>
 void LaneElasticity<Dim>::give_back_memory() {
   if (most_lanes_ == widest) return;
   solver_.give_back_memory();

@@ -115,6 +115,13 @@ void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<Lan
   }
 }
 
+template <int Dim>
+void LaneHeat<Dim>::set_tolerance(double tolerance) {
+  reference_settings_.tolerance = tolerance;
+  stop_.tolerance = tolerance;
+  if (fallback_) fallback_->set_tolerance(tolerance);
+}
+
 /// The lanes begin every solve from zero; what lasts is the fallback.
 template <int Dim>
 void LaneHeat<Dim>::start_cold() {

@@ -7,8 +7,10 @@ namespace fabseq {
 Section<SolverSettings> solver_keys() {
   using Its = SolverSettings;
   return Section<Its>("solver", "Linear solver")
-      .key("tolerance", &Its::tolerance, "Preconditioned residual of every solve, relative to a zero start",
-           {.range = "(0, 1)", .option = "-tolerance"})
+      .key("tolerance", &Its::tolerance,
+           "Preconditioned residual of every solve, relative to a zero start; "
+           "auto: an optimization begins coarsely and ends with 1e-6",
+           {.range = "(0, 1)", .words = "auto", .option = "-tolerance"})
       .key("path", &Its::path,
            "Solver: all layers of a batch at once (lanes), "
            "or PETSc's own parts, one layer at a time (reference)",

@@ -81,6 +81,15 @@ class SameBytesTest(RestartTest):
     def test_solid(self):
         self.check(2, hook_3d(), "-void", "quiet", "-filter_radius", 0.45)
 
+    def test_tolerance_that_follows_the_design(self):
+        """Whatever decides how closely the next iteration is solved is in the checkpoint."""
+        self.check(2, plate_2d(), "-tolerance", "auto", all_cuts=((2, 5),))
+        tolerances = [line["tolerance"] for line in self.run_config(
+            1, plate_2d(), "-tolerance", "auto", "-max_iterations", 10).history()]
+        self.assertLessEqual(tolerances[0], 1e-3)
+        self.assertGreater(tolerances[0], 1e-4)
+        self.assertEqual(tolerances[-1], 1e-6)
+
     def test_released_from_clamps(self):
         self.resumes = True
         self.assert_done(self.run_config(2, post_on_substrate(2), "-max_iterations", 4))

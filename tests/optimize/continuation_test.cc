@@ -98,6 +98,17 @@ TEST(Continuation, MoveLimitIsConstantThenFallsGeometrically) {
   EXPECT_NEAR(continuation.move_limit(150), 0.004, 1e-15);
 }
 
+TEST(Continuation, TheLastTenthIsNearTheEnd) {
+  const Continuation continuation({}, 96.0, 324.0, run_of(100));
+  EXPECT_FALSE(continuation.near_the_end(1));
+  EXPECT_FALSE(continuation.near_the_end(90));
+  EXPECT_TRUE(continuation.near_the_end(91));
+  EXPECT_TRUE(continuation.near_the_end(150));
+  OptimizerSettings coarse = run_of(50);
+  coarse.later_iterations = 50;
+  EXPECT_FALSE(Continuation({}, 96.0, 324.0, coarse).near_the_end(50));
+}
+
 TEST(Continuation, EqualLimitsStayConstant) {
   OptimizerSettings settings = run_of(50);
   settings.move_limit = settings.final_move_limit = 0.2;

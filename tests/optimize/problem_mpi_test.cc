@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/pipeline_case.h"
+#include <algorithm>
 #include <vector>
 
 namespace fabseq {
@@ -49,6 +50,23 @@ TYPED_TEST(ProblemTest, LaterOnesAreRelativeToTheFirstOrTheCurrentValue) {
     merit += current[i] ? full * std::log(second.objective[i][0]) : full * ratio;
   }
   EXPECT_NEAR(second.merit, merit, 1e-11 * std::abs(merit));
+}
+
+/// Of the terms that depend on displacements.
+TYPED_TEST(ProblemTest, TellsWhatIsLeftOfTheFirstDistortion) {
+  auto& pipeline = this->case_;
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const ProblemValues first = pipeline.problem.evaluate(pipeline.pipeline, state);
+  EXPECT_EQ(pipeline.problem.share_left(first), 1.0);
+  double smallest = 1.0;
+  ProblemValues values = first;
+  for (std::size_t i = 0; i < values.objective.size(); ++i) {
+    const double factor = 0.5 / static_cast<double>(i + 1);
+    values.objective[i][0] *= factor;
+    if (pipeline.problem.responses()[i]->uses_displacements()) smallest = std::min(smallest, factor);
+  }
+  EXPECT_LT(smallest, 1.0);
+  EXPECT_DOUBLE_EQ(pipeline.problem.share_left(values), smallest);
 }
 
 /// What has fallen to the errors of the solves is not enlarged for the optimizer.

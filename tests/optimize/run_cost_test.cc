@@ -143,11 +143,11 @@ TEST(RunCostTest, LanesThatFitTheMemory) {
 }
 
 TEST(RunCostTest, GroupsDivideTheRanks) {
-  const GroupChoice alone = choose_layer_groups<3>(PETSC_COMM_WORLD, configure(solid));
+  const GroupChoice alone = place_part<3>(PETSC_COMM_WORLD, configure(solid)).choice;
   EXPECT_EQ(alone.groups, 1);
   EXPECT_EQ(alone.explanation, "");
   const std::string message = test::refusal([] {
-    (void)choose_layer_groups<3>(PETSC_COMM_WORLD, configure(solid, {{"solver.layer_groups", "2"}}));
+    (void)place_part<3>(PETSC_COMM_WORLD, configure(solid, {{"solver.layer_groups", "2"}}));
   });
   EXPECT_EQ(
       message,

@@ -94,6 +94,24 @@ TYPED_TEST(LaneElasticityTest, SolvesWavyLayers) {
   }
 }
 
+TYPED_TEST(LaneElasticityTest, GoesToTheToleranceThatWasSetLast) {
+  const auto settings = v_settings<TypeParam::value>();
+  const test::LayeredCase<TypeParam::value> layered(settings);
+  auto lanes = layered.lanes();
+  LaneVector displacement = layered.zeros();
+  lanes.set_operators(0, settings.layers, layered.stiffness, true);
+  const auto solve = [&](double tolerance) {
+    lanes.set_tolerance(tolerance);
+    return lanes.solve({&layered.load, 1}, {&displacement, 1})[0];
+  };
+  const auto coarse = solve(1e-3), fine = solve(1e-9);
+  for (int lane = 0; lane < settings.layers; ++lane) {
+    EXPECT_LT(coarse[lane].iterations, fine[lane].iterations);
+    EXPECT_LE(coarse[lane].residual, 1e-3);
+  }
+  expect_solved(layered, displacement, fine, v_displacements<TypeParam::value>());
+}
+
 TYPED_TEST(LaneElasticityTest, PlatesCanBeOnAllFaces) {
   constexpr int Dim = TypeParam::value;
   Index<Dim> odd;

@@ -33,6 +33,8 @@ class Continuation {
   /// Largest step as a fraction of the variable's range: constant for 40 % of the run, then falling
   /// geometrically.
   double move_limit(int iteration) const;
+  /// Whether the iteration is one of the last tenth of all that were planned.
+  bool near_the_end(int iteration) const;
 
   /// The number of iterations, earlier and later ones included, that the move limit was planned for: a run
   /// that continues with another number of iterations goes on as planned.
@@ -40,6 +42,11 @@ class Continuation {
   void restore(const CheckpointState& state);
 
  private:
+  /// Share of the planned iterations that are done with this one.
+  double progress(int iteration) const {
+    return static_cast<double>(earlier_iterations_ + iteration) / planned_iterations_;
+  }
+
   ProjectionSettings projection_;
   double first_beta_, last_beta_;
   OptimizerSettings optimizer_;

@@ -36,10 +36,15 @@ class Model {
   Model& operator=(const Model&) = delete;
 
   const ModelSettings& settings;
-  const GroupChoice group_choice;
-  const LayerGroups groups;
-  Grid<Dim> grid;
-  Part<Dim> part;
+
+ private:
+  PlacedPart<Dim> placed_;
+
+ public:
+  const GroupChoice& group_choice;
+  const LayerGroups& groups;
+  Grid<Dim>& grid;
+  Part<Dim>& part;
   Supports<Dim> supports;
   std::optional<StartRegion> start;   ///< of a direct sequence
   DesignSupport<Dim> design_support;  ///< where the sequence has variables

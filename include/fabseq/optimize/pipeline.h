@@ -69,6 +69,9 @@ class Pipeline {
   /// Gradients of several rows with respect to the design of the last run.
   std::vector<Design> gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
+  /// Later runs and gradients are solved to this tolerance, which is meant as the constructor's.
+  void set_tolerance(double tolerance);
+  double tolerance() const { return tolerance_; }
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
   void start_cold();
@@ -103,6 +106,7 @@ class Pipeline {
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
   const LayerModel<Dim>& layer_model_;
+  double tolerance_;
   NegligibleLayers negligible_;
   InherentStrain<Dim> strain_;
   ElasticModel<Dim> elastic_;

@@ -71,6 +71,10 @@ class Problem {
   ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                              const ProblemValues& values) const;
 
+  /// The smallest share of its first value that is left of a term of the objective that depends on
+  /// displacements, at most 1; 1 without such terms.
+  double share_left(const ProblemValues& values) const;
+
   /// What the terms' contributions to the merit are scaled to, all together.
   double merit_unit() const;
 

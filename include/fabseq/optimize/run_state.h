@@ -36,6 +36,8 @@ class RunState {
   const Design& design() const { return design_; }
   /// Iterations done.
   int completed() const { return completed_; }
+  /// Of the solves of the next iteration.
+  double tolerance() const;
   /// Ends an iteration, whose design had these values and whose step to the `next` one was `change`
   /// (StepReport::change).
   void complete(Design next, double change, const ProblemValues& values);
@@ -53,10 +55,12 @@ class RunState {
   std::string convergence() const;
 
   const OptimizerSettings& settings_;
+  const SolverSettings& solver_;
   const LayerVariables& layer_variables_;
   Design design_;
   Convergence convergence_;
   int completed_ = 0;
+  double share_left_ = 1.0;  ///< Problem::share_left() of the last iteration
 };
 
 }  // namespace fabseq

@@ -66,6 +66,8 @@ class ProcessSimulation {
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
   const StrainField& strains() const { return elements_.strains(); }
+  /// Later simulations and adjoints are solved to this tolerance.
+  void set_tolerance(double tolerance);
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
   void start_cold();
   /// Iterations of the adjoint solves of the last pull_back(), the largest of its functionals for each layer.

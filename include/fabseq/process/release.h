@@ -44,6 +44,8 @@ class Release {
   std::vector<double> displacement(std::span<const double> reactions);
   /// w for a derivative dJ/dv, whose rigid part is that with the smallest motion of the supports.
   std::vector<double> adjoint(std::span<const double> derivative);
+  /// Later solves go to this tolerance.
+  void set_tolerance(double tolerance);
   /// Forgets the system: from here on everything goes as in a new object, to the last bit.
   void start_cold();
 

@@ -33,6 +33,7 @@ struct HistoryLine {
   std::optional<std::array<double, 2>> temperature_range = {};  ///< of sequences with a temperature
   Seconds seconds = {};
   std::int64_t peak_memory_bytes = 0;
+  double tolerance = 0.0;  ///< of the elastic solves
 };
 
 Json to_record(const HistoryLine& line);

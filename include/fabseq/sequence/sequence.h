@@ -49,7 +49,7 @@ struct DesignSpace {
 };
 
 /// Turns design variables into pseudo-time: the first stage of the pipeline (docs/formulation.md 2, 3.3).
-/// update(), pull_back(), initial_design() and start_cold() are collective on the grid's communicator, the
+/// update(), pull_back(), initial_design(), set_tolerance() and start_cold() are collective on the grid's communicator, the
 /// other calls are not.
 template <int Dim>
 class Sequence {
@@ -71,6 +71,8 @@ class Sequence {
   virtual std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) {
     return std::vector<std::vector<double>>(rows.size());
   }
+  /// Later solves belong to elastic ones of this tolerance (heat_tolerance()).
+  virtual void set_tolerance(double /*tolerance*/) {}
   /// Forgets what earlier solves left for later ones (HeatSolver::start_cold()).
   virtual void start_cold() {}
   /// Solver iterations of the last pull_back(), one entry per row; empty without solves.

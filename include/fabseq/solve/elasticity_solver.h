@@ -34,6 +34,9 @@ class ElasticitySolver {
   /// The same on all ranks.
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
+  /// Later solves go to this tolerance; on the reference path collective.
+  virtual void set_tolerance(double tolerance) = 0;
+
   /// Forgets what earlier solves have left for later ones: from here on everything goes as in a new solver,
   /// to the last bit. Collective.
   virtual void start_cold() = 0;

@@ -33,6 +33,9 @@ class HeatSolver {
   virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                          std::span<LaneVector> solutions) = 0;
 
+  /// Later solves go to this tolerance; on the reference path collective.
+  virtual void set_tolerance(double tolerance) = 0;
+
   /// Forgets what earlier solves have left for later ones, the operator too: from here on everything goes as
   /// in a new solver, to the last bit. Collective.
   virtual void start_cold() = 0;

@@ -34,6 +34,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
+  void set_tolerance(double tolerance) override;
   /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
   /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.

@@ -33,6 +33,7 @@ class LaneHeat : public HeatSolver<Dim> {
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+  void set_tolerance(double tolerance) override;
   void start_cold() override;
   void give_back_memory() override;
   static LaneCycle cycle();

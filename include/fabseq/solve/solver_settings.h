@@ -5,6 +5,7 @@
 
 #include "fabseq/lanes/solver_cycle.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace fabseq {
@@ -16,14 +17,29 @@ enum class SolverPath { lanes, reference };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
 struct SolverSettings {
-  double tolerance = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
+  /// What a tolerance that follows the design ends with, and what all else is solved to.
+  static constexpr double finest_automatic = 1e-6;
+
+  /// Preconditioned residual, docs/formulation.md 4.1; none: an optimization begins coarsely and follows its
+  /// design (9).
+  std::optional<double> tolerance = finest_automatic;
   SolverPath path = SolverPath::lanes;
   SolverCycle cycle = SolverCycle::k;
   int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
   std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
   std::optional<int> lanes;         ///< none: by memory
+
+  /// The tolerance of all solves but those on an optimization's way.
+  double finest_tolerance() const { return tolerance.value_or(finest_automatic); }
 };
+
+/// Conjugate gradients stop making progress below this.
+constexpr double smallest_tolerance = 1e-13;
+
+/// Elasticity is solved to `tolerance`, heat a thousand times closer: its error enters all others.
+constexpr double elasticity_tolerance(double tolerance) { return std::max(tolerance, smallest_tolerance); }
+constexpr double heat_tolerance(double tolerance) { return std::max(1e-3 * tolerance, smallest_tolerance); }
 
 /// Section "solver".
 Section<SolverSettings> solver_keys();

@@ -130,7 +130,7 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPCreate(numbering_->grid().comm(), solver_.receive()));
   check(KSPSetType(solver_, KSPCG));
   check(KSPSetNormType(solver_, KSP_NORM_PRECONDITIONED));
-  check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
+  set_tolerances();
   void* test = nullptr;
   check(KSPConvergedDefaultCreate(&test));
   check(KSPSetConvergenceTest(solver_, converged_or_stopped, test, KSPConvergedDefaultDestroy));
@@ -139,6 +139,17 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPSetOperators(solver_, matrix_, matrix_));
   set_up_preconditioner(solver_, matrix_, *numbering_, method_, relaxed_);
   check_options(KSPSetFromOptions(solver_));
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::set_tolerances() {
+  check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::set_tolerance(double tolerance) {
+  settings_.tolerance = tolerance;
+  set_tolerances();
 }
 
 template <int Dim>

@@ -58,6 +58,12 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
   return reports;
 }
 
+template <int Dim>
+void ReferenceElasticity<Dim>::set_tolerance(double tolerance) {
+  settings_.tolerance = tolerance;
+  for (auto& [layer, system] : systems_) system->set_tolerance(tolerance);
+}
+
 /// Kept systems hold factorizations, estimates of eigenvalues, and whether their preconditioner was relaxed.
 template <int Dim>
 void ReferenceElasticity<Dim>::start_cold() {

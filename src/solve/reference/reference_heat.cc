@@ -14,6 +14,12 @@ ReferenceHeat<Dim>::ReferenceHeat(const Grid<Dim>& grid, const SystemDomain& dom
       system_(std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_)) {}
 
 template <int Dim>
+void ReferenceHeat<Dim>::set_tolerance(double tolerance) {
+  settings_.tolerance = tolerance;
+  system_->set_tolerance(tolerance);
+}
+
+template <int Dim>
 void ReferenceHeat<Dim>::start_cold() {
   system_ = std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_);
 }

@@ -55,6 +55,9 @@ class AssembledSystem {
   std::vector<SolveReport> solve(std::span<const std::vector<double>> loads,
                                  std::span<std::vector<double>> solutions);
 
+  /// Later solves go to this tolerance. Collective.
+  void set_tolerance(double tolerance);
+
   /// The method in use (usable_method())
   ReferenceMethod method() const { return method_; }
   std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
@@ -62,6 +65,7 @@ class AssembledSystem {
  private:
   void create_matrix();
   void create_solver();
+  void set_tolerances();
   void gather_load(std::span<const double> load, PetscScalar* values) const;
   void scatter_solution(const PetscScalar* values, std::span<double> solution) const;
   std::vector<SolveReport> solve_side_by_side(std::span<const std::vector<double>> loads,

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// How closely the solves of an iteration go where the tolerance follows the design (formulation 9).
+#include "fabseq/optimize/following_tolerance.h"
+
+#include <gtest/gtest.h>
+
+namespace fabseq {
+namespace {
+
+TEST(FollowingTolerance, GoesWithTheStepAndTheRootOfWhatIsLeft) {
+  EXPECT_DOUBLE_EQ(following_tolerance(0.05, 1.0), 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerance(0.025, 1.0), 5e-4);
+  EXPECT_DOUBLE_EQ(following_tolerance(0.05, 1e-4), 1e-5);
+}
+
+TEST(FollowingTolerance, StaysWithinItsBounds) {
+  EXPECT_EQ(following_tolerance(0.5, 1.0), 1e-3);
+  EXPECT_EQ(following_tolerance(0.001, 1e-6), 1e-6);
+  EXPECT_EQ(following_tolerance(0.05, 0.0), 1e-6);
+}
+
+TEST(FollowingTolerance, ANumberIsTheToleranceOfEverything) {
+  SolverSettings settings;
+  EXPECT_EQ(settings.finest_tolerance(), 1e-6);
+  settings.tolerance = 1e-4;
+  EXPECT_EQ(settings.finest_tolerance(), 1e-4);
+  settings.tolerance.reset();
+  EXPECT_EQ(settings.finest_tolerance(), 1e-6);
+}
+
+}  // namespace
+}  // namespace fabseq
