@@ -20,6 +20,7 @@ from command_line import ROOT, parser_of, run_script
 from check_words import check_sentences
 from read_run import Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
+from report_paths import SUMMARY as PATHS, paths
 from report_tables import comparison, constraints, facts_table, results, sensitivity
 from report_views import packed_scene, views_of
 from report_words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
@@ -29,7 +30,8 @@ NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change 
 
 
 class ReportRun(Run):
-    """Whatever an output directory holds: only config.json must be there. `sensitivity` may be None."""
+    """Whatever an output directory holds: only config.json must be there. `sensitivity` and `paths` may be
+    None."""
 
     def __init__(self, directory):
         def optional(name, read, otherwise):
@@ -39,6 +41,7 @@ class ReportRun(Run):
                   optional("history.jsonl", lambda folder, _: read_history(folder), []),
                   optional("result.h5", lambda folder, name: read_fields(os.path.join(folder, name)), {}))
         self.sensitivity = optional("sensitivity.json", read_json, None)
+        self.paths = optional(PATHS, read_json, None)
         self.label = os.path.basename(os.path.abspath(directory))
         self.settings = settings_of(self.config)
 
@@ -89,7 +92,8 @@ def body_of(runs, notes):
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
     sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
                 ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
-                ("Constraints", "" if several else constraints(run)), ("Curves", '<section id="charts"></section>'),
+                ("Constraints", "" if several else constraints(run)),
+                ("Torch paths", "" if several else paths(run)), ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]
     return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
 

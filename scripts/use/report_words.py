@@ -202,6 +202,7 @@ def allowed_words(constraint):
         return f"root up to {limit:g}"
     words = {"last_layer": "up to 0.25", "continuity": f"up to {limit}", "subpart_volume": f"up to {tolerance:g}",
              "deposition_speed": f"-{constraint.get('slack')} to 0", "minimum_layer_volume": "up to 0"}
+    words |= {name: f"up to {limit}" for name in ("tool_clearance", "tilt", "local_thickness")}
     return words.get(kind) or settings_words({**constraint, "type": ""}).strip()
 
 

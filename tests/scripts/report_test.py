@@ -4,6 +4,7 @@
 
 import hashlib
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -189,6 +190,23 @@ class Contents(Report):
         rows = self.page.tables["sensitivity-table"]
         self.assertEqual([title for _, title in rows[2][1:]], ["0.5", "0.1", "5.0", "1.5"])
         self.assertEqual(rows[3][1][0], "left out: the part is <too> large")
+
+    def test_torch_paths(self):
+        layer = {"layer": 1, "starts": 2, "waypoints": 9, "length": 31.5, "travel": 4.25, "height": [0.5, 1.25],
+                 "angle": [0.0, 31.0], "feed": [0.9, 1.1], "wire": 19.9, "volume": 20.0}
+        other = {**layer, "layer": 2, "starts": 3, "height": [0.25, 1.0], "angle": [2.0, 47.0]}
+        record = {"of": "optimized", "unit": "mm", "bead_width": 2.0, "starts": 5, "waypoints": 18, "length": 63.0, "travel": 8.5,
+                  "wire": 39.8, "volume": 40.0, "layers": [layer, other]}
+        self.assertNotIn("Torch paths", self.page.text)
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(self.flat, folder, dirs_exist_ok=True)
+            (Path(folder) / "paths").mkdir()
+            (Path(folder) / "paths/paths_summary.json").write_text(json.dumps(record), encoding="utf-8")
+            self.assertEqual(report(folder).returncode, 0)
+            rows = [[text for text, _ in row] for row in Page(Path(folder) / "report.html").tables["paths"]]
+        self.assertEqual(rows[0][:4], ["", "starts", "length, mm", "travel, mm"])
+        self.assertEqual(rows[1], ["all layers", "5", "63.0", "8.50", "0.250 to 1.25", "0 to 47.0", "0.900 to 1.10", "0.995"])
+        self.assertEqual(rows[3][:2] + rows[3][4:6], ["layer 2", "3", "0.250 to 1.00", "2.00 to 47.0"])
 
     def test_page_of_a_hundred_thousand_triangles_is_small(self):
         with tempfile.TemporaryDirectory() as folder:
