@@ -44,7 +44,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       note_iterations(run.completed());
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
-      const double beta = run.continuation.beta(iteration);        // sharpness (3.1)
+      const double beta = run.continuation.beta(iteration);  // sharpness (3.1)
       pipeline.set_tolerance(run.tolerance());
       const auto binary = judge_binary(pipeline, run, iteration);  // (9)
       // Pseudo-time (2), layers (3), displacements (4).

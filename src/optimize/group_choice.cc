@@ -111,14 +111,14 @@ int likely_groups(const ModelSettings& settings, int ranks, double available) {
 }
 
 template <int Dim>
-PlacedPart<Dim> placed(MPI_Comm world, const ModelSettings& settings, GroupChoice choice,
+PlacedPart<Dim> placed(MPI_Comm world, const ModelSettings& settings, const GroupChoice& choice,
                        const PartDescription& description) {
   PlacedPart<Dim> result;
   result.groups = std::make_unique<const LayerGroups>(world, choice.groups);
   result.grid = std::make_unique<Grid<Dim>>(
       make_balanced_grid(result.groups->domain(), settings.domain<Dim>(), description));
   result.part = std::make_unique<Part<Dim>>(*result.grid, description, settings.plate);
-  result.choice = std::move(choice);
+  result.choice = choice;
   return result;
 }
 
@@ -151,7 +151,7 @@ PlacedPart<Dim> place_part(MPI_Comm world, const ModelSettings& settings) {
       run_size(settings, part, make_node_sets(part, settings.node_sets), layers->count(), ranks);
   GroupChoice choice = choose_automatically<Dim>(settings, size, available);
   if (choice.groups == result.choice.groups) {
-    result.choice = std::move(choice);
+    result.choice = choice;
     return result;
   }
   result = {};

@@ -117,8 +117,8 @@ std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline
   std::vector<double> release;
   try {
     process.groups().run([&] {
-      release =
-          Release<Dim>(process.model(), release_solver(solver, solver.finest_tolerance())).displacement(reactions);
+      release = Release<Dim>(process.model(), release_solver(solver, solver.finest_tolerance()))
+                    .displacement(reactions);
     });
   } catch (const NumericalError& error) {
     failure = error.what();

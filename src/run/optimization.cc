@@ -34,7 +34,8 @@ std::optional<SequenceReport<Dim>> start_report(const Setup<Dim>& setup, const P
 template <int Dim>
 SequenceReport<Dim> planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
                                   const LayerModel<Dim>& layers, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.finest_tolerance(), timer);
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.finest_tolerance(),
+                         timer);
   return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
 }
 
@@ -97,7 +98,8 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
 template <int Dim>
 void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
   if (!command_line.design_file) return;
-  (void)starting_design(setup, *make_sequence<Dim>(setup, setup.config.solver.finest_tolerance()), command_line);
+  (void)starting_design(setup, *make_sequence<Dim>(setup, setup.config.solver.finest_tolerance()),
+                        command_line);
 }
 
 template <int Dim>

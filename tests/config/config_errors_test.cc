@@ -113,7 +113,8 @@ TEST(ConfigErrorsTest, OutOfRange) {
             "/baseline/layers: found 1000000000.0; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("projection.beta", "0"),
             "/projection/beta: found 0; allowed: \"auto\" or a number > 0");
-  EXPECT_EQ(solid_error("solver.tolerance", "1"), "/solver/tolerance: found 1; allowed: \"auto\" or a number in (0, 1)");
+  EXPECT_EQ(solid_error("solver.tolerance", "1"),
+            "/solver/tolerance: found 1; allowed: \"auto\" or a number in (0, 1)");
   EXPECT_EQ(solid_error("optimizer.move_limit", "1.5"),
             "/optimizer/move_limit: found 1.5; allowed: \"auto\" or a number in (0, 1]");
   EXPECT_EQ(solid_error("sequence.bounds", "[1, 0.5]"),

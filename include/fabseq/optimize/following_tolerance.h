@@ -16,7 +16,8 @@ namespace fabseq {
 /// the errors of what was there before.
 inline double following_tolerance(double move_limit, double share_left) {
   constexpr double coarsest = 1e-3, per_step = 0.02;
-  return std::clamp(per_step * move_limit * std::sqrt(share_left), SolverSettings::finest_automatic, coarsest);
+  return std::clamp(per_step * move_limit * std::sqrt(share_left), SolverSettings::finest_automatic,
+                    coarsest);
 }
 
 }  // namespace fabseq

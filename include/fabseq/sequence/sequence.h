@@ -49,8 +49,8 @@ struct DesignSpace {
 };
 
 /// Turns design variables into pseudo-time: the first stage of the pipeline (docs/formulation.md 2, 3.3).
-/// update(), pull_back(), initial_design(), set_tolerance() and start_cold() are collective on the grid's communicator, the
-/// other calls are not.
+/// update(), pull_back(), initial_design(), set_tolerance() and start_cold() are collective on the grid's
+/// communicator, the other calls are not.
 template <int Dim>
 class Sequence {
  public:
