@@ -27,27 +27,35 @@ HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rm
 
 
 def main():
-    parser = parser_of(__doc__)
+    print_cases(__doc__, "built", HEAD, ["-sensitivity"], lambda cases, name, directory: [figures(directory)])
+
+
+def print_cases(documentation, name, head, options, rows_of):
+    """The command line of a script that runs the cases of configs/NAME_cases.json with these options of the
+    program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of cells, what a
+    case is left out."""
+    parser = parser_of(documentation)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--output", default=os.path.join("output", "built"))
+    parser.add_argument("--output", default=os.path.join("output", name))
     parser.add_argument("--table", action="store_true", help="only of what is there")
-    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "built_cases.json"))
+    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", f"{name}_cases.json"))
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
     arguments = parse(parser)
     cases = Cases(arguments.cases)
-    print("| " + " | ".join(HEAD) + " |\n|" + " --- |" * len(HEAD))
-    for name in arguments.names or cases.table:
-        directory = os.path.join(arguments.output, name)
+    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
+    for case in arguments.names or cases.table:
+        directory = os.path.join(arguments.output, case)
         if not arguments.table:
-            again = ["-restart", "auto", "-sensitivity", "-output", directory]
-            run(arguments.program, arguments.ranks, [*cases.command(name), *again, *arguments.rest])
+            again = ["-restart", "auto", *options, "-output", directory]
+            run(arguments.program, arguments.ranks, [*cases.command(case), *again, *arguments.rest])
         try:
-            print("| " + " | ".join([cases[name]["what"], *figures(directory)]) + " |", flush=True)
+            for cells in rows_of(cases, case, directory):
+                print("| " + " | ".join([cases[case]["what"], *cells]) + " |", flush=True)
         except (RunError, OSError) as error:
             if not arguments.table:
                 raise
-            print(f"{name}: {error}", file=sys.stderr)
+            print(f"{case}: {error}", file=sys.stderr)
 
 
 def figures(directory):

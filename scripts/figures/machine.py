@@ -16,40 +16,20 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
-from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_script  # before any package
+from command_line import run_script  # before any package
 
 import numpy as np
 
+from built import print_cases
 from read_run import Run, duration
-from reproduce import Cases, run
 
 HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length",
         "constraints", "time")
 
 
 def main():
-    parser = parser_of(__doc__)
-    parser.add_argument("names", nargs="*", metavar="CASE")
-    parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--output", default=os.path.join("output", "machine"))
-    parser.add_argument("--table", action="store_true", help="only of what is there")
-    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "machine_cases.json"))
-    parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
-    arguments = parse(parser)
-    cases = Cases(arguments.cases)
-    print("| " + " | ".join(HEAD) + " |\n|" + " --- |" * len(HEAD))
-    for name in arguments.names or cases.table:
-        directory = os.path.join(arguments.output, name)
-        if not arguments.table:
-            words = [*cases.command(name), "-restart", "auto", "-output", directory, *arguments.rest]
-            run(arguments.program, arguments.ranks, words)
-        try:
-            for cells in rows(Run(directory), "like" not in cases.table[name]):
-                print("| " + " | ".join([cases[name]["what"], *cells]) + " |", flush=True)
-        except (RunError, OSError) as error:
-            if not arguments.table:
-                raise
-            print(f"{name}: {error}", file=sys.stderr)
+    print_cases(__doc__, "machine", HEAD, [],
+                lambda cases, name, directory: rows(Run(directory), "like" not in cases.table[name]))
 
 
 def rows(result, all_sequences):
