@@ -22,7 +22,7 @@ void print_start(const fabseq::Config& config) {
   // Grid, part, node sets, layers. Ranks that share the layers have copies of them (docs/architecture.md).
   const fabseq::Setup<Dim> setup(PETSC_COMM_WORLD, config);
   // From a design to displacements, and from values back to gradients.
-  fabseq::Pipeline<Dim> pipeline(setup, config.solver.tolerance, timer);
+  fabseq::Pipeline<Dim> pipeline(setup, config.solver.finest_tolerance(), timer);
   const fabseq::Problem<Dim> problem(setup, config.optimizer.constraint_margin);
 
   const fabseq::Design start = starting_design(setup, pipeline.sequence(), fabseq::CommandLine());

@@ -130,7 +130,7 @@ void AssembledSystem<Dim>::create_solver() {
   check(KSPCreate(numbering_->grid().comm(), solver_.receive()));
   check(KSPSetType(solver_, KSPCG));
   check(KSPSetNormType(solver_, KSP_NORM_PRECONDITIONED));
-  set_tolerances();
+  check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
   void* test = nullptr;
   check(KSPConvergedDefaultCreate(&test));
   check(KSPSetConvergenceTest(solver_, converged_or_stopped, test, KSPConvergedDefaultDestroy));
@@ -142,14 +142,11 @@ void AssembledSystem<Dim>::create_solver() {
 }
 
 template <int Dim>
-void AssembledSystem<Dim>::set_tolerances() {
-  check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
-}
-
-template <int Dim>
 void AssembledSystem<Dim>::set_tolerance(double tolerance) {
+  // What options have set lasts.
+  if (tolerance == settings_.tolerance) return;
   settings_.tolerance = tolerance;
-  set_tolerances();
+  check(KSPSetTolerances(solver_, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 template <int Dim>

@@ -65,7 +65,6 @@ class AssembledSystem {
  private:
   void create_matrix();
   void create_solver();
-  void set_tolerances();
   void gather_load(std::span<const double> load, PetscScalar* values) const;
   void scatter_solution(const PetscScalar* values, std::span<double> solution) const;
   std::vector<SolveReport> solve_side_by_side(std::span<const std::vector<double>> loads,
