@@ -225,7 +225,7 @@ name,objective.layer_uniformity.weight,projection,optimizer.max_iterations
 # A remark, an object with a comma, and a key that is left as it is.
 uneven,0.1,,40
 none,-1,,40
-even,1,"{""beta"": 12, ""interval"": 5}",150
+even,1,"{""beta"": 12, ""interval"": 5}",300
 """
 
     def test_array(self):
@@ -237,16 +237,17 @@ even,1,"{""beta"": 12, ""interval"": 5}",150
                              options=("--array=1-3", f"--output={self.directory}/study_%a.log"))
         jobs = {name: Job(self, f"{number}_{task}", f"{self.directory}/study_{task}.log", os.path.join(output, name))
                 for task, name in enumerate(("uneven", "none", "even"), start=1)}
+        # The tasks run side by side, and this one may end before the others.
+        jobs["even"].wait_for_iterations(10)
+        self.slurm("scancel", "--batch", "--signal=USR1", f"{number}_3")
         jobs["uneven"].wait_for_end("COMPLETED")
         jobs["none"].wait_for_end("FAILED", f"{BAD_INPUT}:0")
         # The last task goes by the number of the whole array.
-        jobs["even"].wait_for_iterations(10)
         self.assertEqual(jobs["even"].field("JobId"), number)
-        self.slurm("scancel", "--batch", "--signal=USR1", number)
         jobs["even"].wait_for_end("COMPLETED")
         self.assertEqual([jobs[name].field("Restarts") for name in ("uneven", "none", "even")], ["0", "0", "1"])
         self.assertEqual(sorted(os.listdir(output)), ["even", "uneven"])
-        expected = {"even": ("-beta", 12, "-set", "projection.interval=5", "-max_iterations", 150),
+        expected = {"even": ("-beta", 12, "-set", "projection.interval=5", "-max_iterations", 300),
                     "uneven": ("-alpha", 0.1, "-max_iterations", 40)}
         for name, arguments in expected.items():
             run = self.run_config(RANKS, plate_2d(), *SMALL, "-checkpoint_every", 7, *arguments)
@@ -261,7 +262,7 @@ even,1,"{""beta"": 12, ""interval"": 5}",150
         with open(os.path.join(self.directory, "compare.csv"), encoding="utf-8", newline="") as file:
             rows = {row["run"]: row for row in csv.DictReader(file)}
         self.assertEqual([rows[name]["objective.layer_uniformity.weight"] for name in ("even", "uneven")], ["1", "0.1"])
-        self.assertEqual([rows[name]["optimizer.max_iterations"] for name in ("even", "uneven")], ["150", "40"])
+        self.assertEqual([rows[name]["optimizer.max_iterations"] for name in ("even", "uneven")], ["300", "40"])
         self.assertTrue(os.path.exists(os.path.join(self.directory, "compare.png")))
 
 
