@@ -29,7 +29,7 @@ double halo_nodes(const Index<Dim>& elements, int ranks) {
     for (int axis = 0; axis < Dim; ++axis) {
       double cut = processes[axis] - 1;
       for (int other = 0; other < Dim; ++other)
-        if (other != axis) cut *= elements[other] + 1;
+        if (other != axis) cut *= elements[other] + 1.0;
       nodes += cut;
     }
     least = std::min(least, nodes);
