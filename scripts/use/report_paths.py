@@ -16,12 +16,12 @@ def paths(run):
     if not record:
         return ""
     rows = [(f"layer {layer['layer']}", cells(layer, layer)) for layer in record["layers"]]
-    least = {key: [min(layer[key][0] for layer in record["layers"]), max(layer[key][1] for layer in record["layers"])]
+    spans = {key: [min(layer[key][0] for layer in record["layers"]), max(layer[key][1] for layer in record["layers"])]
              for key in RANGES} if rows else {}
     unit = record.get("unit") or ""
     head = ["", "starts", *(f"{key}, {unit}" if unit else key for key in COUNTS[1:]), *RANGES.values(), "wire / volume"]
     return (f'<p class="note">Bead width {digits(record["bead_width"])} {unit}, {record["waypoints"]:,} waypoints, '
-            f'of {record["of"]} layers.</p>' + table(head, [("all layers", cells(record, least)), *rows], id="paths"))
+            f'of {record["of"]} layers.</p>' + table(head, [("all layers", cells(record, spans)), *rows], id="paths"))
 
 
 def cells(record, ranges):

@@ -64,14 +64,22 @@ Index<Dim> torch_halo(const Grid<Dim>& grid, const Torch& torch) {
 }
 
 template <int Dim>
+Point<Dim> fixed_torch_axis(const ToolSettings& settings) {
+  const double size = length<Dim>(settings.axis.data());
+  Point<Dim> result;
+  for (int axis = 0; axis < Dim; ++axis) result[axis] = settings.axis[axis] / size;
+  return result;
+}
+
+template <int Dim>
 std::vector<double> torch_axis(const Part<Dim>& part, const ToolSettings& settings,
                                std::span<const double> direction) {
   std::vector<double> result(direction.begin(), direction.end());
   if (!settings.axis.empty()) {
-    const double size = length<Dim>(settings.axis.data());
+    const Point<Dim> fixed = fixed_torch_axis<Dim>(settings);
     result.clear();
     for (std::size_t e = 0; e < part.elements().size(); ++e)
-      for (int axis = 0; axis < Dim; ++axis) result.push_back(settings.axis[axis] / size);
+      result.insert(result.end(), fixed.begin(), fixed.end());
   }
   const Point<Dim> normal = part.plate().template normal<Dim>();
   for (std::size_t e = 0; e * Dim < result.size(); ++e)
@@ -94,6 +102,7 @@ std::vector<double> torch_tilt(const Part<Dim>& part, std::span<const double> ax
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(torch_halo);
+FABSEQ_INSTANTIATE_FUNCTION(fixed_torch_axis);
 FABSEQ_INSTANTIATE_FUNCTION(torch_axis);
 FABSEQ_INSTANTIATE_FUNCTION(torch_tilt);
 

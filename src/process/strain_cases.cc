@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace fabseq {
 
@@ -13,11 +12,6 @@ namespace {
 
 /// A row counts as a combination of others if this share of it is left.
 constexpr double dependent = 1e-10;
-
-template <int Dim>
-double dot(const StrainFactors<Dim>& a, const StrainFactors<Dim>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 template <int Dim>
 void add(StrainFactors<Dim>& to, double factor, const StrainFactors<Dim>& from) {
@@ -39,7 +33,7 @@ struct Base {
     std::vector<double> result(vectors.size(), 0.0);
     for (int pass = 0; pass < 2; ++pass)
       for (const Vector& vector : vectors) {
-        const double part = dot<Dim>(vector.factors, rest);
+        const double part = dot(vector.factors, rest);
         add<Dim>(rest, -part, vector.factors);
         for (std::size_t k = 0; k < vector.combination.size(); ++k) result[k] += part * vector.combination[k];
       }
@@ -83,9 +77,9 @@ StrainCases<Dim> strain_cases(const MaterialSettings& material) {
   // As a combination of the cases; makes it one of them if it is none.
   const auto combination_of = [&](const StrainFactors<Dim>& factors) {
     StrainFactors<Dim> rest = effective<Dim>(factors, material);
-    const double size = std::sqrt(dot<Dim>(rest, rest));
+    const double size = std::sqrt(dot(rest, rest));
     std::vector<double> combination = base.take(rest);
-    const double left = std::sqrt(dot<Dim>(rest, rest));
+    const double left = std::sqrt(dot(rest, rest));
     if (left <= dependent * size) return combination;
     typename Base<Dim>::Vector next{rest, combination};
     for (double& value : next.factors) value /= left;

@@ -6,7 +6,6 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/set_functions.h"
 
-#include <numeric>
 #include <string>
 
 namespace fabseq {
@@ -30,11 +29,6 @@ std::array<Point<Dim>, Dim> covariance_of(const SetDisplacement<Dim>& set, const
   for (int a = 0; a < Dim; ++a)
     for (int b = 0; b < Dim; ++b) result[a][b] = sums[a * Dim + b] / static_cast<double>(set.nodes().count);
   return result;
-}
-
-template <int Dim>
-double dot(const Point<Dim>& a, const Point<Dim>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 }  // namespace
@@ -67,7 +61,7 @@ FittedPlane<Dim>::FittedPlane(const SetDisplacement<Dim>& set) : set_(set) {
     const double scale =
         1.0 / (static_cast<double>(set.nodes().count) * axes.variance[t + 1] * extent.radius);
     for (const int node : set.nodes().owned)
-      slope_[t].push_back(scale * dot<Dim>(tangent_[t], extent.relative(set.position(node))));
+      slope_[t].push_back(scale * dot(tangent_[t], extent.relative(set.position(node))));
   }
 }
 
@@ -95,8 +89,8 @@ void FittedPlane<Dim>::add_derivative(const Point<Dim>& gradient, const Pipeline
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (int t = 0; t < tangents; ++t)
       for (int axis = 0; axis < Dim; ++axis)
-        set_.add_derivative(nodes[i], axis, -dot<Dim>(gradient, tangent_[t]) * slope_[t][i] * normal_[axis],
-                            state, adjoint);
+        set_.add_derivative(nodes[i], axis, -dot(gradient, tangent_[t]) * slope_[t][i] * normal_[axis], state,
+                            adjoint);
 }
 
 template PrincipalAxes<2> principal_axes<2>(std::array<Point<2>, 2> covariance);

@@ -6,7 +6,6 @@
 #include "fabseq/responses/unit_gradient.h"
 
 #include <numbers>
-#include <numeric>
 
 namespace fabseq {
 
@@ -102,8 +101,7 @@ class Tilt : public Response<Dim> {
   }
 
   SmoothExcess beyond(const Point<Dim>& axis) const {
-    return SmoothExcess((cosine_ - std::inner_product(axis.begin(), axis.end(), up_.begin(), 0.0)) /
-                        epsilon_);
+    return SmoothExcess((cosine_ - dot(axis, up_)) / epsilon_);
   }
 
   ResponseContext<Dim> context_;

@@ -2,6 +2,7 @@
 /// Constraint: the torch has room where it deposits (docs/formulation.md 13.2).
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
+#include "fabseq/machine/least_rotation.h"
 #include "fabseq/machine/torch.h"
 #include "fabseq/machine/torch_samples.h"
 #include "fabseq/responses/response_type.h"
@@ -106,9 +107,7 @@ class ToolClearance : public Response<Dim> {
   };
 
   static double diagonal(const Grid<Dim>& grid) {
-    double square = 0.0;
-    for (const double length : grid.domain().size) square += length * length;
-    return std::sqrt(square);
+    return std::sqrt(dot(grid.domain().size, grid.domain().size));
   }
   /// One element more than the torch, since fields are interpolated.
   static Index<Dim> width(const ResponseContext<Dim>& context) {
@@ -145,20 +144,13 @@ class ToolClearance : public Response<Dim> {
   static std::vector<double>& touch_gradient(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) {
     return DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size());
   }
-  Point<Dim> fixed_axis() const {
-    Point<Dim> axis;
-    double square = 0.0;
-    for (int i = 0; i < Dim; ++i) square += context_.tool.axis[i] * context_.tool.axis[i];
-    for (int i = 0; i < Dim; ++i) axis[i] = context_.tool.axis[i] / std::sqrt(square);
-    return axis;
-  }
-
   /// Calls what(part element, its place, rotation of the torch there).
   template <class What>
   void for_each_element(const PipelineState<Dim>& state, What&& what) const {
     const Part<Dim>& part = context_.part;
+    const Point<Dim> fixed = turns() ? up_ : fixed_torch_axis<Dim>(context_.tool);
     for (std::size_t e = 0; e < part.elements().size(); ++e) {
-      const Point<Dim> axis = turns() ? direction(state, e).vector : fixed_axis();
+      const Point<Dim> axis = turns() ? direction(state, e).vector : fixed;
       what(e, Place{part.grid().owned_elements().index(part.elements()[e]), state.time.time[e]},
            LeastRotation<Dim>(up_, axis));
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Limits of a machine (docs/formulation.md 13.2): values against the formulas on gathered fields, element by
 /// element; they bound what the exact checks count; rows.
+#include "fabseq/machine/least_rotation.h"
 #include "fabseq/machine/torch_samples.h"
 
 #include <gtest/gtest.h>
@@ -11,18 +12,12 @@
 #include "support/whole_field.h"
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 namespace fabseq {
 namespace {
 
 double excess(double x) { return std::log2(1.0 + std::log1p(std::exp(x)) / std::numbers::ln2); }
-
-template <int Dim>
-double dot(const Point<Dim>& a, const Point<Dim>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 template <class T>
 class MachineLimitsTest : public testing::Test {
@@ -120,7 +115,7 @@ double clearance(const Grid<Dim>& grid, const ToolSettings& tool, int samples, d
   Point<Dim> up{};
   up[Dim - 1] = 1.0;
   const auto& size = grid.domain().size;
-  const double diagonal = std::sqrt(std::inner_product(size.begin(), size.end(), size.begin(), 0.0));
+  const double diagonal = std::sqrt(dot(size, size));
   const std::vector<Point<Dim>> points = torch_samples<Dim>(tool, up, diagonal, samples);
   double total = 0.0;
   grid.all_elements().for_each([&](const Index<Dim>& x, std::int64_t e) {
@@ -164,7 +159,7 @@ TYPED_TEST(MachineLimitsTest, ClearanceCountsWhatStandsInTheTorch) {
     if (fixed) {
       Point<Dim> axis;
       std::copy_n(tool.axis.begin(), Dim, axis.begin());
-      const double length = std::sqrt(dot<Dim>(axis, axis));
+      const double length = std::sqrt(dot(axis, axis));
       for (double& entry : axis) entry /= length;
       std::fill(axes.begin(), axes.end(), axis);
     }

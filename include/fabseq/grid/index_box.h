@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <numeric>
 #include <string>
 
 /// Explicit instantiation in 2D and 3D of a class template, of a struct template, or of a function template
@@ -25,6 +26,11 @@ namespace fabseq {
 /// Coordinates of a point or components of a vector, [axis].
 template <int Dim>
 using Point = std::array<double, Dim>;
+
+template <std::size_t Size>
+double dot(const std::array<double, Size>& a, const std::array<double, Size>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
 
 /// Element or node index along each axis.
 template <int Dim>

@@ -34,6 +34,10 @@ class Torch {
 template <int Dim>
 Index<Dim> torch_halo(const Grid<Dim>& grid, const Torch& torch);
 
+/// Axis of a torch that does not turn, of unit length. Not collective. \param settings  with an axis
+template <int Dim>
+Point<Dim> fixed_torch_axis(const ToolSettings& settings);
+
 /// The torch's axis at each part element, [part element][axis], of unit length: the axis of the settings or
 /// else the build direction, and the plate's normal where that is zero. Empty where neither is defined.
 /// Local. \param direction  build_direction()
