@@ -98,8 +98,7 @@ void ElementEnergy<Dim, Width>::for_each(std::span<const int> first_corners,
       ++node;
       read(u, node, upper_u);
       read(lambda, node, upper_lambda);
-      for (auto& component : lower_forces) component.fill(Lanes<Width>::zero());
-      kernel.apply(0, lower_u, upper_u, lower_forces, upper_forces);
+      kernel.template apply<1>(0, lower_u, upper_u, lower_forces, upper_forces);
       auto mutual = Lanes<Width>::zero();
 #pragma GCC unroll 3
       for (int a = 0; a < Dim; ++a)

@@ -25,8 +25,9 @@ class ElasticKernel {
   using Number = Real;
   /// Coefficients per element in memory: [element][lane].
   static constexpr int stride = Width;
-  using Value = Lanes<Width, Real>;
-  using Modes = FaceModes<Dim, components, Width, Real>;
+  /// Of the faces of so many elements.
+  template <int Count>
+  using Modes = FaceModes<Dim, components, Count * Width, Real>;
 
   /// `coefficients` must outlive the kernel.
   ElasticKernel(const ParityMatrix<Dim, Dim>& matrix, const Real* coefficients)
@@ -39,9 +40,11 @@ class ElasticKernel {
 
   void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
 
-  /// Adds the forces on the lower face to `lower_forces` and sets those on the upper face.
-  [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
-                                    Modes& lower_forces, Modes& upper_forces) const {
+  /// Sets the forces of `Count` elements, that follow each other along x, on their lower and upper faces.
+  template <int Count>
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower, const Modes<Count>& upper,
+                                    Modes<Count>& lower_forces, Modes<Count>& upper_forces) const {
+    using Value = Lanes<Count * Width, Real>;
     const auto factor = Value::load(coefficients_ + element * stride);
 #pragma GCC unroll 4
     for (int face_class = 0; face_class < corner_count<Dim> / 2; ++face_class) {
@@ -61,7 +64,7 @@ class ElasticKernel {
       }
 #pragma GCC unroll 3
       for (int a = 0; a < Dim; ++a) {
-        lower_forces[a][face_mode(face_class, a)] += first[a] + second[a];
+        lower_forces[a][face_mode(face_class, a)] = first[a] + second[a];
         upper_forces[a][face_mode(face_class, a)] = a == 0 ? second[a] - first[a] : first[a] - second[a];
       }
     }
@@ -72,6 +75,7 @@ class ElasticKernel {
   static constexpr int face_mode(int face_class, int component) {
     return component == 0 ? face_class : face_class ^ (1 << (component - 1));
   }
+  template <class Value>
   [[gnu::always_inline]] Value row(int parity_class, int a, const std::array<Value, Dim>& modes) const {
     auto sum = Value::zero();
     bool empty = true;
@@ -100,7 +104,8 @@ class HeatKernel {
   using Number = Real;
   /// Coefficients per element in memory: diffusivity, reaction.
   static constexpr int stride = 2;
-  using Modes = FaceModes<Dim, components, Width, Real>;
+  template <int Count>
+  using Modes = FaceModes<Dim, components, Count * Width, Real>;
 
   /// `coefficients` must outlive the kernel.
   HeatKernel(const ParityMatrix<Dim, 1>& conductivity, const ParityMatrix<Dim, 1>& mass,
@@ -114,40 +119,28 @@ class HeatKernel {
 
   void prefetch(std::int64_t element) const { __builtin_prefetch(coefficients_ + element * stride); }
 
-  [[gnu::always_inline]] void apply(std::int64_t element, const Modes& lower, const Modes& upper,
-                                    Modes& lower_forces, Modes& upper_forces) const {
-    const Real diffusivity = coefficients_[element * stride];
-    const Real reaction = coefficients_[element * stride + 1];
-    add_forces(diffusivity, reaction, lower, upper, lower_forces, upper_forces);
-  }
-  /// `Count` elements of one system, that follow each other along x, side by side: sets the forces on their
-  /// faces.
+  /// Sets the forces of `Count` elements, that follow each other along x, on their lower and upper faces.
   template <int Count>
-  [[gnu::always_inline]] void apply_across(std::int64_t element, const FaceModes<Dim, 1, Count, Real>& lower,
-                                           const FaceModes<Dim, 1, Count, Real>& upper,
-                                           FaceModes<Dim, 1, Count, Real>& lower_forces,
-                                           FaceModes<Dim, 1, Count, Real>& upper_forces) const {
-    alignas(register_bytes) std::array<Real, Count> diffusivities, reactions;
-    for (int i = 0; i < Count; ++i) {
-      diffusivities[i] = coefficients_[(element + i) * stride];
-      reactions[i] = coefficients_[(element + i) * stride + 1];
-    }
-    const auto diffusivity = Lanes<Count, Real>::load(diffusivities.data());
-    const auto reaction = Lanes<Count, Real>::load(reactions.data());
-    lower_forces[0].fill(Lanes<Count, Real>::zero());
-    add_forces(diffusivity, reaction, lower, upper, lower_forces, upper_forces);
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower, const Modes<Count>& upper,
+                                    Modes<Count>& lower_forces, Modes<Count>& upper_forces) const {
+    const auto coefficient = [&](int which) __attribute__((always_inline)) {
+      return joined_pieces<Count>([&](int k) __attribute__((always_inline)) {
+        return Lanes<Width, Real>::broadcast(coefficients_[(element + k) * stride + which]);
+      });
+    };
+    set_forces(coefficient(0), coefficient(1), lower, upper, lower_forces, upper_forces);
   }
 
  private:
   template <class Coefficient, class FacesModes>
-  [[gnu::always_inline]] void add_forces(const Coefficient& diffusivity, const Coefficient& reaction,
+  [[gnu::always_inline]] void set_forces(const Coefficient& diffusivity, const Coefficient& reaction,
                                          const FacesModes& lower, const FacesModes& upper,
                                          FacesModes& lower_forces, FacesModes& upper_forces) const {
 #pragma GCC unroll 4
     for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
       const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
       const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
-      lower_forces[0][mode] += even + odd;
+      lower_forces[0][mode] = even + odd;
       upper_forces[0][mode] = even - odd;
     }
   }

@@ -8,25 +8,37 @@
 #include <cstdint>
 #include <new>
 #include <span>
+#include <sys/mman.h>
 #include <vector>
 
 namespace fabseq {
 
-/// Allocates on cache lines, so that a vector register never straddles two.
+/// Allocates on cache lines, so that a vector register never straddles two. What is large asks for pages of
+/// 2 MiB, since kernels that walk through many arrays at once would wait for addresses of small ones.
 template <class Value>
 struct CacheLineAllocator {
   using value_type = Value;
-  static constexpr std::align_val_t alignment{64};
 
   CacheLineAllocator() = default;
   template <class Other>
   CacheLineAllocator(const CacheLineAllocator<Other>&) {}
 
   Value* allocate(std::size_t count) {
-    return static_cast<Value*>(::operator new(count * sizeof(Value), alignment));
+    const std::size_t bytes = count * sizeof(Value);
+    void* const place = ::operator new(bytes, alignment(bytes));
+    if (bytes >= large) madvise(place, bytes, MADV_HUGEPAGE);  // without it, if the system has none
+    return static_cast<Value*>(place);
   }
-  void deallocate(Value* place, std::size_t) { ::operator delete(place, alignment); }
+  void deallocate(Value* place, std::size_t count) {
+    ::operator delete(place, alignment(count * sizeof(Value)));
+  }
   friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
+
+ private:
+  static constexpr std::size_t huge_page = std::size_t{1} << 21, large = 2 * huge_page;
+  static std::align_val_t alignment(std::size_t bytes) {
+    return std::align_val_t{bytes >= large ? huge_page : 64};
+  }
 };
 
 /// [node][component][lane] on a level's own nodes, or [element][lane].

@@ -26,8 +26,8 @@ void LaneCg<Problem, Width>::allocate() {
   if (matrix_) return;
   matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
   multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
-  for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
-  for (auto* array : {&rounded_residual_, &preconditioned_}) array->resize(matrix_->size());
+  image_.resize(matrix_->size());
+  for (auto* array : {&rounded_residual_, &preconditioned_, &direction_}) array->resize(matrix_->size());
 }
 
 template <class Problem, int Width>
@@ -35,8 +35,8 @@ void LaneCg<Problem, Width>::give_back_memory() {
   matrix_.reset();
   multigrid_.reset();
   half_.reset();
-  for (LaneArray* array : {&direction_, &image_, &corrected_, &left_over_}) free_memory(*array);
-  for (auto* array : {&rounded_residual_, &preconditioned_}) free_memory(*array);
+  for (LaneArray* array : {&image_, &corrected_, &left_over_}) free_memory(*array);
+  for (auto* array : {&rounded_residual_, &preconditioned_, &direction_}) free_memory(*array);
 }
 
 template <class Problem, int Width>
@@ -174,7 +174,7 @@ void LaneCg<Problem, Width>::precondition(const LaneArray& residual) {
 /// direction = preconditioned residual + beta direction
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
-  using Value = Lanes<Width>;
+  using Value = Lanes<Width, float>;
   const auto factor = Value::load(beta.data());
   for (std::size_t i = 0; i < direction_.size(); i += Width) {
     auto direction = Value::load(&preconditioned_[i]);

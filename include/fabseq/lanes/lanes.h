@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
@@ -142,14 +143,55 @@ struct Lanes<1, Real> {
   Real operator[](int) const { return value; }
 };
 
-/// The last of `before`, then all but the last of `lanes`.
+/// The lanes of one, then those of the other; in one register.
 template <int Width, class Real>
-[[gnu::always_inline]] inline Lanes<Width, Real> shifted(const Lanes<Width, Real>& before,
-                                                         const Lanes<Width, Real>& lanes) {
-  alignas(register_bytes) std::array<Real, 2 * Width> values;
-  before.store(values.data());
-  lanes.store(values.data() + Width);
-  return Lanes<Width, Real>::load(values.data() + Width - 1);
+[[gnu::always_inline]] inline Lanes<2 * Width, Real> joined(const Lanes<Width, Real>& first,
+                                                            const Lanes<Width, Real>& second) {
+  if constexpr (Width == 1) {
+    Lanes<2, Real> result;
+    result.part[0] = typename Lanes<2, Real>::Part{first.value, second.value};
+    return result;
+  } else {
+    return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+      Lanes<2 * Width, Real> result;
+      result.part[0] = __builtin_shufflevector(first.part[0], second.part[0], Lane...);
+      return result;
+    }(std::make_integer_sequence<int, 2 * Width>());
+  }
+}
+
+/// The lanes from `First` on of two registers behind each other, as many as one has.
+template <int First, int Width, class Real>
+[[gnu::always_inline]] inline Lanes<Width, Real> straddling(const Lanes<Width, Real>& before,
+                                                            const Lanes<Width, Real>& behind) {
+  return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+    Lanes<Width, Real> result;
+    result.part[0] = __builtin_shufflevector(before.part[0], behind.part[0], (First + Lane)...);
+    return result;
+  }(std::make_integer_sequence<int, Width>());
+}
+
+/// `Width` lanes of a register, from `First` on.
+template <int Width, int First, int Whole, class Real>
+[[gnu::always_inline]] inline Lanes<Width, Real> lanes_from(const Lanes<Whole, Real>& whole) {
+  if constexpr (Width == 1) {
+    return {whole.part[0][First]};
+  } else {
+    return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+      Lanes<Width, Real> result;
+      result.part[0] = __builtin_shufflevector(whole.part[0], whole.part[0], (First + Lane)...);
+      return result;
+    }(std::make_integer_sequence<int, Width>());
+  }
+}
+
+/// Register of `Count` pieces, piece k being piece(k): lanes of the same width.
+template <int Count, class Piece>
+[[gnu::always_inline]] inline auto joined_pieces(Piece&& piece, int first = 0) {
+  if constexpr (Count == 1)
+    return piece(first);
+  else
+    return joined(joined_pieces<Count / 2>(piece, first), joined_pieces<Count / 2>(piece, first + Count / 2));
 }
 
 /// In double precision.
