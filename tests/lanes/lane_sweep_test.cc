@@ -14,7 +14,7 @@ namespace fabseq {
 namespace {
 
 /// Relative to the size of the terms that are summed up at a node.
-constexpr double rounding = 2e-15;
+constexpr double rounding = 2e-15, single_rounding = 1e-6;
 
 /// A box, its mesh, and vectors on both. Values at nodes differ by many decades, too.
 template <class Physics, int Width>
@@ -114,35 +114,42 @@ TYPED_TEST(LaneSweepTest, AgreesWithPlainSums) {
     });
 }
 
+/// Of K x, computed in `Number` from an x of `From`; relative to the largest terms, since they are
+/// differences of what is rounded.
+template <class Physics, int Width, class Number, class From>
+double rounding_error(const test::MaskedBox<Physics::Dim>& box) {
+  constexpr int components = Physics::components;
+  Sweep<Physics, Width> lanes(box);
+  std::vector<double> expected = lanes.product(), terms = expected;
+  const std::vector<From> x(lanes.x.begin(), lanes.x.end());
+  const std::vector<Number> coefficients(lanes.coefficients.begin(), lanes.coefficients.end());
+  std::vector<Number> window(lanes.window.size(), Number{0});
+  const auto kernel = Physics::Problem::template kernel<Width>(lanes.physics.matrices, coefficients.data());
+  std::vector<test::PlainProduct> plain;
+  for (int lane = 0; lane < Width; ++lane)
+    plain.push_back(test::multiply(
+        box, components, [&](std::int64_t offset) { return lanes.physics.element_matrix(offset, lane); },
+        lanes.plain[lane]));
+  lanes.for_each_value([&](std::size_t at, std::size_t unknown, int lane) {
+    terms[at] = plain[lane].scale[unknown / components];
+  });
+  double worst = 0.0;
+  sweep(lanes.mesh, kernel, x.data(), window.data(), static_cast<Number*>(nullptr),
+        [&](std::int64_t node, const std::array<Lanes<Width, Number>, components>& sums) {
+          for (int i = 0; i < lanes.block; ++i) {
+            const std::size_t at = node * lanes.block + i;
+            worst = std::max(worst, std::abs(sums[i / Width][i % Width] - expected[at]) / terms[at]);
+          }
+        });
+  return worst;
+}
+
 TYPED_TEST(LaneSweepTest, SinglePrecisionAgreesToItsOwnRounding) {
-  constexpr int components = TypeParam::components, Width = 4;
-  for (const auto& box : test::masked_boxes<TypeParam::Dim>()) {
-    Sweep<TypeParam, Width> lanes(box);
-    // Differences of what is rounded: to be compared with the largest terms.
-    std::vector<double> expected = lanes.product(), terms = expected;
-    const std::vector<float> x(lanes.x.begin(), lanes.x.end());
-    const std::vector<float> coefficients(lanes.coefficients.begin(), lanes.coefficients.end());
-    std::vector<float> window(lanes.window.size(), 0.0F);
-    const auto kernel =
-        TypeParam::Problem::template kernel<Width>(lanes.physics.matrices, coefficients.data());
-    std::vector<test::PlainProduct> plain;
-    for (int lane = 0; lane < Width; ++lane)
-      plain.push_back(test::multiply(
-          box, components, [&](std::int64_t offset) { return lanes.physics.element_matrix(offset, lane); },
-          lanes.plain[lane]));
-    lanes.for_each_value([&](std::size_t at, std::size_t unknown, int lane) {
-      terms[at] = plain[lane].scale[unknown / components];
+  for (const auto& box : test::masked_boxes<TypeParam::Dim>())
+    test::for_each_width([&]<int Width>() {
+      EXPECT_LT((rounding_error<TypeParam, Width, float, float>(box)), single_rounding) << box.name << Width;
+      EXPECT_LT((rounding_error<TypeParam, Width, double, float>(box)), single_rounding) << box.name << Width;
     });
-    double worst = 0.0;
-    sweep(lanes.mesh, kernel, x.data(), window.data(), static_cast<float*>(nullptr),
-          [&](std::int64_t node, const std::array<Lanes<Width, float>, components>& sums) {
-            for (int i = 0; i < lanes.block; ++i) {
-              const std::size_t at = node * lanes.block + i;
-              worst = std::max(worst, std::abs(sums[i / Width][i % Width] - expected[at]) / terms[at]);
-            }
-          });
-    EXPECT_LT(worst, 1e-6) << box.name;
-  }
 }
 
 TYPED_TEST(LaneSweepTest, XCanBeOverwritten) {

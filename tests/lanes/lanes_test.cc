@@ -92,12 +92,36 @@ TEST(LanesTest, CalculatesInSinglePrecision) {
   });
 }
 
-TEST(LanesTest, ShiftsByOne) {
-  for_each_width([]<int Width>() {
-    const auto x = numbers<Width>(1), y = numbers<Width>(2);
-    const auto result = shifted(Lanes<Width>::load(x.data()), Lanes<Width>::load(y.data()));
-    for (int lane = 0; lane < Width; ++lane) EXPECT_EQ(result[lane], lane == 0 ? x[Width - 1] : y[lane - 1]);
-  });
+/// 0, 1, 2, … from `first` on.
+template <int Width>
+Lanes<Width> counted(int first) {
+  std::array<double, Width> values;
+  for (int lane = 0; lane < Width; ++lane) values[lane] = first + lane;
+  return Lanes<Width>::load(values.data());
+}
+
+TEST(LanesTest, JoinsPieces) {
+  const auto pair = joined(counted<1>(5), counted<1>(6));
+  EXPECT_EQ(pair[0], 5);
+  EXPECT_EQ(pair[1], 6);
+  const auto all = joined_pieces<native_lanes>([](int k) { return counted<1>(k); });
+  for (int lane = 0; lane < native_lanes; ++lane) EXPECT_EQ(all[lane], lane);
+  const auto wide = joined_pieces<native_lanes / 2>([](int k) { return counted<2>(2 * k); });
+  for (int lane = 0; lane < native_lanes; ++lane) EXPECT_EQ(wide[lane], lane);
+}
+
+TEST(LanesTest, TakesPiecesOutOfRegisters) {
+  const auto before = counted<native_lanes>(0), behind = counted<native_lanes>(native_lanes);
+  const auto next = straddling<1>(before, behind);
+  const auto previous = straddling<native_lanes - 1>(before, behind);
+  for (int lane = 0; lane < native_lanes; ++lane) {
+    EXPECT_EQ(next[lane], lane + 1);
+    EXPECT_EQ(previous[lane], lane + native_lanes - 1);
+  }
+  const auto last = lanes_from<1, native_lanes - 1>(before);
+  EXPECT_EQ(last[0], native_lanes - 1);
+  const auto upper = lanes_from<native_lanes / 2, native_lanes / 2>(before);
+  for (int lane = 0; lane < native_lanes / 2; ++lane) EXPECT_EQ(upper[lane], native_lanes / 2 + lane);
 }
 
 TEST(LanesTest, Broadcasts) {

@@ -42,8 +42,9 @@ class ElasticKernel {
 
   /// Sets the forces of `Count` elements, that follow each other along x, on their lower and upper faces.
   template <int Count>
-  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower, const Modes<Count>& upper,
-                                    Modes<Count>& lower_forces, Modes<Count>& upper_forces) const {
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower,
+                                    const Modes<Count>& upper, Modes<Count>& lower_forces,
+                                    Modes<Count>& upper_forces) const {
     using Value = Lanes<Count * Width, Real>;
     const auto factor = Value::load(coefficients_ + element * stride);
 #pragma GCC unroll 4
@@ -121,8 +122,9 @@ class HeatKernel {
 
   /// Sets the forces of `Count` elements, that follow each other along x, on their lower and upper faces.
   template <int Count>
-  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower, const Modes<Count>& upper,
-                                    Modes<Count>& lower_forces, Modes<Count>& upper_forces) const {
+  [[gnu::always_inline]] void apply(std::int64_t element, const Modes<Count>& lower,
+                                    const Modes<Count>& upper, Modes<Count>& lower_forces,
+                                    Modes<Count>& upper_forces) const {
     const auto coefficient = [&](int which) __attribute__((always_inline)) {
       return joined_pieces<Count>([&](int k) __attribute__((always_inline)) {
         return Lanes<Width, Real>::broadcast(coefficients_[(element + k) * stride + which]);

@@ -3,18 +3,20 @@
 /// Memory of the lane solver.
 #pragma once
 
+#include "fabseq/base/large_pages.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <span>
-#include <sys/mman.h>
 #include <vector>
 
 namespace fabseq {
 
-/// Allocates on cache lines, so that a vector register never straddles two. What is large asks for pages of
-/// 2 MiB, since kernels that walk through many arrays at once would wait for addresses of small ones.
+/// Allocates on cache lines, so that a vector register never straddles two. What is large gets pages of 2
+/// MiB, where the system has them: kernels that walk through many arrays at once would wait for the addresses
+/// of small pages.
 template <class Value>
 struct CacheLineAllocator {
   using value_type = Value;
@@ -25,20 +27,20 @@ struct CacheLineAllocator {
 
   Value* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(Value);
-    void* const place = ::operator new(bytes, alignment(bytes));
-    if (bytes >= large) madvise(place, bytes, MADV_HUGEPAGE);  // without it, if the system has none
-    return static_cast<Value*>(place);
+    return static_cast<Value*>(bytes < large ? ::operator new(bytes, cache_line) : map_large_pages(bytes));
   }
   void deallocate(Value* place, std::size_t count) {
-    ::operator delete(place, alignment(count * sizeof(Value)));
+    const std::size_t bytes = count * sizeof(Value);
+    if (bytes < large)
+      ::operator delete(place, cache_line);
+    else
+      unmap_large_pages(place, bytes);
   }
   friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
 
  private:
-  static constexpr std::size_t huge_page = std::size_t{1} << 21, large = 2 * huge_page;
-  static std::align_val_t alignment(std::size_t bytes) {
-    return std::align_val_t{bytes >= large ? huge_page : 64};
-  }
+  static constexpr std::align_val_t cache_line{64};
+  static constexpr std::size_t large = 2 * large_page;
 };
 
 /// [node][component][lane] on a level's own nodes, or [element][lane].

@@ -86,15 +86,16 @@ class LaneCg {
   std::unique_ptr<Operator> matrix_;
   std::unique_ptr<Multigrid> multigrid_;
   std::array<bool, Width> positive_{};
-  /// A direction holds what single precision holds, as the preconditioned residual does that it is made of: its
-  /// image, and the step along it, are those of the rounded direction.
+  /// A direction holds what single precision holds, as the preconditioned residual does that it is made of:
+  /// its image, and the step along it, are those of the rounded direction.
   LaneValues<float> rounded_residual_, preconditioned_, direction_;
   LaneArray image_;
   std::unique_ptr<IslandMap<Problem::dim>> island_map_;
   IslandModes<Problem, Width> islands_;
   const FreeMotions<Problem::dim>* free_motions_ = nullptr;
-  LaneArray corrected_, left_over_;  ///< of the rigid motions, if there are islands
-  std::unique_ptr<Half> half_;       ///< made at first use
+  LaneArray corrected_, left_over_;              ///< of the rigid motions, if there are islands
+  LaneArray handed_residual_, handed_solution_;  ///< of the lanes that a wider solver left over
+  std::unique_ptr<Half> half_;                   ///< made at first use
 };
 
 /// Calls `use` with the narrowest solver for this many lanes, 1 to 8, and its width as template argument.

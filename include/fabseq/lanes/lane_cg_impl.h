@@ -35,7 +35,8 @@ void LaneCg<Problem, Width>::give_back_memory() {
   matrix_.reset();
   multigrid_.reset();
   half_.reset();
-  for (LaneArray* array : {&image_, &corrected_, &left_over_}) free_memory(*array);
+  for (LaneArray* array : {&image_, &corrected_, &left_over_, &handed_residual_, &handed_solution_})
+    free_memory(*array);
   for (auto* array : {&rounded_residual_, &preconditioned_, &direction_}) free_memory(*array);
 }
 
@@ -277,7 +278,8 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& residual, LaneArray
       narrower.spectrum[i] = state.spectrum[lanes[i]];
       narrower.outcome[i] = state.outcome[lanes[i]];
     }
-    LaneArray half_residual, half_solution;
+    LaneArray& half_residual = half_->handed_residual_;
+    LaneArray& half_solution = half_->handed_solution_;
     select_lanes(residual, Width, lanes, half_residual, half_width);
     select_lanes(rounded_residual_, Width, lanes, half_->rounded_residual_, half_width);
     select_lanes(solution, Width, lanes, half_solution, half_width);

@@ -28,8 +28,8 @@ template <class Modes>
         }
 }
 
-/// The sums of one row of elements: reads faces across x, adds forces on them to the window. `From`: double or
-/// float, of x.
+/// The sums of one row of elements: reads faces across x, adds forces on them to the window. `From`: double
+/// or float, of x.
 template <class Kernel, class From, class Finish>
 class RowSweep {
  public:
@@ -89,8 +89,9 @@ class RowSweep {
         if (components == 1 && stride != 0)
           modes[a][corner] = Lanes<Count * width, Number>::load(place);
         else
-          modes[a][corner] = joined_pieces<Count>(
-              [&](int k) __attribute__((always_inline)) { return Value::load(place + k * stride); });
+          modes[a][corner] = joined_pieces<Count>([&](int k) __attribute__((always_inline)) {
+            return Value::load(place + k * stride);
+          });
       }
     transform_face(modes);
   }

@@ -156,7 +156,8 @@ template <int Width, class Real>
       Lanes<2 * Width, Real> result;
       result.part[0] = __builtin_shufflevector(first.part[0], second.part[0], Lane...);
       return result;
-    }(std::make_integer_sequence<int, 2 * Width>());
+    }
+    (std::make_integer_sequence<int, 2 * Width>());
   }
 }
 
@@ -168,7 +169,8 @@ template <int First, int Width, class Real>
     Lanes<Width, Real> result;
     result.part[0] = __builtin_shufflevector(before.part[0], behind.part[0], (First + Lane)...);
     return result;
-  }(std::make_integer_sequence<int, Width>());
+  }
+  (std::make_integer_sequence<int, Width>());
 }
 
 /// `Width` lanes of a register, from `First` on.
@@ -181,7 +183,8 @@ template <int Width, int First, int Whole, class Real>
       Lanes<Width, Real> result;
       result.part[0] = __builtin_shufflevector(whole.part[0], whole.part[0], (First + Lane)...);
       return result;
-    }(std::make_integer_sequence<int, Width>());
+    }
+    (std::make_integer_sequence<int, Width>());
   }
 }
 
