@@ -82,20 +82,18 @@ def group_counts(layers):
 
 
 def predict(case, on, program):
-    """(cores, groups, ranks, seconds) of the fastest split on so many cores, for both kinds of levels."""
+    """(cores, groups, ranks, seconds) of the fastest split on so many cores."""
     domain_ranks = [ranks for ranks in DOMAIN_RANKS if ranks <= (MOST_SPREAD if "config" in case.part else CORES[-1])]
     groups = group_counts(case.layers)
     case.prepare(program, groups, domain_ranks)
-    for staged in (False, True):
-        systems = {ranks: case.plan.systems(ranks, staged) for ranks in domain_ranks}
-        tried = [(count, ranks, case.time_split(on, count, systems[ranks]))
-                 for count in groups for ranks in domain_ranks if count * ranks <= CORES[-1]]
-        rows = []
-        for cores in CORES:
-            fitting = [entry for entry in tried if entry[2] and cores >= max(entry[0] * entry[1], case.first_cores)]
-            if fitting:
-                rows.append((cores, *min(fitting, key=lambda entry: total(entry[2]))))
-        yield staged, rows
+    tried = [(count, ranks, case.time_split(on, count, case.plan.systems(ranks)))
+             for count in groups for ranks in domain_ranks if count * ranks <= CORES[-1]]
+    rows = []
+    for cores in CORES:
+        fitting = [entry for entry in tried if entry[2] and cores >= max(entry[0] * entry[1], case.first_cores)]
+        if fitting:
+            rows.append((cores, *min(fitting, key=lambda entry: total(entry[2]))))
+    return rows
 
 
 def print_parts(seconds):
@@ -104,8 +102,8 @@ def print_parts(seconds):
         print(f"{name:>12s}" + "".join(f"{total(phases, [kind]):13.5f}" for kind in KINDS) + f"{total(phases):13.5f}")
 
 
-def print_prediction(case, rows, staged):
-    print(f"\n{case.title}" + ("; if coarse levels were held by ever fewer ranks" if staged else "; as the program is"))
+def print_prediction(case, rows):
+    print(f"\n{case.title}")
     print(f"{'cores':>7s}{'split':>10s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>11s}"
           f"   share of {', '.join(KINDS)}")
     for count, groups, ranks, seconds in rows:
@@ -124,13 +122,9 @@ def read_measured(path):
 
 def plot(path, predictions, measured):
     with program_run.figure(path, "", 2, figsize=(12, 5)) as all_axes:
-        for axes, (case, curves) in zip(all_axes, predictions):
-            for rows, line, color, label in (
-                    (curves[False], "o-", "tab:blue", "model"),
-                    (curves[True], "o--", "tab:gray", "model, coarse levels on ever fewer ranks (not built)")):
-                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], line,
-                            color=color, label=label, ms=4)
-            rows = curves[False]
+        for axes, (case, rows) in zip(all_axes, predictions):
+            axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], "o-", color="tab:blue",
+                        label="model", ms=4)
             ideal = [total(rows[0][3]) * rows[0][0] / row[0] for row in rows]
             axes.loglog([row[0] for row in rows], ideal, ":", color="tab:blue", label="ideal")
             if case is CASES["v_shape"]:
@@ -143,12 +137,11 @@ def plot(path, predictions, measured):
 def run_predict(options, on):
     predictions, record = [], []
     for case in CASES.values():
-        curves = dict(predict(case, on, options.plan))
-        for staged, rows in curves.items():
-            print_prediction(case, rows, staged)
-            record += [{"case": case.title, "staged": staged, "cores": cores, "groups": groups, "domain_ranks": ranks,
-                        "seconds": total(seconds)} for cores, groups, ranks, seconds in rows]
-        predictions.append((case, curves))
+        rows = predict(case, on, options.plan)
+        print_prediction(case, rows)
+        record += [{"case": case.title, "cores": cores, "groups": groups, "domain_ranks": ranks, "seconds": total(seconds)}
+                   for cores, groups, ranks, seconds in rows]
+        predictions.append((case, rows))
     if options.csv:
         program_run.write_rows(options.csv, record)
     if options.plot:

@@ -34,13 +34,14 @@ struct ExpectedLevel {
   }
 };
 
-/// Some that are distributed on several levels, some with odd counts, some tiny, some with long elements.
+/// Some that several ranks hold on several levels, one whose second level is for fewer, some with odd counts,
+/// some tiny, some with long elements.
 template <int Dim>
 std::vector<Index<Dim>> sizes() {
   if constexpr (Dim == 2)
-    return {{96, 97}, {37, 23}, {5, 4}, {3, 400}};
+    return {{96, 97}, {70, 58}, {37, 23}, {5, 4}, {3, 400}};
   else
-    return {{24, 25, 24}, {11, 9, 13}, {2, 3, 2}, {1, 60, 20}};
+    return {{24, 25, 24}, {12, 21, 22}, {11, 9, 13}, {2, 3, 2}, {1, 60, 20}};
 }
 
 template <int Dim>
@@ -67,14 +68,17 @@ void expect_level(const LaneLevel<Dim>& level, const ExpectedLevel<Dim>& expecte
     counted += range.end - range.begin;
   }
   EXPECT_LE(last, mesh.nodes());
+  const MPI_Comm all = PETSC_COMM_WORLD;
   std::int64_t elements = mesh.elements();
-  if (level.distributed) {
-    EXPECT_EQ(level.comm, PETSC_COMM_WORLD);
-    counted = sum(level.comm, counted);
-    elements = sum(level.comm, elements);
-  } else {
-    EXPECT_EQ(level.comm, MPI_COMM_SELF);
-    EXPECT_TRUE(level.shared.nodes().empty());
+  const bool holds = level.shares.process_of(rank_of(all)) >= 0;
+  EXPECT_EQ(level.lanes_dealt, level.shares.count() == 0);
+  EXPECT_EQ(level.distributed, holds && level.shares.count() > 1);
+  EXPECT_EQ(size_of(level.comm), level.distributed ? level.shares.count() : 1);
+  EXPECT_TRUE(level.distributed || level.shared.nodes().empty());
+  EXPECT_TRUE(holds || level.lanes_dealt || mesh.node_box().count() == 0);
+  if (!level.lanes_dealt) {
+    counted = sum(all, counted);
+    elements = sum(all, elements);
   }
   EXPECT_EQ(elements, std::count(expected.box.active.begin(), expected.box.active.end(), 1));
   EXPECT_EQ(counted, std::count_if(expected.touching.begin(), expected.touching.end(),
@@ -90,7 +94,7 @@ TYPED_TEST(LaneHierarchyTest, LevelsAreTheCoarsenedGrid) {
       const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, size, mask, {Dim - 1, false});
       const auto hierarchy = hierarchy_of(masked);
       ExpectedLevel<Dim> expected{masked.whole};
-      EXPECT_EQ(hierarchy.level(0).distributed, size_of(PETSC_COMM_WORLD) > 1);
+      EXPECT_EQ(hierarchy.level(0).shares.count(), size_of(PETSC_COMM_WORLD));
       for (int index = 0; index < hierarchy.count(); ++index) {
         SCOPED_TRACE(index);
         const auto& level = hierarchy.level(index);
@@ -99,15 +103,16 @@ TYPED_TEST(LaneHierarchyTest, LevelsAreTheCoarsenedGrid) {
         const auto& coarse = hierarchy.level(index + 1);
         for (int axis = 0; axis < Dim; ++axis)
           EXPECT_DOUBLE_EQ(coarse.spacing[axis], level.spacing[axis] * level.factors[axis]);
+        const auto& parts = level.staged && !coarse.lanes_dealt ? level.stage : coarse.mesh;
         level.mesh.element_box().for_each([&](Index<Dim> element, std::int64_t) {
           const int number = level.mesh.element_number(element);
           for (int axis = 0; axis < Dim; ++axis) element[axis] /= level.factors[axis];
-          EXPECT_TRUE(number < 0 || level.parent[number] == coarse.mesh.element_number(element));
+          EXPECT_TRUE(number < 0 || level.parent[number] == parts.element_number(element));
         });
         expected = expected.coarsened(level.factors);
       }
       const auto& last = hierarchy.level(hierarchy.count() - 1);
-      EXPECT_FALSE(last.distributed);
+      EXPECT_EQ(last.lanes_dealt, size_of(PETSC_COMM_WORLD) > 1);
       EXPECT_LE(last.mesh.elements(), LaneHierarchy<Dim>::coarsest_elements);
     }
 }
@@ -121,7 +126,7 @@ TYPED_TEST(LaneHierarchyTest, CoarseNodesThatInterpolateAreThere) {
       const auto hierarchy = hierarchy_of(masked);
       for (int index = 0; index + 1 < hierarchy.count(); ++index) {
         const auto& fine = hierarchy.level(index);
-        const auto& coarse = hierarchy.level(index + 1);
+        const auto& parts = fine.staged ? fine.stage : hierarchy.level(index + 1).mesh;
         test::for_each_node(fine.mesh, [&](const Index<Dim>& node, std::int64_t) {
           IndexBox<Dim> around;
           for (int axis = 0; axis < Dim; ++axis) {
@@ -129,8 +134,8 @@ TYPED_TEST(LaneHierarchyTest, CoarseNodesThatInterpolateAreThere) {
             around.size[axis] = 1 + node[axis] % fine.factors[axis];
           }
           around.for_each([&](const Index<Dim>& at, std::int64_t) {
-            ASSERT_TRUE(coarse.mesh.node_box().contains(at)) << mask.name;
-            EXPECT_GE(coarse.mesh.node_number(at), 0) << mask.name << " " << index;
+            ASSERT_TRUE(parts.node_box().contains(at)) << mask.name;
+            EXPECT_GE(parts.node_number(at), 0) << mask.name << " " << index;
           });
         });
       }
@@ -320,40 +325,56 @@ TYPED_TEST(LaneHierarchyTest, StripsStayStrips) {
   }
 }
 
-TYPED_TEST(LaneHierarchyTest, AgglomeratedLevelsAreTheSameOnAllRanks) {
+TYPED_TEST(LaneHierarchyTest, TheLastLevelIsTheSameOnAllRanks) {
   constexpr int Dim = TypeParam::value;
   for (const auto& size : sizes<Dim>())
     for (const auto& mask : test::masks<Dim>()) {
       const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, size, mask, Dim, test::mixed_supports<Dim>());
       const auto hierarchy = hierarchy_of(masked);
       std::ostringstream text;
-      for (int index = 0; index < hierarchy.count(); ++index) {
-        const auto& level = hierarchy.level(index);
-        text << index << (level.distributed ? " distributed " : " whole ") << to_text<Dim>(level.elements)
-             << to_text<Dim>(level.factors);
-        if (level.distributed) continue;
-        EXPECT_EQ(level.mesh.element_box().count(), IndexBox<Dim>({{}, level.elements}).count());
-        for (const auto& run : level.mesh.node_runs())
-          text << run.node << to_text<Dim>(run.index) << run.length;
-        for (const auto& row : level.mesh.rows()) text << row.element << " " << row.node[0] << row.length;
-        for (const std::int64_t unknown : level.fixed) text << " " << unknown;
-        for (const std::int64_t parent : level.parent) text << " " << parent;
-      }
+      for (int index = 0; index < hierarchy.count(); ++index)
+        text << index << " on " << hierarchy.level(index).shares.count() << " "
+             << to_text<Dim>(hierarchy.level(index).elements) << to_text<Dim>(hierarchy.level(index).factors);
+      const auto& last = hierarchy.level(hierarchy.count() - 1);
+      EXPECT_EQ(last.mesh.element_box().count(), IndexBox<Dim>({{}, last.elements}).count());
+      for (const auto& run : last.mesh.node_runs()) text << run.node << to_text<Dim>(run.index) << run.length;
+      for (const auto& row : last.mesh.rows()) text << row.element << " " << row.node[0] << row.length;
+      for (const std::int64_t unknown : last.fixed) text << " " << unknown;
       EXPECT_TRUE(text.str() == broadcast(PETSC_COMM_WORLD, text.str())) << mask.name;
     }
 }
 
-/// Enough to do for everybody, and ranks that start at even elements.
-TYPED_TEST(LaneHierarchyTest, LargeLevelsStayDistributed) {
+/// As many levels, and the same, as on one rank.
+TYPED_TEST(LaneHierarchyTest, LevelsDoNotDependOnTheRanks) {
   constexpr int Dim = TypeParam::value;
-  const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, sizes<Dim>()[0], test::masks<Dim>()[0], {0, false});
-  const auto hierarchy = hierarchy_of(masked);
-  ASSERT_GT(hierarchy.count(), 2);
-  const bool several = size_of(PETSC_COMM_WORLD) > 1;
-  bool aligned = true;
-  for (const int start : masked.grid.owned_elements().start) aligned = aligned && start % 2 == 0;
-  EXPECT_EQ(hierarchy.level(1).distributed, several && !any(PETSC_COMM_WORLD, !aligned));
-  EXPECT_FALSE(hierarchy.level(hierarchy.count() - 1).distributed);
+  for (const auto& size : sizes<Dim>())
+    for (const auto& mask : test::masks<Dim>()) {
+      const test::MaskedGrid<Dim> together(PETSC_COMM_WORLD, size, mask, Dim, test::mixed_supports<Dim>());
+      const test::MaskedGrid<Dim> alone(PETSC_COMM_SELF, size, mask, Dim, test::mixed_supports<Dim>());
+      const auto of_all = hierarchy_of(together), of_one = hierarchy_of(alone);
+      // Several ranks have a copy of a finest level that is small enough to be the last.
+      const int copies = of_one.count() == 1 && size_of(PETSC_COMM_WORLD) > 1 ? 1 : 0;
+      ASSERT_EQ(of_all.count(), of_one.count() + copies) << mask.name << to_text<Dim>(size);
+      for (int index = 0; index < of_one.count(); ++index)
+        EXPECT_EQ(of_all.level(index).elements, of_one.level(index).elements);
+    }
+}
+
+/// Enough to do for everybody on the second level, for fewer on the third or the second.
+TYPED_TEST(LaneHierarchyTest, FewerRanksHoldSmallerLevels) {
+  constexpr int Dim = TypeParam::value;
+  const int ranks = size_of(PETSC_COMM_WORLD);
+  if (ranks > 4) GTEST_SKIP() << "ranks: written for up to 4 ranks";
+  const std::vector<int> of_second = {ranks, ranks == 4 ? 2 : ranks};  // of 1,386 elements in 3D
+  for (int which = 0; which < 2; ++which) {
+    const test::MaskedGrid<Dim> masked(PETSC_COMM_WORLD, sizes<Dim>()[which], test::masks<Dim>()[0],
+                                       {0, false});
+    const auto hierarchy = hierarchy_of(masked);
+    ASSERT_GT(hierarchy.count(), 2);
+    EXPECT_EQ(hierarchy.level(0).shares.count(), ranks);
+    EXPECT_EQ(hierarchy.level(1).shares.count(), of_second[which]);
+    EXPECT_EQ(hierarchy.level(hierarchy.count() - 1).lanes_dealt, ranks > 1);
+  }
 }
 
 }  // namespace

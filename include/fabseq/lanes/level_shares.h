@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/grid/decomposition.h"
+#include "fabseq/grid/index_box.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace fabseq {
+
+/// Which ranks hold a level of the multigrid, and which of its elements: ranges as those of the grid, over
+/// ever fewer ranks. Every rank knows all shares; nothing here is collective.
+template <int Dim>
+struct LevelShares {
+  /// Where ranks would hold fewer elements than this on average, half as many hold them.
+  static constexpr std::int64_t least_elements = least_level_elements;
+
+  Decomposition<Dim> ranges;  ///< of the level's elements, in a grid of processes
+  std::vector<int> ranks;     ///< of the grid's communicator, by process
+
+  /// Those of the finest level: all ranks.
+  static LevelShares finest(const Decomposition<Dim>& ranges);
+
+  int count() const { return static_cast<int>(ranks.size()); }
+  /// Process that a rank is on this level, or -1.
+  int process_of(int rank) const;
+  /// Elements of a process.
+  IndexBox<Dim> elements_of(int process) const { return ranges.elements_of(ranges.position_of(process)); }
+  /// Elements of the next level, `factors` times coarser, that those of a process lie in.
+  IndexBox<Dim> parents_of(int process, const Index<Dim>& factors) const;
+  /// Process that holds an element.
+  int holder_of(const Index<Dim>& element) const {
+    return ranges.rank_at(ranges.position_of_element(element));
+  }
+
+  /// Shares of the next level, which has about the share of this level's `active` elements that its size
+  /// makes one expect; that of thin parts has more. Range starts between coarse elements are rounded up.
+  /// Processes that would get none, or too few, are joined with their neighbours in pairs, along the axis
+  /// where the ranges are shortest; the lower one of a pair goes on.
+  LevelShares coarsened(const Index<Dim>& factors, std::int64_t active) const;
+  /// Whether on the next level the same ranks hold just what their elements lie in.
+  bool stay_in_place(const LevelShares& next, const Index<Dim>& factors) const;
+
+ private:
+  void halve(int axis);
+};
+
+}  // namespace fabseq
