@@ -18,7 +18,7 @@ using Shares = fabseq::LevelShares<3>;
 
 double count_of(const Index<3>& box) { return static_cast<double>(fabseq::IndexBox<3>{{}, box}.count()); }
 
-/// Of a process, where the level's elements are known.
+/// Mesh of a process, where the level's elements are known.
 LaneMesh<3> mesh_of(const LaneMesh<3>& whole, const Shares& shares, int process) {
   const auto box = shares.elements_of(process);
   std::vector<char> active(static_cast<std::size_t>(box.count()));

@@ -14,13 +14,13 @@
 
 namespace scaling {
 
-/// What goes from the ranks of a level to those of the next, one way: of all, and of the one that gets most.
+/// What goes from the ranks of a level to those of the next, one way: in all, and to the rank that gets most.
 struct Gather {
   double messages = 0.0, entries = 0.0, own_messages = 0.0, own_entries = 0.0;
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gather, messages, entries, own_messages, own_entries)
 
-/// Counts of a level: of all ranks, and of the one that has most.
+/// Counts of a level: over all ranks, and of the one that has most.
 struct Level {
   fabseq::Index<3> box{};                     ///< elements along each axis
   fabseq::Index<3> factors{};                 ///< to the next level
@@ -43,12 +43,12 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Level, box, elements, nodes, own_elements, ow
 /// The levels of a system as one rank alone has them, and as others would.
 class System {
  public:
-  /// Of a part whose elements are known.
+  /// The system of a part whose elements are known.
   System(const fabseq::Grid<3>& grid, const fabseq::SystemDomain& domain);
-  /// Of a part that fills this share of the box evenly.
+  /// The system of a part that fills this share of the box evenly.
   System(fabseq::Index<3> box, double fill);
 
-  /// On ranks that hold the finest level like this.
+  /// Its levels on ranks that hold the finest one like this.
   std::vector<Level> on(const fabseq::Decomposition<3>& ranges) const;
 
  private:

@@ -192,7 +192,7 @@ void LaneHierarchy<Dim>::deal_lanes_out(LaneLevel<Dim>& fine, LaneLevel<Dim>& co
   fine.stage.element_box().for_each([&](const Index<Dim>& element, std::int64_t) {
     if (fine.stage.element_number(element) >= 0) active[whole.offset(element)] = 1;
   });
-  MPI_Allreduce(MPI_IN_PLACE, active.data(), static_cast<int>(active.size()), MPI_CHAR, MPI_MAX,
+  MPI_Allreduce(MPI_IN_PLACE, active.data(), static_cast<int>(active.size()), MPI_BYTE, MPI_BOR,
                 grid_.comm());
   coarse.mesh = LaneMesh<Dim>(whole, active);
   fine.dealt.resize(static_cast<std::size_t>(fine.stage.nodes()));

@@ -18,7 +18,7 @@ bool overlap(const IndexBox<Dim>& a, const IndexBox<Dim>& b) {
   return result;
 }
 
-/// Of a level; coarse nodes are counted in a box that is one longer along each axis.
+/// Box of all elements of a level, or `longer` along each axis: 1 for a box of its nodes.
 template <int Dim>
 IndexBox<Dim> whole_box(const LevelShares<Dim>& shares, int longer) {
   IndexBox<Dim> box;
@@ -115,7 +115,7 @@ void LevelGather<Dim>::deal_out(const LaneMesh<Dim>& stage, const LevelShares<Di
   });
 }
 
-/// Buffers filled from `from`, with room for what comes to `to`, and exchanged.
+/// Fills buffers from `from`, makes room for what comes to `to`, and exchanges them.
 template <int Dim>
 template <class Real>
 typename LevelGather<Dim>::template Buffers<Real>& LevelGather<Dim>::pack(const std::vector<Peer>& from,

@@ -139,8 +139,8 @@ TEST(Decomposition, BeginsOnCoarseGridsWhereThereIsRoom) {
   }
 }
 
-/// As far as levels are held by all ranks, and at a cost of 2 % at most: 2,000 elements a rank are for no
-/// more than the least block, 2,000,000 for one of 16 elements.
+/// Blocks grow as far as all ranks hold the level, and cost 2 % at most: ranks of 2,000 elements get the
+/// least block, and those of 2,000,000 may get one of 64 elements.
 TEST(Decomposition, BeginsAtHighPowersOfTwoWhereRanksHaveMuch) {
   const auto common_factor = [](const Index<3>& elements) {
     const auto decomposition = choose_decomposition<3>(PETSC_COMM_SELF, 5, elements, nullptr);

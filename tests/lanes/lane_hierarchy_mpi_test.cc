@@ -344,7 +344,7 @@ TYPED_TEST(LaneHierarchyTest, TheLastLevelIsTheSameOnAllRanks) {
     }
 }
 
-/// As many levels, and the same, as on one rank.
+/// There are as many levels as on one rank, and they are the same.
 TYPED_TEST(LaneHierarchyTest, LevelsDoNotDependOnTheRanks) {
   constexpr int Dim = TypeParam::value;
   for (const auto& size : sizes<Dim>())
@@ -360,7 +360,7 @@ TYPED_TEST(LaneHierarchyTest, LevelsDoNotDependOnTheRanks) {
     }
 }
 
-/// Enough to do for everybody on the second level, for fewer on the third or the second.
+/// There is enough to do for all ranks on the second level, for fewer on the third, or even on the second.
 TYPED_TEST(LaneHierarchyTest, FewerRanksHoldSmallerLevels) {
   constexpr int Dim = TypeParam::value;
   const int ranks = size_of(PETSC_COMM_WORLD);

@@ -146,7 +146,7 @@ void LaneDirect<Problem, Width, Real>::solve(Operator& matrix, const Real* right
   matrix.clear_held(solution);
 }
 
-/// In place, on values_, the lanes that this rank has factored.
+/// Solves the lanes that this rank has factored, in place on values_.
 template <class Problem, int Width, class Real>
 void LaneDirect<Problem, Width, Real>::solve_lanes() {
   if constexpr (Problem::own_operators) {

@@ -30,7 +30,7 @@ struct LaneLevel {
   LaneMesh<Dim> mesh;  ///< this rank's part
   Point<Dim> spacing{};
   Index<Dim> elements{};            ///< of the whole level
-  LevelShares<Dim> shares;          ///< who holds it; of a level whose lanes are dealt out: nobody
+  LevelShares<Dim> shares;          ///< who holds it; nobody if its lanes are dealt out
   bool lanes_dealt = false;         ///< the last level, of several ranks
   bool distributed = false;         ///< this rank holds a part, and others hold the rest
   MPI_Comm comm = MPI_COMM_SELF;    ///< of its holders, to sum inner products over
@@ -70,8 +70,7 @@ class LaneHierarchy {
   int count() const { return static_cast<int>(levels_.size()); }
   LaneLevel<Dim>& level(int index) { return levels_[index]; }
   const LaneLevel<Dim>& level(int index) const { return levels_[index]; }
-  /// Takes the last level's lanes to their owners, if `lanes_dealt`. Its parts are on the stage of the level
-  /// above.
+  /// Takes the last level's lanes to their owners, if `lanes_dealt`, from the stage of the level above.
   LaneDeal& deal() { return deal_; }
   /// Numbers of the domain's elements, in its order, in the finest mesh. `domain`: that of the hierarchy.
   std::vector<std::int64_t> element_numbers(const SystemDomain& domain) const;
@@ -79,7 +78,7 @@ class LaneHierarchy {
   /// Factors from a level of `active` elements to the next; all 1 if it is small enough to be the last.
   static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
                                    std::int64_t active);
-  /// What the elements of a mesh lie in on the next level, in the box `parents` of it.
+  /// Mesh of what the elements of a mesh lie in on the next level, within its box `parents`.
   static LaneMesh<Dim> stage_of(const LaneMesh<Dim>& fine, const IndexBox<Dim>& parents,
                                 const Index<Dim>& factors);
 

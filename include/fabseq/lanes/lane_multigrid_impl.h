@@ -46,7 +46,7 @@ std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::set_up() {
   return direct_.factor(*levels_.back().matrix, cycle_.shift);
 }
 
-/// What ranks share of a level is summed where it is held; of the last level, on all ranks.
+/// Sums of what ranks share go to those that hold it: for a last level that is dealt out, to all.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
   constexpr int stride = Operator::Kernel::stride;

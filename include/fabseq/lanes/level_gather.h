@@ -50,7 +50,7 @@ class LevelGather {
     int rank = 0;
     std::vector<std::int64_t> numbers;
   };
-  /// Of stages here, and of the next level's mesh here.
+  /// What leaves or reaches this rank's stage, and what reaches or leaves its part of the next level.
   struct Route {
     std::vector<Peer> stage, coarse;
   };

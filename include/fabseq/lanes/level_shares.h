@@ -9,7 +9,7 @@
 
 namespace fabseq {
 
-/// Which ranks hold a level of the multigrid, and which of its elements: ranges as those of the grid, over
+/// Which ranks hold a level of the multigrid, and which of its elements: ranges like those of the grid, over
 /// ever fewer ranks. Every rank knows all shares; nothing here is collective.
 template <int Dim>
 struct LevelShares {
@@ -19,7 +19,7 @@ struct LevelShares {
   Decomposition<Dim> ranges;  ///< of the level's elements, in a grid of processes
   std::vector<int> ranks;     ///< of the grid's communicator, by process
 
-  /// Those of the finest level: all ranks.
+  /// Shares of the finest level: all ranks hold it.
   static LevelShares finest(const Decomposition<Dim>& ranges);
 
   int count() const { return static_cast<int>(ranks.size()); }
@@ -34,8 +34,8 @@ struct LevelShares {
     return ranges.rank_at(ranges.position_of_element(element));
   }
 
-  /// Shares of the next level, which has about the share of this level's `active` elements that its size
-  /// makes one expect; that of thin parts has more. Range starts between coarse elements are rounded up.
+  /// Shares of the next level. It is taken to have this level's `active` elements over the product of the
+  /// factors; thin parts leave it more. Range starts between coarse elements are rounded up.
   /// Processes that would get none, or too few, are joined with their neighbours in pairs, along the axis
   /// where the ranges are shortest; the lower one of a pair goes on.
   LevelShares coarsened(const Index<Dim>& factors, std::int64_t active) const;
