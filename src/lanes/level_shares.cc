@@ -58,7 +58,7 @@ LevelShares<Dim> LevelShares<Dim>::coarsened(const Index<Dim>& factors, std::int
     for (int& start : starts) start = (start + factors[axis] - 1) / factors[axis];
     while (std::adjacent_find(starts.begin(), starts.end()) != starts.end()) coarse.halve(axis);
   }
-  while (coarse.count() > 1 && active < least_elements * coarse.count()) {
+  while (coarse.count() > 1 && active < least_level_elements * coarse.count()) {
     const auto length = [&](int axis) {
       const int processes = coarse.ranges.processes[axis];
       return static_cast<double>(coarse.ranges.range_starts[axis].back()) / processes;

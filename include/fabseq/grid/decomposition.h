@@ -19,7 +19,7 @@ namespace fabseq {
 template <int Dim>
 using ElementWeights = std::function<std::vector<double>(const IndexBox<Dim>&)>;
 
-/// A multigrid level is held by so many ranks that each has about this many of its elements or more.
+/// Half as many ranks hold a multigrid level if they would have fewer of its elements than this on average.
 inline constexpr std::int64_t least_level_elements = 400;
 
 /// A tensor product of index ranges: process p of axis a has the elements with range_starts[a][p] <= index[a]

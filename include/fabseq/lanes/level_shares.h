@@ -13,9 +13,6 @@ namespace fabseq {
 /// ever fewer ranks. Every rank knows all shares; nothing here is collective.
 template <int Dim>
 struct LevelShares {
-  /// Where ranks would hold fewer elements than this on average, half as many hold them.
-  static constexpr std::int64_t least_elements = least_level_elements;
-
   Decomposition<Dim> ranges;  ///< of the level's elements, in a grid of processes
   std::vector<int> ranks;     ///< of the grid's communicator, by process
 
@@ -35,9 +32,9 @@ struct LevelShares {
   }
 
   /// Shares of the next level. It is taken to have this level's `active` elements over the product of the
-  /// factors; thin parts leave it more. Range starts between coarse elements are rounded up.
-  /// Processes that would get none, or too few, are joined with their neighbours in pairs, along the axis
-  /// where the ranges are shortest; the lower one of a pair goes on.
+  /// factors; thin parts leave it more. Range starts between coarse elements are rounded up. Processes that
+  /// would get none, or fewer than least_level_elements on average, are joined with their neighbours in
+  /// pairs, along the axis where the ranges are shortest; the lower one of a pair goes on.
   LevelShares coarsened(const Index<Dim>& factors, std::int64_t active) const;
   /// Whether on the next level the same ranks hold just what their elements lie in.
   bool stay_in_place(const LevelShares& next, const Index<Dim>& factors) const;
