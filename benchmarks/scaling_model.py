@@ -4,7 +4,8 @@
 scaling.
 
     benchmarks/scaling_model.py check --splits 1x4 2x4 1x16           counts of small runs beside the model's
-    benchmarks/scaling_model.py predict --plot docs/scaling.png       time over cores, by the model
+    benchmarks/scaling_model.py predict --before benchmarks/scaling/before.csv --plot docs/scaling.png
+                                                                      time over cores, by the model
     benchmarks/scaling_model.py parts --case v_shape --splits 1x1 4x16    what an iteration's time is made of
 
 `check` runs the program with a library preloaded that counts MPI calls (benchmarks/scaling/message_count.cc),
@@ -14,7 +15,9 @@ whole run with PETSc's -log_view.
 
 `predict` times the counts on a stated machine (benchmarks/scaling/machine.py): --latency, --network and so on
 change it. For each number of cores it takes the fastest split into groups x domain ranks on no more cores
-that fits the memory. --measured adds the figures of a CSV of strong_scaling.py.
+that fits the memory. --measured adds the figures of a CSV of strong_scaling.py, --before those of another
+prediction's --csv: scaling/before.csv is that of the last version in which small levels were whole on every
+rank.
 
 How box, layers and rows are dealt out is asked of the program (benchmarks/scaling/plan.cc, built with the
 tests and with FABSEQ_BENCHMARKS).
@@ -82,20 +85,18 @@ def group_counts(layers):
 
 
 def predict(case, on, program):
-    """(cores, groups, ranks, seconds) of the fastest split on so many cores, for both kinds of levels."""
+    """(cores, groups, ranks, seconds) of the fastest split on so many cores."""
     domain_ranks = [ranks for ranks in DOMAIN_RANKS if ranks <= (MOST_SPREAD if "config" in case.part else CORES[-1])]
     groups = group_counts(case.layers)
     case.prepare(program, groups, domain_ranks)
-    for staged in (False, True):
-        systems = {ranks: case.plan.systems(ranks, staged) for ranks in domain_ranks}
-        tried = [(count, ranks, case.time_split(on, count, systems[ranks]))
-                 for count in groups for ranks in domain_ranks if count * ranks <= CORES[-1]]
-        rows = []
-        for cores in CORES:
-            fitting = [entry for entry in tried if entry[2] and cores >= max(entry[0] * entry[1], case.first_cores)]
-            if fitting:
-                rows.append((cores, *min(fitting, key=lambda entry: total(entry[2]))))
-        yield staged, rows
+    tried = [(count, ranks, case.time_split(on, count, case.plan.systems(ranks)))
+             for count in groups for ranks in domain_ranks if count * ranks <= CORES[-1]]
+    rows = []
+    for cores in CORES:
+        fitting = [entry for entry in tried if entry[2] and cores >= max(entry[0] * entry[1], case.first_cores)]
+        if fitting:
+            rows.append((cores, *min(fitting, key=lambda entry: total(entry[2]))))
+    return rows
 
 
 def print_parts(seconds):
@@ -104,8 +105,8 @@ def print_parts(seconds):
         print(f"{name:>12s}" + "".join(f"{total(phases, [kind]):13.5f}" for kind in KINDS) + f"{total(phases):13.5f}")
 
 
-def print_prediction(case, rows, staged):
-    print(f"\n{case.title}" + ("; if coarse levels were held by ever fewer ranks" if staged else "; as the program is"))
+def print_prediction(case, rows):
+    print(f"\n{case.title}")
     print(f"{'cores':>7s}{'split':>10s}{'seconds':>10s}{'speed-up':>10s}{'efficiency':>11s}"
           f"   share of {', '.join(KINDS)}")
     for count, groups, ranks, seconds in rows:
@@ -122,15 +123,22 @@ def read_measured(path):
     return sorted(dict(sorted(totals, reverse=True)).items())
 
 
-def plot(path, predictions, measured):
+def read_before(path):
+    """Cores and seconds of another prediction, by the titles of the cases."""
+    curves = {}
+    with open(path, encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            curves.setdefault(row["case"], []).append((int(row["cores"]), float(row["seconds"])))
+    return curves
+
+
+def plot(path, predictions, measured, before):
     with program_run.figure(path, "", 2, figsize=(12, 5)) as all_axes:
-        for axes, (case, curves) in zip(all_axes, predictions):
-            for rows, line, color, label in (
-                    (curves[False], "o-", "tab:blue", "model"),
-                    (curves[True], "o--", "tab:gray", "model, coarse levels on ever fewer ranks (not built)")):
-                axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], line,
-                            color=color, label=label, ms=4)
-            rows = curves[False]
+        for axes, (case, rows) in zip(all_axes, predictions):
+            axes.loglog([row[0] for row in rows], [total(row[3]) for row in rows], "o-", color="tab:blue",
+                        label="model", ms=4)
+            if case.title in before:
+                axes.loglog(*zip(*before[case.title]), "o--", color="tab:gray", label="model, before", markersize=4)
             ideal = [total(rows[0][3]) * rows[0][0] / row[0] for row in rows]
             axes.loglog([row[0] for row in rows], ideal, ":", color="tab:blue", label="ideal")
             if case is CASES["v_shape"]:
@@ -143,16 +151,16 @@ def plot(path, predictions, measured):
 def run_predict(options, on):
     predictions, record = [], []
     for case in CASES.values():
-        curves = dict(predict(case, on, options.plan))
-        for staged, rows in curves.items():
-            print_prediction(case, rows, staged)
-            record += [{"case": case.title, "staged": staged, "cores": cores, "groups": groups, "domain_ranks": ranks,
-                        "seconds": total(seconds)} for cores, groups, ranks, seconds in rows]
-        predictions.append((case, curves))
+        rows = predict(case, on, options.plan)
+        print_prediction(case, rows)
+        record += [{"case": case.title, "cores": cores, "groups": groups, "domain_ranks": ranks, "seconds": total(seconds)}
+                   for cores, groups, ranks, seconds in rows]
+        predictions.append((case, rows))
     if options.csv:
         program_run.write_rows(options.csv, record)
     if options.plot:
-        plot(options.plot, predictions, read_measured(options.measured) if options.measured else [])
+        plot(options.plot, predictions, read_measured(options.measured) if options.measured else [],
+             read_before(options.before) if options.before else {})
 
 
 def run_parts(options, on):
@@ -178,6 +186,7 @@ def parse_arguments():
     predicts = commands.add_parser("predict", help="time over cores")
     predicts.add_argument("--plot", metavar="FILE")
     predicts.add_argument("--csv", metavar="FILE")
+    predicts.add_argument("--before", metavar="FILE", help="a CSV of another prediction")
     predicts.add_argument("--measured", metavar="FILE", help="a CSV of strong_scaling.py, of the V-shape")
     parts = commands.add_parser("parts", help="what the time of splits is made of")
     parts.add_argument("--case", default="v_shape", choices=list(CASES))

@@ -89,8 +89,16 @@ def model_counts(tallies, elastic, heat):
             add(phase, times, counts.halo_messages, counts.halo_nodes * size)
         for (phase, size), times in tally.exchanges.items():
             add(phase, times, elastic.exchange_messages(), elastic.exchange_nodes() * size)
-        for (phase, _, _, size), times in tally.collectives.items():
-            add(phase, times / len(tallies), 1, size, "collective")
+        for (phase, level, kind, size), times in tally.gathers.items():
+            counts = getattr((heat if phase == "heat" else elastic).levels[level], "gathered_" + kind)
+            add(phase, times, counts.messages, counts.entries * size)
+        for (phase, owners, size), times in tally.deals.items():
+            messages, volume = (heat if phase == "heat" else elastic).dealt(owners, size)[:2]
+            add(phase, times, messages, volume)
+        for (phase, _, comm, size), times in tally.collectives.items():
+            system = heat if phase == "heat" else elastic
+            share = system.levels[comm].ranks / system.ranks if isinstance(comm, int) else 1.0
+            add(phase, times * share / len(tallies), 1, size, "collective")
     return result
 
 

@@ -3,8 +3,10 @@
 collective calls.
 
 A "halo" is a sum over shared nodes (SharedNodes::sum), an "exchange" PETSc's halo of the nodes of the whole
-box: one message to each neighbour. Collectives are over the ranks of a group ("domain"), a rank and its
-copies ("across"), or all ("world").
+box: one message to each neighbour. A "gather" takes values to the ranks that hold the next level, or back
+(LevelGather); a "deal" takes lanes to those that solve them on the last level, or back (LaneDeal).
+Collectives are over the ranks of a group ("domain"), those of them that hold a level (its number), a rank and
+its copies ("across"), or all ("world").
 """
 
 from collections import Counter, defaultdict
@@ -40,6 +42,8 @@ class Tally:
         self.work = defaultdict(lambda: np.zeros(2))  # phase: a rank's kernels
         self.halos = Counter()                        # (phase, level, bytes per node): how often
         self.exchanges = Counter()                    # (phase, bytes per node)
+        self.gathers = Counter()                      # (phase, level, "nodes" or "elements", bytes per each)
+        self.deals = Counter()                        # (phase, owners of the lanes, bytes per node and lane)
         self.collectives = Counter()                  # (phase, kind, comm, bytes per rank)
         self.serial = Counter()                       # (phase, what): units on one rank
 
@@ -49,6 +53,10 @@ class Tally:
 
 def width_of(lanes):
     return 1 << (lanes - 1).bit_length()
+
+
+def most_lanes(owners):
+    return max(Counter(owners).values())
 
 
 class LaneSolver:
@@ -66,7 +74,7 @@ class LaneSolver:
         self.collective("allreduce", "domain", size, times)
 
     def halo(self, level, size, times=1):
-        if self.levels[level].distributed:
+        if self.levels[level].ranks > 1:
             self.tally.halos[self.phase, level, size] += times
 
     def exchange(self, components, times=1):
@@ -82,16 +90,20 @@ class LaneSolver:
         self.tally.work[self.phase] += times * amount * (1.0 if alone else 8 * self.plan.relative_cost[width] / width, 1.0)
 
     def transfer_down(self, fine, of_nodes, of_elements, times=1):
-        """Bytes of the level below `fine`: summed with the neighbours', or over all ranks."""
+        """Bytes of the level below `fine`: nodes of a cycle, there and back, or elements of the set-up."""
         coarse = self.levels[fine + 1]
-        if coarse.distributed:
-            if of_nodes:
-                self.halo(fine + 1, of_nodes, times)
-        elif self.levels[fine].distributed:
-            self.reduce(round(of_nodes * coarse.nodes + of_elements * coarse.elements), times)
+        if coarse.lanes_dealt:
+            self.reduce(round(of_elements * coarse.elements), times if of_elements else 0)
+            return
+        for kind, size, ways in (("nodes", of_nodes, 2), ("elements", of_elements, 1)):
+            if size and coarse.gathered_nodes.messages:
+                self.tally.gathers[self.phase, fine + 1, kind, size] += ways * times
+        if of_nodes:
+            self.halo(fine + 1, of_nodes, times)
 
-    def lanes_here(self, lanes):
-        return -(-lanes // self.system.ranks)
+    def owners(self, width):
+        """Rank that solves each lane on the last level; one operator for all lanes is the first rank's."""
+        return tuple(lane % self.system.ranks if self.problem.own_operators else 0 for lane in range(width))
 
     def set_up(self, width):
         problem, operators = self.problem, self.problem.operators(width)
@@ -101,16 +113,17 @@ class LaneSolver:
             self.tally.work[self.phase] += self.levels[level].own_nodes * operators * np.array(
                 [70 * problem.components, problem.scaling() * (4 * DOUBLE + SINGLE)])
         self.reduce(operators * DOUBLE)  # of factor()
-        self.serial("factor", self.lanes_here(operators))
+        self.serial("factor", most_lanes(self.owners(operators)))
         if not problem.own_operators or len(self.levels) == 1:
             return
         if np.prod(self.system.box, dtype=float) <= LARGEST_ISLAND_FIELD:
             self.collective("gather", "domain", round(self.levels[0].elements / self.system.ranks) * DOUBLE, width)
             self.collective("bcast", "domain", 4, width)
-            self.serial("islands", self.lanes_here(width))
+            self.serial("islands", -(-width // self.system.ranks))
         self.reduce(0, width)  # centres of no islands
 
-    def precondition(self, width, patient):
+    def precondition(self, owners, patient):
+        width = len(owners)
         problem, visits, last = self.problem, 1, len(self.levels) - 1
         value = problem.components * width
         for level in range(last):
@@ -119,32 +132,37 @@ class LaneSolver:
                 visits *= steps
                 if steps > 1:
                     self.halo(level, value * SINGLE, visits)
-                    if self.levels[level].distributed:
-                        self.reduce(3 * width * DOUBLE, visits)
+                    if self.levels[level].ranks > 1:
+                        self.collective("allreduce", level, 3 * width * DOUBLE, visits)
                     self.work(coarse_step(problem, self.levels[level], width, steps), visits, width)
             self.halo(level, value * SINGLE, 3 * visits)
             self.transfer_down(level, value * SINGLE, 0, visits)
             self.work(visit(problem, self.levels[level], self.levels[level + 1], width), visits, width)
+        if self.levels[-1].lanes_dealt:
+            self.tally.deals[self.phase, owners, problem.components * SINGLE] += 2 * visits
         if problem.own_operators:
-            self.reduce(round(self.system.rows()) * width * DOUBLE, visits)
-            self.serial("direct", visits * self.lanes_here(width))
+            self.serial("direct", visits * most_lanes(owners))
         else:
             self.serial("direct heat", visits * width)
 
     def solve(self, iterations):
         """Lanes that take so many iterations; those that are left go on in half the width."""
         width, most = width_of(len(iterations)), max(iterations)
+        owners, lanes = self.owners(width), list(range(len(iterations)))
         self.exchange(self.problem.components * len(iterations), 2)  # to the mesh and back
         self.reduce(width * DOUBLE)                                  # |f|
         for done in range(most + 1):
-            self.precondition(width, done >= self.problem.patience)
+            self.precondition(owners, done >= self.problem.patience)
             self.reduce((4 * width + 1) * DOUBLE)                    # and whether to stop
             if done < most:
                 self.halo(0, self.problem.components * width * DOUBLE)
                 self.reduce(width * DOUBLE)
                 self.work(outer_step(self.problem, self.levels[0], width), 1, width)
-                if width > 1 and sum(lane > done for lane in iterations) <= width // 2:
+                left = [place for place, lane in enumerate(lanes) if iterations[lane] > done]
+                if width > 1 and len(left) <= width // 2:
                     width //= 2
+                    owners = tuple(owners[left[place if place < len(left) else 0]] for place in range(width))
+                    lanes = [lanes[place] for place in left]
 
 
 def count_heat(solver, group, groups, rows):

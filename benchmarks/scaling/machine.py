@@ -63,8 +63,12 @@ class Clock:
             seconds += OFF_NODE * size * self.machine.cores_per_node / self.machine.network
         return seconds
 
-    def collective(self, kind, comm, size):
-        ranks = {"domain": self.ranks, "across": self.groups, "world": self.cores}[comm]
+    def collective(self, system, kind, comm, size):
+        """`comm` may be a level's number: of the ranks that hold it."""
+        if isinstance(comm, int):
+            ranks, comm = system.levels[comm].ranks, "domain"
+        else:
+            ranks = {"domain": self.ranks, "across": self.groups, "world": self.cores}[comm]
         seconds = 2 * math.ceil(math.log2(ranks)) * self.machine.latency
         if kind in ("gather", "allgather"):
             size *= ranks
@@ -102,12 +106,21 @@ class Clock:
         def halo(level, size):
             return self.message(system.levels[level].own_neighbors, system.levels[level].own_halo_nodes * size)
 
+        def gather(level, kind, size):
+            counts = getattr(system.levels[level], "gathered_" + kind)
+            return self.message(counts.own_messages, counts.own_entries * size)
+
+        def deal(owners, size):
+            messages, _, most, volume = system.dealt(owners, size)
+            return self.message(most, volume) if messages else 0.0
+
         compute = max(tally.work[phase] / np.array([self.machine.flops, self.bandwidth]))
         return {"compute": compute + (self.optimizer() if phase == "optimizer" else 0.0),
                 "serial": total(tally.serial, lambda what: self.serial(system, phase, what)),
                 "messages": total(tally.halos, halo) + total(tally.exchanges, lambda size: self.message(
-                    system.own_neighbors(), system.own_exchange_nodes() * size)),
-                "collectives": total(tally.collectives, self.collective)}
+                    system.own_neighbors(), system.own_exchange_nodes() * size))
+                + total(tally.gathers, gather) + total(tally.deals, deal),
+                "collectives": total(tally.collectives, lambda *what: self.collective(system, *what))}
 
     def seconds(self, tallies):
         """By phase: that of the slowest group, and its parts."""
@@ -116,8 +129,8 @@ class Clock:
 
 
 def memory_bytes(elastic, groups, layers, part_elements):
-    """Of all ranks: the program's own estimate (run_cost), and the levels that every rank holds whole."""
+    """Of all ranks: the program's own estimate (run_cost), and the last level, whole on every rank."""
     unknowns, nodes = 3 * elastic.levels[0].nodes, math.prod(n + 1 for n in elastic.box)
-    whole = sum(level.own_nodes for level in elastic.levels if not level.distributed) if elastic.ranks > 1 else 0.0
+    whole = elastic.levels[-1].nodes if elastic.ranks > 1 else 0.0
     return (unknowns * 2500.0 * groups + nodes * (900.0 * groups + 24.0 * layers) + part_elements * layers * 16.0 * (groups + 3)
             + elastic.ranks * groups * (8e7 + whole * 24 * 9 * SINGLE))

@@ -4,6 +4,7 @@ of layers and rows to groups. It is the program's own code that answers (plan.cc
 
 import json
 import math
+from collections import Counter
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -32,6 +33,12 @@ class Problem:
         return steps[min(level, len(steps)) - 1]
 
 
+def level_of(answer):
+    """A level's counts by their names."""
+    return SimpleNamespace(**{name: SimpleNamespace(**value) if isinstance(value, dict) else value
+                              for name, value in answer.items()})
+
+
 class System:
     """A problem's levels, as plan.cc has them. PETSc's process grid exchanges nodes of the whole box."""
 
@@ -57,6 +64,16 @@ class System:
         own = [n / p for n, p in zip(self.box, self.grid)]
         return math.prod(n + s for n, s in zip(own, self.sides())) - math.prod(own)
 
+    def dealt(self, owners, size):
+        """Messages and bytes of a deal, one way, in all, and the most of both that a rank gets or sends."""
+        lanes, holders = Counter(owners), self.levels[-1].holders
+        sent = [(owner, holder, nodes * count * size) for owner, count in lanes.items()
+                for holder, nodes in holders if holder != owner]
+        busiest = [[size for message in sent if message[end] == rank for size in message[2:]]
+                   for end in (0, 1) for rank in {message[end] for message in sent}]
+        return (len(sent), sum(size for _, _, size in sent),
+                max(map(len, busiest), default=0), max(map(sum, busiest), default=0))
+
     def own_box_nodes(self):
         return math.prod(n + 1 for n in self.box) / self.ranks
 
@@ -78,32 +95,16 @@ class Plan:
         deals = [(work, count) for work in iteration.deals() for count in groups]
         question = {**part, "ranks": ranks, "deals": [{"work": work, "groups": count} for work, count in deals]}
         answer = json.loads(program_run.run_command([program], input=json.dumps(question)).stdout)
-        self.part_elements, self.least_elements = answer["part_elements"], answer["agglomeration_limit"]
+        self.part_elements = answer["part_elements"]
         self.relative_cost = {int(width): cost for width, cost in answer["relative_cost"].items()}
         self.problems = {name: Problem(**problem) for name, problem in answer["problems"].items()}
         self.found = dict(zip(ranks, answer["systems"]))
         self.deals = {(tuple(work), count): blocks for (work, count), blocks in zip(deals, answer["deals"])}
 
-    def systems(self, ranks, staged=False):
-        """Of elasticity and heat; None if the box cannot be dealt out to so many ranks. `staged`: coarse
-        levels on ever fewer ranks instead of whole on all of them, which the program does not do."""
+    def systems(self, ranks):
+        """Of elasticity and heat; None if the box cannot be dealt out to so many ranks."""
         found = self.found[ranks]
         if found is None:
             return None
-        levels = {name: [SimpleNamespace(**level) for level in found[name]] for name in self.problems}
-        if staged:
-            levels = {name: self.spread(of_system, ranks) for name, of_system in levels.items()}
-        return [System(self.problems[name], levels[name], found["grid"]) for name in ("elasticity", "heat")]
-
-    def spread(self, levels, ranks):
-        """Levels held by only so many ranks that each has enough to do; the others wait."""
-        result = []
-        for level in levels:
-            share = min(ranks, level.elements / self.least_elements)
-            if not level.distributed and share > 1:
-                edge = (level.elements / share)**(1.0 / 3.0)
-                level = SimpleNamespace(**vars(level) | {
-                    "distributed": True, "own_elements": level.elements / share, "own_nodes": level.nodes / share,
-                    "own_neighbors": 26, "own_halo_nodes": (edge + 3)**3 - (edge + 1)**3})
-            result.append(level)
-        return result + levels[-1:] if result[-1].distributed else result
+        return [System(self.problems[name], [level_of(level) for level in found[name]], found["grid"])
+                for name in ("elasticity", "heat")]

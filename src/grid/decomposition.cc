@@ -9,53 +9,11 @@
 #include <cstdint>
 #include <numeric>
 #include <string>
+#include <utility>
 
 namespace fabseq {
 
 namespace {
-
-/// End of the longest range from `start` on whose sum stays within `bound`. `sums`: running sums of the
-/// weights.
-int longest_range_end(const std::vector<double>& sums, int start, double bound) {
-  return static_cast<int>(std::upper_bound(sums.begin() + start, sums.end(), sums[start] + bound) -
-                          sums.begin()) -
-         1;
-}
-
-/// Whether the entries can be split into `parts` ranges of at least one entry with sums within `bound`.
-bool can_be_split(const std::vector<double>& sums, int parts, double bound) {
-  const int count = static_cast<int>(sums.size()) - 1;
-  int start = 0;
-  for (int part = 0; part < parts; ++part) {
-    const int end = std::min(longest_range_end(sums, start, bound), count - (parts - 1 - part));
-    if (end <= start) return false;
-    start = end;
-  }
-  return start == count;
-}
-
-/// Smallest bound, up to rounding, for which can_be_split() holds.
-double smallest_bound(const std::vector<double>& sums, int parts) {
-  double low = 0.0, high = sums.back();
-  for (int step = 0; step < 64 && high - low > 1e-12 * sums.back(); ++step) {
-    const double middle = 0.5 * (low + high);
-    (can_be_split(sums, parts, middle) ? high : low) = middle;
-  }
-  return high * (1.0 + 1e-12);
-}
-
-/// Smallest possible start of each range: from there to the end, all ranges can stay within `bound` and hold
-/// at least one entry each.
-std::vector<int> smallest_starts(const std::vector<double>& sums, int parts, double bound) {
-  std::vector<int> starts(static_cast<std::size_t>(parts) + 1);
-  starts[parts] = static_cast<int>(sums.size()) - 1;
-  for (int part = parts - 1; part >= 0; --part) {
-    const double least = sums[starts[part + 1]] - bound;
-    const int fits = static_cast<int>(std::lower_bound(sums.begin(), sums.end(), least) - sums.begin());
-    starts[part] = std::min(std::max(fits, part), starts[part + 1] - 1);
-  }
-  return starts;
-}
 
 /// Slab of a rank if the whole grid is cut across its longest axis into one slab per rank. The slab may be
 /// empty.
@@ -153,11 +111,9 @@ double surface_between(const Index<Dim>& processes, const Index<Dim>& elements) 
   return surface;
 }
 
-/// split_evenly() at multiples of 4 or 2 if there are enough elements. Ranks that begin at an element of a
-/// coarse grid also share the work of that multigrid level (docs/formulation.md 11.2).
-std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int parts) {
+/// split_evenly() at multiples of `block`.
+std::vector<int> split_in_blocks(const std::vector<double>& weights, int parts, int block) {
   const int count = static_cast<int>(weights.size());
-  const int block = count >= 16 * parts ? 4 : count >= 6 * parts ? 2 : 1;
   std::vector<double> blocks(static_cast<std::size_t>((count + block - 1) / block), 0.0);
   for (int i = 0; i < count; ++i) blocks[i / block] += weights[i];
   std::vector<int> starts = split_evenly(blocks, parts);
@@ -165,12 +121,48 @@ std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int p
   return starts;
 }
 
+double heaviest_range(const std::vector<double>& weights, const std::vector<int>& starts) {
+  double heaviest = 0.0;
+  for (std::size_t i = 1; i < starts.size(); ++i)
+    heaviest = std::max(heaviest,
+                        std::accumulate(weights.begin() + starts[i - 1], weights.begin() + starts[i], 0.0));
+  return heaviest;
+}
+
+/// split_evenly() at multiples of 4 or 2 if there are enough elements, and of up to `most`, a power of two,
+/// if that makes the heaviest range no more than 2 % heavier. Ranks that begin at an element of a coarse grid
+/// hold what their elements lie in there, and need send nothing to get to that multigrid level
+/// (docs/formulation.md 11.2).
+std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int parts, int most) {
+  constexpr double worth = 1.02;
+  const int count = static_cast<int>(weights.size());
+  int block = count >= 16 * parts ? 4 : count >= 6 * parts ? 2 : 1;
+  std::vector<int> starts = split_in_blocks(weights, parts, block);
+  const double bound = worth * heaviest_range(weights, starts);
+  for (block *= 2; block <= most && count >= block * parts; block *= 2) {
+    std::vector<int> coarser = split_in_blocks(weights, parts, block);
+    if (heaviest_range(weights, coarser) <= bound) starts = std::move(coarser);
+  }
+  return starts;
+}
+
+/// Edge, in elements, of those of the coarsest level that all ranks hold; at least 4.
+template <int Dim>
+int largest_block(const std::vector<double>& weights, const Index<Dim>& processes) {
+  double share = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (const int count : processes) share /= count;
+  int block = 4;
+  while (share >= static_cast<double>(least_level_elements) * std::pow(2 * block, Dim)) block *= 2;
+  return block;
+}
+
 template <int Dim>
 Decomposition<Dim> balanced(const SlabWeights<Dim>& weights, const Index<Dim>& processes) {
   Decomposition<Dim> result;
   result.processes = processes;
+  const int most = largest_block<Dim>(weights.marginal(0), processes);
   for (int axis = 0; axis < Dim; ++axis)
-    result.range_starts[axis] = split_on_coarse_grids(weights.marginal(axis), processes[axis]);
+    result.range_starts[axis] = split_on_coarse_grids(weights.marginal(axis), processes[axis], most);
   return result;
 }
 
@@ -205,27 +197,6 @@ Index<Dim> Decomposition<Dim>::position_of_element(const Index<Dim>& element) co
         static_cast<int>(std::upper_bound(starts.begin(), starts.end(), element[axis]) - starts.begin()) - 1;
   }
   return position;
-}
-
-std::vector<int> split_evenly(const std::vector<double>& weights, int parts) {
-  std::vector<double> sums(weights.size() + 1, 0.0);
-  std::partial_sum(weights.begin(), weights.end(), sums.begin() + 1);
-  const int count = static_cast<int>(weights.size());
-  const double bound = smallest_bound(sums, parts);
-  const std::vector<int> smallest = smallest_starts(sums, parts, bound);
-
-  std::vector<int> starts(static_cast<std::size_t>(parts) + 1, 0);
-  for (int part = 1; part < parts; ++part) {
-    const int low = std::max(smallest[part], starts[part - 1] + 1);
-    const int high =
-        std::max(low, std::min(longest_range_end(sums, starts[part - 1], bound), count - (parts - part)));
-    const double ideal = sums.back() * part / parts;
-    starts[part] = low;
-    for (int end = low + 1; end <= high; ++end)
-      if (std::abs(sums[end] - ideal) < std::abs(sums[starts[part]] - ideal)) starts[part] = end;
-  }
-  starts[parts] = count;
-  return starts;
 }
 
 template <int Dim>

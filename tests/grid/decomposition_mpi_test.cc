@@ -139,6 +139,21 @@ TEST(Decomposition, BeginsOnCoarseGridsWhereThereIsRoom) {
   }
 }
 
+/// Blocks grow as far as all ranks hold the level, and cost 2 % at most: ranks of 2,000 elements get the
+/// least block, and those of 2,000,000 may get one of 64 elements.
+TEST(Decomposition, BeginsAtHighPowersOfTwoWhereRanksHaveMuch) {
+  const auto common_factor = [](const Index<3>& elements) {
+    const auto decomposition = choose_decomposition<3>(PETSC_COMM_SELF, 5, elements, nullptr);
+    int common = 0;
+    for (const auto& starts : decomposition.range_starts)
+      for (std::size_t process = 1; process + 1 < starts.size(); ++process) common |= starts[process];
+    return common & -common;
+  };
+  EXPECT_EQ(common_factor({100, 10, 10}), 4);
+  EXPECT_EQ(common_factor({1590, 78, 78}), 64);  // ranges of 320 rather than of 316 and 320
+  EXPECT_EQ(common_factor({1620, 78, 78}), 8);   // 328 rather than 324; 336 would cost too much
+}
+
 TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {
   // Slabs of some ranks are empty then.
   const MPI_Comm comm = PETSC_COMM_WORLD;

@@ -15,7 +15,7 @@ namespace {
 /// A mesh, the coarser one around it, and how they are to be related.
 template <int Dim>
 struct TwoMeshes {
-  /// `whole`: the coarse mesh is that of the whole grid, as where levels are agglomerated.
+  /// `whole`: the coarse mesh is that of the whole grid.
   TwoMeshes(const test::MaskedBox<Dim>& box_, const Index<Dim>& factors_, bool whole)
       : box(box_),
         factors(factors_),

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace fabseq {
 /// only.
 template <int Dim>
 using ElementWeights = std::function<std::vector<double>(const IndexBox<Dim>&)>;
+
+/// Half as many ranks hold a multigrid level if they would have fewer of its elements than this on average.
+inline constexpr std::int64_t least_level_elements = 400;
 
 /// A tensor product of index ranges: process p of axis a has the elements with range_starts[a][p] <= index[a]
 /// < range_starts[a][p + 1].
@@ -46,10 +50,11 @@ template <int Dim>
 std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& elements);
 
 /// Chooses process grid and ranges. For every factorization that fits, the ranges follow from the marginal
-/// weights of each axis. Among the factorizations whose heaviest rank is within 1 % of the lightest one
-/// possible, the one with the least surface between ranks is taken. An empty function `weights` gives all
-/// elements the same weight. Collective on `comm`: each rank evaluates `weights` on one slab of the grid.
-/// Throws InputError on all ranks if no factorization fits.
+/// weights of each axis; they begin at multiples of as large a power of two as there is room for. Among the
+/// factorizations whose heaviest rank is within 1 % of the lightest one possible, the one with the least
+/// surface between ranks is taken. An empty function `weights` gives all elements the same weight. Collective
+/// on `comm`: each rank evaluates `weights` on one slab of the grid. Throws InputError on all ranks if no
+/// factorization fits.
 template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights);

@@ -108,6 +108,8 @@ class Grid {
   const IndexBox<Dim>& ghosted_nodes() const { return ghosted_nodes_; }
   /// Number of ranks along each axis; rank = px + Px (py + Py pz).
   const Index<Dim>& processes() const { return decomposition_.processes; }
+  /// Elements of every rank.
+  const Decomposition<Dim>& decomposition() const { return decomposition_; }
 
   Point<Dim> element_center(const Index<Dim>& element) const;
   Point<Dim> node_position(const Index<Dim>& node) const;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/grid/grid.h"
 #include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/lanes/lane_deal.h"
 #include "fabseq/lanes/lane_mesh.h"
 #include "fabseq/lanes/lane_transfer.h"
+#include "fabseq/lanes/level_gather.h"
+#include "fabseq/lanes/level_shares.h"
 #include "fabseq/lanes/shared_nodes.h"
 
 #include <cstdint>
@@ -13,8 +17,9 @@
 
 namespace fabseq {
 
-/// One level of the lane multigrid, common to all lanes. It is either distributed like the grid or
-/// agglomerated: held whole by every rank.
+/// One level of the lane multigrid, common to all lanes. Its elements are dealt out to as many ranks as have
+/// enough to do; on the others its mesh is empty, so that they take every step without doing anything. Where
+/// the grid has several ranks, the last level's mesh is whole on all of them: its lanes are dealt out.
 template <int Dim>
 struct LaneLevel {
   /// Nodes begin ... end - 1.
@@ -22,17 +27,25 @@ struct LaneLevel {
     std::int64_t begin = 0, end = 0;
   };
 
-  LaneMesh<Dim> mesh;
+  LaneMesh<Dim> mesh;  ///< this rank's part
   Point<Dim> spacing{};
-  Index<Dim> elements{};  ///< of the whole level
-  bool distributed = false;
-  MPI_Comm comm = MPI_COMM_SELF;     ///< to sum inner products over
-  SharedNodes shared;                ///< empty where the level is not distributed
-  std::vector<Range> counted;        ///< nodes this rank counts in inner products
-  std::vector<std::int64_t> fixed;   ///< unknowns held at 0: node * components + component, ascending
-  Index<Dim> factors{};              ///< to the next level: 2 along coarsened axes
-  std::vector<std::int64_t> parent;  ///< element of the next level that each element is in
-  LaneTransfer<Dim> transfer;        ///< to the next level
+  Index<Dim> elements{};            ///< of the whole level
+  LevelShares<Dim> shares;          ///< who holds it; nobody if its lanes are dealt out
+  bool lanes_dealt = false;         ///< the last level, of several ranks
+  bool distributed = false;         ///< this rank holds a part, and others hold the rest
+  MPI_Comm comm = MPI_COMM_SELF;    ///< of its holders, to sum inner products over
+  SharedNodes shared;               ///< empty where the level is not distributed
+  std::vector<Range> counted;       ///< nodes this rank counts in inner products
+  std::vector<std::int64_t> fixed;  ///< unknowns held at 0: node * components + component, ascending
+  Index<Dim> factors{};             ///< to the next level: 2 along coarsened axes
+  bool staged = false;      ///< what ranks' elements lie in on the next level is not just what they hold
+  LaneMesh<Dim> stage;      ///< what they lie in, if `staged`; else that is the next level's mesh
+  LevelGather<Dim> gather;  ///< from the stage to the next level; not used if its lanes are dealt out
+  /// Numbers of the stage's nodes in a next level whose lanes are dealt out.
+  std::vector<std::int64_t> dealt;
+  /// Element that each element is in: of the stage if the next level is gathered, else of that level.
+  std::vector<std::int64_t> parent;
+  LaneTransfer<Dim> transfer;  ///< to the stage or the next level
 
   /// Positions of the mesh's nodes, from the grid's origin, in its unit of length.
   std::vector<Point<Dim>> node_positions() const;
@@ -50,8 +63,6 @@ class LaneHierarchy {
  public:
   /// The last level has at most this many elements, if the axes allow it.
   static constexpr std::int64_t coarsest_elements = 600;
-  /// Levels with fewer elements per rank are agglomerated.
-  static constexpr std::int64_t agglomeration_limit = 400;
 
   /// Collective on the grid's communicator. Nodes of no element are not in the hierarchy.
   LaneHierarchy(const Grid<Dim>& grid, const SystemDomain& domain);
@@ -59,28 +70,30 @@ class LaneHierarchy {
   int count() const { return static_cast<int>(levels_.size()); }
   LaneLevel<Dim>& level(int index) { return levels_[index]; }
   const LaneLevel<Dim>& level(int index) const { return levels_[index]; }
+  /// Takes the last level's lanes to their owners, if `lanes_dealt`, from the stage of the level above.
+  LaneDeal& deal() { return deal_; }
   /// Numbers of the domain's elements, in its order, in the finest mesh. `domain`: that of the hierarchy.
   std::vector<std::int64_t> element_numbers(const SystemDomain& domain) const;
 
   /// Factors from a level of `active` elements to the next; all 1 if it is small enough to be the last.
   static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
                                    std::int64_t active);
-  /// Whether a level of so many elements is worth distributing.
-  static bool enough_for(int ranks, std::int64_t active) { return active >= agglomeration_limit * ranks; }
-  /// Whether a rank's first element begins one of the next level, which is distributed only if all ranks' do.
-  static bool begins_on_next(const Index<Dim>& start, const Index<Dim>& factors);
+  /// Mesh of what the elements of a mesh lie in on the next level, within its box `parents`.
+  static LaneMesh<Dim> stage_of(const LaneMesh<Dim>& fine, const IndexBox<Dim>& parents,
+                                const Index<Dim>& factors);
 
  private:
   void make_finest(const SystemDomain& domain);
   bool coarsen();
-  bool keep_distributed(const LaneLevel<Dim>& fine, std::int64_t coarse_elements) const;
-  void make_coarse_mesh(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
-  void find_fixed(const LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
-  bool holds_rigid_motions(const LaneLevel<Dim>& level) const;
+  void make_coarse_mesh(LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
+  void deal_lanes_out(LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse);
   void set_up_sums(LaneLevel<Dim>& level);
 
   const Grid<Dim>& grid_;
   int components_;
+  std::int64_t active_ = 0;  ///< elements of the last level so far
+  LaneDeal deal_;
+  std::deque<Communicator> comms_;  ///< of levels that not all ranks hold
   std::deque<LaneLevel<Dim>> levels_;
 };
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/band_cholesky.h"
 #include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_direct.h"
 #include "fabseq/lanes/lane_operator.h"
 #include "fabseq/lanes/solver_cycle.h"
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -70,16 +72,23 @@ class LaneMultigrid {
 
   struct Level {
     std::unique_ptr<Operator> matrix;
-    Array residual, step;                                   ///< of the smoother
-    Array right, solution;                                  ///< below the finest
+    Array residual, step;               ///< of the smoother
+    Array right, solution;              ///< below the finest
+    Array stage_right, stage_solution;  ///< the same on the finer level's stage, if it has one
     Array cg_residual, direction, image, scratch, product;  ///< of conjugate gradients
   };
+  /// Where a level's right-hand side is restricted to, and its solution interpolated from.
+  Array& right_of_parts(int index) {
+    return hierarchy_.level(index - 1).staged ? levels_[index].stage_right : levels_[index].right;
+  }
+  Array& solution_of_parts(int index) {
+    return hierarchy_.level(index - 1).staged ? levels_[index].stage_solution : levels_[index].solution;
+  }
   void coarsen_coefficients(int level);
-  std::array<bool, Width> factor();
-  void assemble(int lane, BandCholesky& band);
   /// One cycle from zero on a level: x = M b.
   void visit(int index, const Real* b, Real* x);
   void restrict_residual(int index);
+  void prolong(int index, Real* x);
   /// Solves on a level below the finest, from its `right` to its `solution`.
   void solve(int index);
   void iterate(int index, int steps);
@@ -87,16 +96,12 @@ class LaneMultigrid {
   /// The vector updates of a step.
   template <bool First>
   void advance(Level& level, const Scalars& alpha, const Scalars& beta, bool last);
-  void solve_directly();
 
   LaneHierarchy<dim>& hierarchy_;
   LaneCycle cycle_;
   bool patient_ = false;
   std::vector<Level> levels_;
-  BandNumbering<dim> numbering_;
-  static constexpr int factors = Problem::template operators<Width>;
-  std::array<std::shared_ptr<BandCholesky>, factors> factors_;  ///< of the lanes dealt to this rank
-  std::vector<double> direct_values_;
+  LaneDirect<Problem, Width, Real> direct_;
 };
 
 }  // namespace fabseq

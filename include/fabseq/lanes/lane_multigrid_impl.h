@@ -13,7 +13,7 @@ namespace fabseq {
 template <class Problem, int Width, class Real>
 LaneMultigrid<Problem, Width, Real>::LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem,
                                                    const LaneCycle& cycle)
-    : hierarchy_(hierarchy), cycle_(cycle) {
+    : hierarchy_(hierarchy), cycle_(cycle), direct_(hierarchy) {
   for (int index = 0; index < hierarchy.count(); ++index) {
     Level& level = levels_.emplace_back();
     level.matrix = std::make_unique<Operator>(hierarchy.level(index), problem);
@@ -25,15 +25,16 @@ LaneMultigrid<Problem, Width, Real>::LaneMultigrid(LaneHierarchy<dim>& hierarchy
       level.residual.resize(size);
       level.step.resize(size);
     }
-    if (index > 0) {
+    if (index > 0 && !hierarchy.level(index).lanes_dealt) {
       level.right.resize(size);
       level.solution.resize(size);
     }
+    if (index > 0 && hierarchy.level(index - 1).staged)
+      for (Array* array : {&level.stage_right, &level.stage_solution})
+        array->resize(static_cast<std::size_t>(hierarchy.level(index - 1).stage.nodes()) * node_values);
     for (Array* array : {&level.cg_residual, &level.direction, &level.image, &level.scratch, &level.product})
       if (iterated) array->resize(size);
   }
-  const auto& last = hierarchy.level(hierarchy.count() - 1);
-  numbering_ = BandNumbering<dim>(last.mesh, components);
 }
 
 template <class Problem, int Width, class Real>
@@ -42,72 +43,31 @@ std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::set_up() {
     levels_[level].matrix->set_up();
     coarsen_coefficients(level);
   }
-  return factor();
+  return direct_.factor(*levels_.back().matrix, cycle_.shift);
 }
 
+/// Sums of what ranks share go to those that hold it: for a last level that is dealt out, to all.
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::coarsen_coefficients(int level) {
   constexpr int stride = Operator::Kernel::stride;
-  const LaneLevel<dim>& fine = hierarchy_.level(level);
+  LaneLevel<dim>& fine = hierarchy_.level(level);
+  const LaneLevel<dim>& coarse = hierarchy_.level(level + 1);
   const Array& from = levels_[level].matrix->coefficients();
   Array& to = levels_[level + 1].matrix->coefficients();
+  Array on_stage;
+  if (fine.staged && !coarse.lanes_dealt)
+    on_stage.resize(static_cast<std::size_t>(fine.stage.elements()) * stride);
+  Array& parts = fine.staged && !coarse.lanes_dealt ? on_stage : to;
   std::fill(to.begin(), to.end(), Real{0});
   Real share{1};
   for (const int factor : fine.factors) share /= static_cast<Real>(factor);
   for (std::size_t element = 0; element < fine.parent.size(); ++element)
     for (int i = 0; i < stride; ++i)
-      to[fine.parent[element] * stride + i] += share * from[element * stride + i];
-  if (fine.distributed && !hierarchy_.level(level + 1).distributed)
-    sum_in_place(fine.comm, std::span<Real>(to));
-}
-
-/// Every rank has the last level, but factors only the lanes dealt to it, if they have operators of their
-/// own.
-template <class Problem, int Width, class Real>
-std::array<bool, Width> LaneMultigrid<Problem, Width, Real>::factor() {
-  const MPI_Comm comm = hierarchy_.level(0).comm;
-  const auto& rows = numbering_.rows();
-  std::array<double, factors> failed{};
-  for (int lane = 0; lane < factors; ++lane) {
-    factors_[lane] = nullptr;
-    if (Problem::own_operators && lane % size_of(comm) != rank_of(comm)) continue;
-    factors_[lane] = std::make_shared<BandCholesky>();
-    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
-    assemble(lane, *factors_[lane]);
-    if (!factors_[lane]->factor()) failed[lane] = 1.0;
-  }
-  sum_in_place(comm, failed);
-  std::array<bool, Width> positive;
-  positive.fill(true);
-  for (int lane = 0; lane < factors; ++lane) positive[lane] = failed[lane] == 0.0;
-  return positive;
-}
-
-/// Adds up the last level's matrix of a lane.
-template <class Problem, int Width, class Real>
-void LaneMultigrid<Problem, Width, Real>::assemble(int lane, BandCholesky& band) {
-  Operator& matrix = *levels_.back().matrix;
-  const LaneLevel<dim>& level = matrix.level();
-  constexpr int stride = Operator::Kernel::stride;
-  constexpr int size = Problem::element_size;
-  const auto& rows = numbering_.rows();
-  std::vector<char> held(rows.size(), 0);
-  for (const std::int64_t unknown : level.fixed) held[unknown] = 1;
-  for (const auto& row : level.mesh.rows())
-    for (int e = 0; e < row.length; ++e) {
-      const Real* coefficients = &matrix.coefficients()[(row.element + e) * stride];
-      std::array<std::int64_t, size> unknowns;
-      for (int i = 0; i < size; ++i) {
-        const int corner = i / components;
-        unknowns[i] = (row.node[corner / 2] + e + corner % 2) * components + i % components;
-      }
-      for (int i = 0; i < size; ++i)
-        for (int j = 0; j < size; ++j)
-          if (held[unknowns[i]] == 0 && held[unknowns[j]] == 0)
-            band.add(rows[unknowns[i]], rows[unknowns[j]],
-                     Problem::template entry<Width>(matrix.matrices(), i, j, coefficients, lane));
-    }
-  if (cycle_.shift > 0.0) band.raise_diagonal(cycle_.shift);
+      parts[fine.parent[element] * stride + i] += share * from[element * stride + i];
+  if (coarse.lanes_dealt)
+    sum_in_place(hierarchy_.level(0).comm, std::span<Real>(to));
+  else if (fine.staged)
+    fine.gather.add_elements(on_stage.data(), to.data(), stride);
 }
 
 template <class Problem, int Width, class Real>
@@ -116,32 +76,21 @@ void LaneMultigrid<Problem, Width, Real>::select(LaneMultigrid<Problem, Wider, R
                                                  std::span<const int> lanes) {
   for (std::size_t level = 0; level < levels_.size(); ++level)
     levels_[level].matrix->template select<Wider>(*from.levels_[level].matrix, lanes);
-  for (int lane = 0; lane < factors; ++lane) {
-    if constexpr (Problem::own_operators)
-      factors_[lane] = from.factors_[selected(lanes, lane)];
-    else
-      factors_[lane] = from.factors_[lane];  // the one for all lanes
-  }
+  direct_.template select<Wider>(from.direct_, lanes);
 }
 
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::visit(int index, const Real* b, Real* x) {
   Level& level = levels_[index];
   if (index + 1 == hierarchy_.count()) {
-    if (index == 0) {
-      levels_[0].right.assign(b, b + level.matrix->size());
-      levels_[0].solution.resize(level.matrix->size());
-      solve_directly();
-      std::copy(levels_[0].solution.begin(), levels_[0].solution.end(), x);
-    }
+    if (index == 0) direct_.solve(*level.matrix, b, x);
     return;
   }
   level.matrix->smooth(b, x, level.step.data(), cycle_.degree, true);
   level.matrix->residual_part(b, x, level.residual.data());
   restrict_residual(index);
   solve(index + 1);
-  hierarchy_.level(index).transfer.template prolong_add<components, Width>(levels_[index + 1].solution.data(),
-                                                                           x);
+  prolong(index, x);
   level.matrix->clear_held(x);
   level.matrix->smooth(b, x, level.step.data(), cycle_.degree, false);
 }
@@ -151,20 +100,32 @@ void LaneMultigrid<Problem, Width, Real>::restrict_residual(int index) {
   LaneLevel<dim>& fine = hierarchy_.level(index);
   LaneLevel<dim>& coarse = hierarchy_.level(index + 1);
   Level& below = levels_[index + 1];
-  std::fill(below.right.begin(), below.right.end(), Real{0});
-  fine.transfer.template restrict_add<components, Width>(levels_[index].residual.data(), below.right.data());
-  if (coarse.distributed)
-    sum_over_holders(coarse, below.right.data(), node_values);
-  else if (fine.distributed)
-    sum_in_place(fine.comm, std::span<Real>(below.right));
+  Array& parts = right_of_parts(index + 1);
+  std::fill(parts.begin(), parts.end(), Real{0});
+  fine.transfer.template restrict_add<components, Width>(levels_[index].residual.data(), parts.data());
+  if (coarse.lanes_dealt) return;  // LaneDirect sums them at their owners
+  if (fine.staged) {
+    std::fill(below.right.begin(), below.right.end(), Real{0});
+    fine.gather.add_nodes(parts.data(), below.right.data(), node_values);
+  }
+  sum_over_holders(coarse, below.right.data(), node_values);
   below.matrix->clear_held(below.right.data());
+}
+
+template <class Problem, int Width, class Real>
+void LaneMultigrid<Problem, Width, Real>::prolong(int index, Real* x) {
+  LaneLevel<dim>& fine = hierarchy_.level(index);
+  Array& parts = solution_of_parts(index + 1);
+  if (fine.staged && !hierarchy_.level(index + 1).lanes_dealt)
+    fine.gather.fetch_nodes(levels_[index + 1].solution.data(), parts.data(), node_values);
+  fine.transfer.template prolong_add<components, Width>(parts.data(), x);
 }
 
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::solve(int index) {
   const int steps = cycle_.steps_on(index, patient_);
   if (index + 1 == hierarchy_.count())
-    solve_directly();
+    direct_.solve(*levels_[index].matrix, right_of_parts(index).data(), solution_of_parts(index).data());
   else if (steps == 1)
     visit(index, levels_[index].right.data(), levels_[index].solution.data());
   else if (cycle_.kind == SolverCycle::w)
@@ -247,34 +208,6 @@ void LaneMultigrid<Problem, Width, Real>::advance(Level& level, const Scalars& a
     image.store(&level.image[i]);
     (Value::load(&residual[i]) - length * image).store(&level.cg_residual[i]);
   }
-}
-
-/// Every rank solves the lanes that it has factored.
-template <class Problem, int Width, class Real>
-void LaneMultigrid<Problem, Width, Real>::solve_directly() {
-  Level& last = levels_.back();
-  const MPI_Comm comm = hierarchy_.level(0).comm;
-  const auto& rows = numbering_.rows();
-  direct_values_.assign(rows.size() * Width, 0.0);
-  // Lanes with factors of their own are solved one by one, the others side by side.
-  const auto place = [&](std::size_t unknown, int lane) {
-    return Problem::own_operators ? lane * rows.size() + rows[unknown] : rows[unknown] * Width + lane;
-  };
-  const auto has = [&](int lane) { return factors_[Problem::own_operators ? lane : 0] != nullptr; };
-  for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
-    for (int lane = 0; lane < Width; ++lane)
-      if (has(lane)) direct_values_[place(unknown, lane)] = last.right[unknown * Width + lane];
-  if constexpr (Problem::own_operators) {
-    for (int lane = 0; lane < Width; ++lane)
-      if (has(lane)) factors_[lane]->solve({direct_values_.data() + lane * rows.size(), rows.size()});
-  } else if (has(0)) {
-    factors_[0]->template solve_lanes<Width>(direct_values_);
-  }
-  if (Problem::own_operators && size_of(comm) > 1) sum_in_place(comm, direct_values_);
-  for (std::size_t unknown = 0; unknown < rows.size(); ++unknown)
-    for (int lane = 0; lane < Width; ++lane)
-      last.solution[unknown * Width + lane] = static_cast<Real>(direct_values_[place(unknown, lane)]);
-  last.matrix->clear_held(last.solution.data());
 }
 
 }  // namespace fabseq
