@@ -5,6 +5,7 @@
 # left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank
 # where cases need it that take long, and both where they do not.
 set(FABSEQ_DECOMPOSED parallel grid part files lanes machine solve sequence)
+set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test)  # the middle of three ranks has a neighbour on either side
 set(FABSEQ_ALONE lane_cg_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)
@@ -24,6 +25,9 @@ function(fabseq_rank_counts result name module)
       set(counts 1 2)
       if(module IN_LIST FABSEQ_DECOMPOSED)
         list(APPEND counts 4)
+      endif()
+      if(name IN_LIST FABSEQ_THREE_TOO)
+        list(APPEND counts 3)
       endif()
     endif()
   endif()

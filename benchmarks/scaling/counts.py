@@ -3,7 +3,7 @@
 collective calls.
 
 A "halo" is a sum over shared nodes (SharedNodes::sum), an "exchange" PETSc's halo of the nodes of the whole
-box: one message to each neighbour. Collectives are over the ranks of a group ("domain"), a rank and its
+box, a "ring" a copy of the elements around the rank's own: one message to each neighbour. Collectives are over the ranks of a group ("domain"), a rank and its
 copies ("across"), or all ("world").
 """
 
@@ -13,10 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaling.costs import DOUBLE, SINGLE, coarse_step, outer_step, visit
-
-# IslandMap::largest, elements.
-LARGEST_ISLAND_FIELD = 100_000_000
-
 
 @dataclass
 class Iteration:
@@ -40,6 +36,7 @@ class Tally:
         self.work = defaultdict(lambda: np.zeros(2))  # phase: a rank's kernels
         self.halos = Counter()                        # (phase, level, bytes per node): how often
         self.exchanges = Counter()                    # (phase, bytes per node)
+        self.rings = Counter()                        # (phase, bytes per element)
         self.collectives = Counter()                  # (phase, kind, comm, bytes per rank)
         self.serial = Counter()                       # (phase, what): units on one rank
 
@@ -104,10 +101,14 @@ class LaneSolver:
         self.serial("factor", self.lanes_here(operators))
         if not problem.own_operators or len(self.levels) == 1:
             return
-        if np.prod(self.system.box, dtype=float) <= LARGEST_ISLAND_FIELD:
-            self.collective("gather", "domain", round(self.levels[0].elements / self.system.ranks) * DOUBLE, width)
-            self.collective("bcast", "domain", 4, width)
-            self.serial("islands", self.lanes_here(width))
+        self.reduce(2 * width * DOUBLE)  # extremes of the stiffness
+        if self.parallel:
+            self.tally.rings[self.phase, DOUBLE] += 2 * width  # of the stiffness, of what elements are in
+        for _ in "basins", "saddles", "islands":
+            self.collective("alltoall", "domain", 4 * self.system.ranks)
+            self.collective("alltoallv", "domain", 0)  # of the graphs: what check.py leaves out, too
+        self.reduce(4 * width)
+        self.serial("islands", width)
         self.reduce(0, width)  # centres of no islands
 
     def precondition(self, width, patient):
