@@ -65,6 +65,7 @@ set(FABSEQ_LABELS
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install)"
+    "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)

@@ -134,8 +134,9 @@ struct PieceMeasures {
   }
   void reduce(MPI_Comm comm) {
     sum_in_place(comm, counts);
-    MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_INT64_T, MPI_MIN,
-                  comm);
+    for_each_message(std::span(extremes), [comm](std::span<std::int64_t> part) {
+      MPI_Allreduce(MPI_IN_PLACE, part.data(), static_cast<int>(part.size()), MPI_INT64_T, MPI_MIN, comm);
+    });
   }
   Piece<Dim> piece(int number, const Grid<Dim>& grid) const {
     Piece<Dim> result;
