@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -18,7 +17,10 @@ struct RiseOrder {
   std::int64_t depth = std::numeric_limits<std::int64_t>::max();  ///< falls with the stiffness
   std::int64_t element = 0;
 
-  auto operator<=>(const RiseOrder&) const = default;
+  bool operator<(const RiseOrder& other) const {
+    return depth != other.depth ? depth < other.depth : element < other.element;
+  }
+  bool operator<=(const RiseOrder& other) const { return !(other < *this); }
   /// The turn of an element of this stiffness, which is above 0.
   static RiseOrder of(double stiffness, std::int64_t element) { return {depth_of(stiffness), element}; }
   /// By the exponent and two bits of the fraction.
@@ -65,8 +67,8 @@ struct Saddle {
 /// What an island is, for one field.
 struct IslandLimits {
   IslandLimits() = default;
-  /// `least`, `largest`: the least stiffness above 0, and the largest.
-  IslandLimits(double least, double largest, double contrast, int most);
+  /// `least`, `largest`: the least stiffness above 0, and the largest. `peak_over_saddle`: the contrast.
+  IslandLimits(double least, double largest, double peak_over_saddle, int most_islands);
 
   double floor = 0.0;           ///< softer elements do not rise
   double least_peak = 0.0;      ///< an island's peak is above, where it meets nothing
