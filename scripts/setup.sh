@@ -7,7 +7,7 @@
 #
 #   --ci           also install what scripts/dev/lint.sh and all tests need, and, if it can be had, Slurm, in which the tests run the batch scripts
 #   --benchmarks   also install Google Benchmark and build three of benchmarks/, now and with this preset from now on
-#   --preset NAME  release (default), debug or sanitizers, see CMakePresets.json
+#   --preset NAME  release (default), debug, sanitizers or indices64, see CMakePresets.json
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh
@@ -85,6 +85,8 @@ select_blas() {
     echo "setup.sh: $library is $selected"
   done
 }
+
+if [[ $preset == indices64 ]]; then packages+=(libpetsc64-real-dev); fi
 
 install_missing "${packages[@]}"
 install_slurm

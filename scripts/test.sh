@@ -5,9 +5,9 @@
 #   scripts/test.sh [--sanitizers | --preset NAME] [--quick | --label NAME] [ctest options]     e.g. scripts/test.sh -R grid
 #
 #   --sanitizers  afterwards the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
-#   --preset NAME the tests of this preset (release, sanitizers) only
+#   --preset NAME the tests of this preset (release, sanitizers, indices64) only
 #   --quick       what finds most mistakes in less than three minutes, once it is built
-#   --label NAME  quick, kernels, gradients, files, scripts or slurm: CONTRIBUTING.md says when which of them
+#   --label NAME  quick, kernels, gradients, files, scripts, indices or slurm: CONTRIBUTING.md says when which of them
 #
 # With FABSEQ_NO_SKIPS=1, a test that has to be skipped fails, unless the regular expression FABSEQ_MAY_SKIP
 # matches why.

@@ -5,6 +5,7 @@
 # left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank
 # where cases need it that take long, and both where they do not.
 set(FABSEQ_DECOMPOSED parallel grid part files lanes machine solve sequence)
+set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test)  # the middle of three ranks has a neighbour on either side
 set(FABSEQ_ALONE lane_cg_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)
@@ -24,6 +25,9 @@ function(fabseq_rank_counts result name module)
       set(counts 1 2)
       if(module IN_LIST FABSEQ_DECOMPOSED)
         list(APPEND counts 4)
+      endif()
+      if(name IN_LIST FABSEQ_THREE_TOO)
+        list(APPEND counts 3)
       endif()
     endif()
   endif()
@@ -61,6 +65,7 @@ set(FABSEQ_LABELS
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install)"
+    "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize)/|^scripts/")
 function(fabseq_labels result module name)

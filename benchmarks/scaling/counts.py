@@ -3,10 +3,10 @@
 collective calls.
 
 A "halo" is a sum over shared nodes (SharedNodes::sum), an "exchange" PETSc's halo of the nodes of the whole
-box: one message to each neighbour. A "gather" takes values to the ranks that hold the next level, or back
-(LevelGather); a "deal" takes lanes to those that solve them on the last level, or back (LaneDeal).
-Collectives are over the ranks of a group ("domain"), those of them that hold a level (its number), a rank and
-its copies ("across"), or all ("world").
+box, a "ring" a copy of the elements around the rank's own: one message to each neighbour. A "gather" takes
+values to the ranks that hold the next level, or back (LevelGather); a "deal" takes lanes to those that solve
+them on the last level, or back (LaneDeal). Collectives are over the ranks of a group ("domain"), those of them
+that hold a level (its number), a rank and its copies ("across"), or all ("world").
 """
 
 from collections import Counter, defaultdict
@@ -15,10 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaling.costs import DOUBLE, SINGLE, coarse_step, outer_step, visit
-
-# IslandMap::largest, elements.
-LARGEST_ISLAND_FIELD = 100_000_000
-
 
 @dataclass
 class Iteration:
@@ -44,6 +40,7 @@ class Tally:
         self.exchanges = Counter()                    # (phase, bytes per node)
         self.gathers = Counter()                      # (phase, level, "nodes" or "elements", bytes per each)
         self.deals = Counter()                        # (phase, owners of the lanes, bytes per node and lane)
+        self.rings = Counter()                        # (phase, bytes per element)
         self.collectives = Counter()                  # (phase, kind, comm, bytes per rank)
         self.serial = Counter()                       # (phase, what): units on one rank
 
@@ -116,10 +113,14 @@ class LaneSolver:
         self.serial("factor", most_lanes(self.owners(operators)))
         if not problem.own_operators or len(self.levels) == 1:
             return
-        if np.prod(self.system.box, dtype=float) <= LARGEST_ISLAND_FIELD:
-            self.collective("gather", "domain", round(self.levels[0].elements / self.system.ranks) * DOUBLE, width)
-            self.collective("bcast", "domain", 4, width)
-            self.serial("islands", -(-width // self.system.ranks))
+        self.reduce(2 * width * DOUBLE)  # extremes of the stiffness
+        if self.parallel:
+            self.tally.rings[self.phase, DOUBLE] += 2 * width  # of the stiffness, of what elements are in
+        for _ in "basins", "saddles", "islands":
+            self.collective("alltoall", "domain", 4 * self.system.ranks)
+            self.collective("alltoallv", "domain", 0)  # of the graphs: what check.py leaves out, too
+        self.reduce(4 * width)
+        self.serial("islands", width)
         self.reduce(0, width)  # centres of no islands
 
     def precondition(self, owners, patient):

@@ -85,7 +85,7 @@ class Clock:
             passes = 1.0 if what == "direct" else 1.0 / 8.0
             return 4 * rows * band / machine.flops + passes * 2 * rows * band * DOUBLE / machine.core_bandwidth
         if what == "islands":
-            return self.part_elements * ISLAND_SECONDS
+            return self.part_elements / self.ranks * ISLAND_SECONDS
         return self.part_elements / self.ranks * ELEMENT_SECONDS[phase]
 
     def optimizer(self):
@@ -117,7 +117,7 @@ class Clock:
         compute = max(tally.work[phase] / np.array([self.machine.flops, self.bandwidth]))
         return {"compute": compute + (self.optimizer() if phase == "optimizer" else 0.0),
                 "serial": total(tally.serial, lambda what: self.serial(system, phase, what)),
-                "messages": total(tally.halos, halo) + total(tally.exchanges, lambda size: self.message(
+                "messages": total(tally.halos, halo) + total(tally.exchanges + tally.rings, lambda size: self.message(
                     system.own_neighbors(), system.own_exchange_nodes() * size))
                 + total(tally.gathers, gather) + total(tally.deals, deal),
                 "collectives": total(tally.collectives, lambda *what: self.collective(system, *what))}

@@ -219,6 +219,6 @@ COUNTED(Alltoallv,
         (const void* in, const int counts[], const int starts[], MPI_Datatype type, void* out,
          const int out_counts[], const int out_starts[], MPI_Datatype out_type, MPI_Comm comm),
         (in, counts, starts, type, out, out_counts, out_starts, out_type, comm),
-        count_collective("alltoall", std::accumulate(counts, counts + size_of(comm), 0L), type, comm))
+        count_collective("alltoallv", std::accumulate(counts, counts + size_of(comm), 0L), type, comm))
 
 }  // extern "C"

@@ -57,6 +57,10 @@ class System:
         """Of all ranks, to the ghosted boxes or back."""
         return math.prod(n + 1 + 2 * (p - 1) for n, p in zip(self.box, self.grid)) - math.prod(n + 1 for n in self.box)
 
+    def ring_elements(self):
+        """Of all ranks, to the elements around their own."""
+        return math.prod(n + 2 * (p - 1) for n, p in zip(self.box, self.grid)) - math.prod(self.box)
+
     def own_neighbors(self):
         return math.prod(1 + s for s in self.sides()) - 1
 

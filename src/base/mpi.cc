@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
 
+#include "fabseq/base/error.h"
 #include "fabseq/base/petsc.h"  // so that -log_view counts the messages sent here
 
+#include <limits>
 #include <numeric>
 
 namespace fabseq {
@@ -17,16 +19,25 @@ T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op operation) {
 
 template <class T>
 void reduce(MPI_Comm comm, std::span<T> values, MPI_Datatype type, MPI_Op operation) {
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), type, operation, comm);
+  for_each_message(values, [&](std::span<T> part) {
+    MPI_Allreduce(MPI_IN_PLACE, part.data(), static_cast<int>(part.size()), type, operation, comm);
+  });
 }
 
 template <class T>
 std::vector<T> gather(MPI_Comm comm, std::span<const T> own, MPI_Datatype type) {
-  const int count = static_cast<int>(own.size());
+  // Without a sum of its own: a count that an int cannot hold is sent as -1.
+  constexpr std::size_t most = std::numeric_limits<int>::max();
+  const int count = own.size() > most ? -1 : static_cast<int>(own.size());
   std::vector<int> counts(static_cast<std::size_t>(size_of(comm))), starts(counts);
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::int64_t total = 0;
+  for (const int of_rank : counts) total += of_rank < 0 ? static_cast<std::int64_t>(most) + 1 : of_rank;
+  if (total > static_cast<std::int64_t>(most))
+    throw InputError("a list of " + std::to_string(total) + " entries or more on all ranks, at most " +
+                     std::to_string(most) + " are allowed: use a coarser grid or fewer nodes");
   std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
-  std::vector<T> all(static_cast<std::size_t>(starts.back()) + counts.back());
+  std::vector<T> all(static_cast<std::size_t>(total));
   MPI_Allgatherv(own.data(), count, type, all.data(), counts.data(), starts.data(), type, comm);
   return all;
 }
@@ -79,7 +90,9 @@ std::string broadcast(MPI_Comm comm, const std::string& text) {
 }
 
 void broadcast(MPI_Comm comm, std::span<double> values) {
-  MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, 0, comm);
+  for_each_message(values, [comm](std::span<double> part) {
+    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_DOUBLE, 0, comm);
+  });
 }
 
 std::int64_t exclusive_sum(MPI_Comm comm, std::int64_t value) {

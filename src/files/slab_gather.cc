@@ -36,28 +36,33 @@ std::vector<std::int64_t> SlabGather<Dim>::shape() const {
 }
 
 template <int Dim>
-int SlabGather<Dim>::values_in_slab(const IndexBox<Dim>& box, int slab) const {
+int SlabGather<Dim>::points_in_slab(const IndexBox<Dim>& box, int slab) const {
   const int position = slab - box.start[Dim - 1];
   if (position < 0 || position >= box.size[Dim - 1]) return 0;
-  return static_cast<int>(box.count() / box.size[Dim - 1]) * components_;
+  return static_cast<int>(box.count() / box.size[Dim - 1]);
 }
 
 template <int Dim>
 std::span<const double> SlabGather<Dim>::gather(int slab) {
   // The slowest axis is the outermost one in memory, so a rank's share of a slab is contiguous.
-  const int mine = values_in_slab(owned_, slab);
-  const std::int64_t first = static_cast<std::int64_t>(slab - owned_.start[Dim - 1]) * mine;
+  const int mine = points_in_slab(owned_, slab);
+  const std::int64_t first = static_cast<std::int64_t>(slab - owned_.start[Dim - 1]) * mine * components_;
   const double* piece = mine > 0 ? values_.data() + first : nullptr;
 
   int total = 0;
   for (std::size_t rank = 0; rank < boxes_.size(); ++rank) {
-    counts_[rank] = values_in_slab(boxes_[rank], slab);
+    counts_[rank] = points_in_slab(boxes_[rank], slab);
     offsets_[rank] = total;
     total += counts_[rank];
   }
-  MPI_Gatherv(piece, mine, MPI_DOUBLE, pieces_.data(), counts_.data(), offsets_.data(), MPI_DOUBLE, 0, comm_);
+  MPI_Datatype point = MPI_DATATYPE_NULL;  // the grid sees to it that an int counts a slab's
+  MPI_Type_contiguous(components_, MPI_DOUBLE, &point);
+  MPI_Type_commit(&point);
+  MPI_Gatherv(piece, mine, point, pieces_.data(), counts_.data(), offsets_.data(), point, 0, comm_);
+  MPI_Type_free(&point);
   for (std::size_t rank = 0; rank < boxes_.size(); ++rank)
-    if (counts_[rank] > 0) place(boxes_[rank], pieces_.data() + offsets_[rank]);
+    if (counts_[rank] > 0)
+      place(boxes_[rank], &pieces_[static_cast<std::size_t>(offsets_[rank]) * components_]);
   return slab_;
 }
 

@@ -22,13 +22,20 @@ namespace {
   return size;
 }
 
-/// Number of nodes, in floating point, which cannot overflow: with up to 2^31 elements per axis it can exceed
-/// 64 bits.
+/// Number of nodes along the first `axes` axes, in floating point, which cannot overflow: with up to 2^31
+/// elements per axis it can exceed 64 bits.
 template <int Dim>
-double node_count(const Index<Dim>& elements) {
+double node_count(const Index<Dim>& elements, int axes = Dim) {
   double count = 1.0;
-  for (const int extent : elements) count *= extent + 1.0;
+  for (int axis = 0; axis < axes; ++axis) count *= elements[axis] + 1.0;
   return count;
+}
+
+/// "12345", of a number too large for an integer, too.
+std::string whole_number(double value) {
+  std::string text = std::to_string(value);
+  text.resize(text.find('.'));
+  return text;
 }
 
 /// Throws InputError if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
@@ -37,12 +44,14 @@ void require_countable(const Index<Dim>& elements, int components) {
   const double values = components * node_count<Dim>(elements);
   constexpr auto most = std::numeric_limits<PetscInt>::max();
   if (values <= static_cast<double>(most)) return;
-  std::string count = std::to_string(values);
-  count.resize(count.find('.'));
   throw InputError("/domain/elements: " + to_text<Dim>(elements) + " with " + std::to_string(components) +
-                   (components == 1 ? " value" : " values") + " a node make " + count + " values, at most " +
-                   std::to_string(most) + " are allowed (PETSc's indices)");
+                   (components == 1 ? " value" : " values") + " a node make " + whole_number(values) +
+                   " values, at most " + std::to_string(most) + " are allowed (PETSc's indices)" +
+                   (sizeof(PetscInt) == 4 ? ": build with FABSEQ_64_BIT_INDICES" : ""));
 }
+
+/// Elements along an axis: indices that are twice as large, of a grid twice as fine, are still an int.
+constexpr int most_along_axis = 1'000'000'000;
 
 /// Lower bound of the memory that grid and part take per node (measured: 240).
 constexpr double bytes_per_node = 150.0;
@@ -53,10 +62,18 @@ void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
     if (domain.elements[axis] < 1)
       throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) +
                        ", needs at least 1 along each axis");
+    if (domain.elements[axis] > most_along_axis)
+      throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + ", at most " +
+                       std::to_string(most_along_axis) + " are allowed along an axis");
     if (!(domain.size[axis] > 0.0))
       throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
                        std::to_string(axis) + ", needs positive lengths");
   }
+  constexpr int most_in_plane = std::numeric_limits<int>::max();
+  if (const double plane = node_count<Dim>(domain.elements, Dim - 1); plane > most_in_plane)
+    throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + " make " + whole_number(plane) +
+                     " nodes across the last axis, at most " + std::to_string(most_in_plane) +
+                     " are allowed (fields are written plane by plane)");
   require_countable<Dim>(domain.elements, Dim);  // the components of the displacement
   require_memory(comm, bytes_per_node * node_count<Dim>(domain.elements),
                  "/domain/elements: " + to_text<Dim>(domain.elements));

@@ -2,29 +2,26 @@
 #include "fabseq/lanes/island_map.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/mpi_struct.h"
+#include "fabseq/grid/element_halo.h"
+#include "fabseq/lanes/local_basins.h"
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 
 namespace fabseq {
 
 namespace {
 
-/// Counts and starts of a list that every rank has a part of.
-void measure(MPI_Comm comm, int own, std::vector<int>& counts, std::vector<int>& starts) {
-  counts.resize(static_cast<std::size_t>(size_of(comm)));
-  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  starts.assign(counts.size() + 1, 0);
-  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
-}
-
-template <class Value>
-std::vector<Value> gather(MPI_Comm comm, MPI_Datatype type, const std::vector<Value>& own,
-                          const std::vector<int>& counts, const std::vector<int>& starts) {
-  std::vector<Value> all(static_cast<std::size_t>(starts.back()));
-  MPI_Allgatherv(own.data(), static_cast<int>(own.size()), type, all.data(), counts.data(), starts.data(),
-                 type, comm);
-  return all;
+/// Lists of one kind for each lane, [lane], to the ranks that look at the lanes, and from there to all.
+template <class Item>
+std::vector<std::vector<Item>> to_ranks_of_lanes(MPI_Comm comm, const std::vector<std::vector<Item>>& lists) {
+  std::vector<std::vector<Item>> outgoing(static_cast<std::size_t>(size_of(comm)));
+  for (std::size_t lane = 0; lane < lists.size(); ++lane) {
+    std::vector<Item>& list = outgoing[lane % outgoing.size()];
+    list.insert(list.end(), lists[lane].begin(), lists[lane].end());
+  }
+  return exchange_lists(comm, outgoing);
 }
 
 }  // namespace
@@ -32,89 +29,160 @@ std::vector<Value> gather(MPI_Comm comm, MPI_Datatype type, const std::vector<Va
 template <int Dim>
 IslandMap<Dim>::IslandMap(const LaneLevel<Dim>& level)
     : level_(level),
+      whole_{Index<Dim>{}, level.elements},
+      owned_(level.mesh.element_box()),
+      ring_(level.comm, owned_, ringed(owned_)),
       node_held_(level.mesh.nodes(), 0),
       node_counted_(level.mesh.nodes(), 0),
-      element_supported_(level.mesh.elements(), 0) {
-  const std::int64_t nodes = level.mesh.nodes();
+      supported_(static_cast<std::size_t>(owned_.count()), 0) {
   const auto components = static_cast<std::int64_t>(Dim);
   for (const std::int64_t unknown : level.fixed) node_held_[unknown / components] = 1;
   for (const auto& range : level.counted)
     std::fill(node_counted_.begin() + range.begin, node_counted_.begin() + range.end, 1);
-  for (const auto& row : level.mesh.rows())
-    for (int i = 0; i < row.length; ++i)
-      for (const std::int64_t first : row.node)
-        if (node_held_[first + i] != 0 || node_held_[first + i + 1] != 0)
-          element_supported_[row.element + i] = 1;
-
-  const IndexBox<Dim> box{Index<Dim>{}, level.elements};
-  IndexBox<Dim> node_box = box;
-  for (int& extent : node_box.size) ++extent;
-  if (node_box.count() > largest) return;
-  places_.resize(static_cast<std::size_t>(level.mesh.elements()));
-  level.mesh.element_box().for_each([&](const Index<Dim>& element, std::int64_t) {
-    const int number = level.mesh.element_number(element);
-    if (number >= 0) places_[number] = static_cast<int>(box.offset(element));
+  owned_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    if (level.mesh.element_number(element) < 0) return;
+    for (int corner = 0; corner < corner_count<Dim>; ++corner)
+      if (node_held_[level.mesh.node_number(stepped<Dim>(element, corner, 1))] != 0) supported_[offset] = 1;
   });
-  node_places_.resize(static_cast<std::size_t>(nodes));
-  level.mesh.node_box().for_each([&](const Index<Dim>& node, std::int64_t) {
-    const int number = level.mesh.node_number(node);
-    if (number >= 0) node_places_[number] = static_cast<int>(node_box.offset(node));
-  });
-  measure(level.comm, static_cast<int>(places_.size()), element_counts_, element_starts_);
-  measure(level.comm, static_cast<int>(node_places_.size()), node_counts_, node_starts_);
-  all_places_ = gather(level.comm, MPI_INT, places_, element_counts_, element_starts_);
-  all_node_places_ = gather(level.comm, MPI_INT, node_places_, node_counts_, node_starts_);
-  all_supported_ = gather(level.comm, MPI_CHAR, element_supported_, element_counts_, element_starts_);
 }
 
-/// The number of islands, then for all ranks' nodes which they are on. Not collective.
 template <int Dim>
-std::vector<int> IslandMap<Dim>::find_in(std::span<const double> field) const {
-  std::vector<double> stiffness(
-      static_cast<std::size_t>(IndexBox<Dim>{Index<Dim>{}, level_.elements}.count()), 0.0);
-  std::vector<char> supported(stiffness.size(), 0);
-  for (std::size_t e = 0; e < field.size(); ++e) {
-    stiffness[all_places_[e]] = field[e];
-    supported[all_places_[e]] = all_supported_[e];
+std::vector<IslandLimits> IslandMap<Dim>::limits_of(std::span<const double> stiffness, int width,
+                                                    double contrast, int most) const {
+  std::vector<double> extremes(2 * static_cast<std::size_t>(width), 0.0);  // -least, largest: of each lane
+  for (int lane = 0; lane < width; ++lane) extremes[2 * lane] = -std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    if (!(stiffness[i] > 0.0)) continue;
+    double* extreme = &extremes[2 * (i % width)];
+    extreme[0] = std::max(extreme[0], -stiffness[i]);
+    extreme[1] = std::max(extreme[1], stiffness[i]);
   }
-  const StiffIslands islands = find_stiff_islands<Dim>(level_.elements, stiffness, supported);
-  std::vector<int> result{islands.count};
-  for (const int place : all_node_places_)
-    result.push_back(islands.count > 0 ? islands.node_island[place] : -1);
+  max_in_place(level_.comm, extremes);
+  std::vector<IslandLimits> limits;
+  for (int lane = 0; lane < width; ++lane)
+    limits.emplace_back(-extremes[2 * lane], extremes[2 * lane + 1], contrast, most);
+  return limits;
+}
+
+/// A lane's stiffness on the ring.
+template <int Dim>
+std::vector<double> IslandMap<Dim>::field_of(std::span<const double> stiffness, int width, int lane) const {
+  return ring_.template gather<double>([&](const Index<Dim>& element) {
+    const int number = level_.mesh.element_number(element);
+    return number < 0 ? 0.0 : stiffness[static_cast<std::size_t>(number) * width + lane];
+  });
+}
+
+template <int Dim>
+typename IslandMap<Dim>::Found IslandMap<Dim>::find_basins(std::span<const double> stiffness,
+                                                           const std::vector<IslandLimits>& limits) const {
+  const int width = static_cast<int>(limits.size());
+  Found found;
+  for (int lane = 0; lane < width; ++lane) {
+    const std::vector<double> values = field_of(stiffness, width, lane);
+    const typename LocalBasins<Dim>::Field field{whole_, owned_, values, supported_};
+    const LocalBasins<Dim> local(field, limits[lane], rank_of(level_.comm));
+    const auto ids = ring_.template gather<std::int64_t>([&](const Index<Dim>& element) {
+      const int basin = local.of_element()[owned_.offset(element)];
+      return basin < 0 ? std::int64_t{-1} : local.basins()[basin].id;
+    });
+    found.saddles.push_back(local.saddles(ids));
+    found.numbers.push_back(local.candidates(found.saddles.back()));
+    found.of_element.push_back(local.of_element());
+    auto& basins = found.basins.emplace_back();
+    for (const int number : found.numbers.back()) {
+      basins.push_back(local.basins()[number]);
+      basins.back().lane = lane;
+    }
+    for (Saddle& saddle : found.saddles.back()) saddle.lane = lane;
+  }
+  return found;
+}
+
+/// Islands of each lane: their number, and those of Found::basins.
+template <int Dim>
+std::vector<BasinIslands> IslandMap<Dim>::resolve(const Found& found,
+                                                  const std::vector<IslandLimits>& limits) const {
+  const auto basins = to_ranks_of_lanes(level_.comm, found.basins);
+  const auto saddles = to_ranks_of_lanes(level_.comm, found.saddles);
+  const int ranks = size_of(level_.comm), lanes = static_cast<int>(limits.size());
+  std::vector<std::vector<int>> answers(static_cast<std::size_t>(ranks));  // in the order of `basins`
+  std::vector<int> counts(limits.size(), 0);
+  for (int lane = rank_of(level_.comm); lane < lanes; lane += ranks) {
+    std::vector<Basin> all_basins;
+    std::vector<Saddle> all_saddles;
+    const auto in_lane = [lane](const auto& item) { return item.lane == lane; };
+    for (const auto& list : basins)
+      std::copy_if(list.begin(), list.end(), std::back_inserter(all_basins), in_lane);
+    for (const auto& list : saddles)
+      std::copy_if(list.begin(), list.end(), std::back_inserter(all_saddles), in_lane);
+    const BasinIslands islands = find_islands(all_basins, std::move(all_saddles), limits[lane]);
+    counts[lane] = islands.count;
+    auto next = islands.of_basin.begin();
+    for (int rank = 0; rank < ranks; ++rank) {
+      const auto count = std::count_if(basins[rank].begin(), basins[rank].end(), in_lane);
+      answers[rank].insert(answers[rank].end(), next, next + count);
+      next += count;
+    }
+  }
+  sum_in_place(level_.comm, counts);
+  const auto answered = exchange_lists(level_.comm, answers);
+  std::vector<std::size_t> used(answered.size(), 0);
+  std::vector<BasinIslands> result(limits.size());
+  for (int lane = 0; lane < lanes; ++lane) {
+    result[lane].count = counts[lane];
+    const int rank = lane % ranks;
+    const auto first = answered[rank].begin() + static_cast<std::ptrdiff_t>(used[rank]);
+    used[rank] += found.basins[lane].size();
+    result[lane].of_basin.assign(first, first + static_cast<std::ptrdiff_t>(found.basins[lane].size()));
+  }
+  return result;
+}
+
+/// `island_of_element`: on the ring, as `field`.
+template <int Dim>
+std::vector<LaneIslands::Node> IslandMap<Dim>::nodes_of(const std::vector<double>& field,
+                                                        const std::vector<int>& island_of_element) const {
+  std::vector<LaneIslands::Node> result;
+  level_.mesh.node_box().for_each([&](const Index<Dim>& index, std::int64_t) {
+    const int node = level_.mesh.node_number(index);
+    if (node < 0 || node_held_[node] != 0) return;
+    double stiffest = 0.0;
+    int island = -1;
+    for (int number = corner_count<Dim> - 1; number >= 0; --number) {  // ascending elements
+      const std::int64_t element = ring_.wanted().offset(stepped<Dim>(index, number, -1));
+      if (!(field[element] > stiffest)) continue;  // so, what is no number counts as nothing
+      stiffest = field[element];
+      island = island_of_element[element];
+    }
+    if (island >= 0) result.push_back({node, island, node_counted_[node] != 0});
+  });
   return result;
 }
 
 template <int Dim>
-std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness, int width) const {
+std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness, int width, double contrast,
+                                              int most) const {
+  const std::vector<IslandLimits> limits = limits_of(stiffness, width, contrast, most);
+  const Found found = find_basins(stiffness, limits);
+  const std::vector<BasinIslands> islands = resolve(found, limits);
   std::vector<LaneIslands> result(static_cast<std::size_t>(width));
-  if (all_places_.empty()) return result;
-  const int ranks = size_of(level_.comm), rank = rank_of(level_.comm);
-  // All fields travel before the first is looked at: the ranks look at theirs at the same time.
-  std::vector<std::vector<double>> fields(static_cast<std::size_t>(width));
-  std::vector<double> own(places_.size());
   for (int lane = 0; lane < width; ++lane) {
-    for (std::size_t e = 0; e < own.size(); ++e) own[e] = stiffness[e * width + lane];
-    // The whole field on one rank, in the order of the ranks' elements.
-    if (rank == lane % ranks) fields[lane].resize(all_places_.size());
-    MPI_Gatherv(own.data(), static_cast<int>(own.size()), MPI_DOUBLE, fields[lane].data(),
-                element_counts_.data(), element_starts_.data(), MPI_DOUBLE, lane % ranks, level_.comm);
-  }
-  std::vector<std::vector<int>> found(static_cast<std::size_t>(width));
-  for (int lane = rank; lane < width; lane += ranks) found[lane] = find_in(fields[lane]);
-  std::vector<int> node_island(node_places_.size());
-  for (int lane = 0; lane < width; ++lane) {
-    const int root = lane % ranks;
-    LaneIslands& islands = result[lane];
-    islands.count = rank == root ? found[lane][0] : 0;
-    MPI_Bcast(&islands.count, 1, MPI_INT, root, level_.comm);
-    if (islands.count == 0) continue;
-    MPI_Scatterv(rank == root ? found[lane].data() + 1 : nullptr, node_counts_.data(), node_starts_.data(),
-                 MPI_INT, node_island.data(), static_cast<int>(node_island.size()), MPI_INT, root,
-                 level_.comm);
-    for (std::size_t node = 0; node < node_island.size(); ++node)
-      if (node_island[node] >= 0 && node_held_[node] == 0)
-        islands.nodes.push_back(
-            {static_cast<std::int64_t>(node), node_island[node], node_counted_[node] != 0});
+    result[lane].count = islands[lane].count;
+    if (islands[lane].count == 0) continue;
+    const std::vector<double> field = field_of(stiffness, width, lane);
+    std::vector<int> of_basin;  // up to the last that may be one
+    for (std::size_t i = 0; i < found.numbers[lane].size(); ++i) {
+      of_basin.resize(std::max<std::size_t>(of_basin.size(), found.numbers[lane][i] + 1), -1);
+      of_basin[found.numbers[lane][i]] = islands[lane].of_basin[i];
+    }
+    const auto island = ring_.template gather<int>(
+        [&](const Index<Dim>& element) {
+          const int basin = found.of_element[lane][owned_.offset(element)];
+          return basin < 0 || basin >= static_cast<int>(of_basin.size()) ? -1 : of_basin[basin];
+        },
+        -1);
+    result[lane].nodes = nodes_of(field, island);
   }
   return result;
 }

@@ -4,7 +4,9 @@
 #include "fabseq/base/petsc.h"  // so that -log_view counts the messages sent here
 #include "fabseq/base/verdict.h"
 
+#include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace fabseq {
 
@@ -30,6 +32,13 @@ std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vec
                                                         std::span<const int> owners,
                                                         std::size_t length) const {
   if (count_ == 1) return {own.begin(), own.end()};
+  if (owners.size() > 1 && owners.size() * length > std::size_t{1} << 30) {  // MPI counts to 2^31
+    const auto early = owners.first(owners.size() / 2), late = owners.last(owners.size() - early.size());
+    const auto of_early = static_cast<std::size_t>(std::count(early.begin(), early.end(), index_));
+    auto shares = share_out(own.first(of_early), early, length);
+    for (auto& share : share_out(own.subspan(of_early), late, length)) shares.push_back(std::move(share));
+    return shares;
+  }
   const auto share_of = [&](int group) { return start(length, group + 1) - start(length, group); };
   std::vector<int> sent(count_), sent_starts(count_), received(count_), received_starts(count_);
   for (int group = 0; group < count_; ++group) {
@@ -70,12 +79,17 @@ void LayerGroups::sum(std::span<int> values) const {
 void LayerGroups::sum_at(int owner, std::span<double> values) const {
   if (count_ == 1) return;
   const bool is_owner = index_ == owner;
-  MPI_Reduce(is_owner ? MPI_IN_PLACE : values.data(), is_owner ? values.data() : nullptr,
-             static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, owner, across_);
+  for_each_message(values, [&](std::span<double> part) {
+    MPI_Reduce(is_owner ? MPI_IN_PLACE : part.data(), is_owner ? part.data() : nullptr,
+               static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM, owner, across_);
+  });
 }
 
 void LayerGroups::broadcast(int owner, std::span<double> values) const {
-  if (count_ > 1) MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, owner, across_);
+  if (count_ == 1) return;
+  for_each_message(values, [&](std::span<double> part) {
+    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_DOUBLE, owner, across_);
+  });
 }
 
 void LayerGroups::run(const std::function<void()>& work) const { run_in_groups(across(), work); }

@@ -2,7 +2,7 @@
 #include "fabseq/part/pieces.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/element_halo.h"
+#include "fabseq/grid/box_gather.h"
 
 #include <algorithm>
 #include <limits>
@@ -60,18 +60,17 @@ LocalComponents<Dim> flood_fill(const Grid<Dim>& grid, std::span<const double> d
 /// A face between a local component and an element of another rank.
 struct Contact {
   int component;
-  std::int64_t neighbor;  ///< offset in the halo's box
+  std::int64_t neighbor;  ///< offset in the box with the elements around this rank's
 };
 
 template <int Dim>
-std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const IndexBox<Dim>& halo_box,
-                                 const LocalComponents<Dim>& components) {
+std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const LocalComponents<Dim>& components) {
+  const IndexBox<Dim> ring = ringed(box);
   std::vector<Contact> contacts;
   box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
     if (components.of_element[offset] < 0) return;
-    for_each_face_neighbor<Dim>(halo_box, element, [&](const Index<Dim>& neighbor) {
-      if (!box.contains(neighbor))
-        contacts.push_back({components.of_element[offset], halo_box.offset(neighbor)});
+    for_each_face_neighbor<Dim>(ring, element, [&](const Index<Dim>& neighbor) {
+      if (!box.contains(neighbor)) contacts.push_back({components.of_element[offset], ring.offset(neighbor)});
     });
   });
   return contacts;
@@ -82,19 +81,21 @@ std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const IndexBox<Dim>& 
 /// boundaries that a piece winds through. Collective.
 template <int Dim>
 std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents<Dim>& components) {
-  constexpr double nothing = -1.0;
-  const ElementHalo<Dim> halo(grid, 1);
-  const std::vector<Contact> contacts = contacts_of<Dim>(grid.owned_elements(), halo.box(), components);
+  constexpr std::int64_t nothing = -1;
+  const IndexBox<Dim>& box = grid.owned_elements();
+  const BoxGather<Dim> around(grid.comm(), box, ringed(box));
+  const std::vector<Contact> contacts = contacts_of<Dim>(box, components);
   std::vector<std::int64_t> labels = components.first;
-  std::vector<double> field(components.of_element.size(), nothing);
   bool changed = true;
   while (any(grid.comm(), changed)) {
     changed = false;
-    for (std::size_t e = 0; e < field.size(); ++e)  // labels are below 2^53: exact as double
-      if (components.of_element[e] >= 0) field[e] = static_cast<double>(labels[components.of_element[e]]);
-    const std::vector<double> extended = halo.gather(field);
+    const auto label_at = [&](const Index<Dim>& element) {
+      const int component = components.of_element[box.offset(element)];
+      return component < 0 ? nothing : labels[component];
+    };
+    const auto extended = around.template gather<std::int64_t>(label_at, nothing);
     for (const Contact& contact : contacts) {
-      const auto label = static_cast<std::int64_t>(extended[contact.neighbor]);
+      const std::int64_t label = extended[contact.neighbor];
       if (label < 0 || label >= labels[contact.component]) continue;
       labels[contact.component] = label;
       changed = true;
@@ -133,8 +134,9 @@ struct PieceMeasures {
   }
   void reduce(MPI_Comm comm) {
     sum_in_place(comm, counts);
-    MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_INT64_T, MPI_MIN,
-                  comm);
+    for_each_message(std::span(extremes), [comm](std::span<std::int64_t> part) {
+      MPI_Allreduce(MPI_IN_PLACE, part.data(), static_cast<int>(part.size()), MPI_INT64_T, MPI_MIN, comm);
+    });
   }
   Piece<Dim> piece(int number, const Grid<Dim>& grid) const {
     Piece<Dim> result;

@@ -193,6 +193,22 @@ TEST(Grid, RefusesMoreValuesThanIndicesHold) {
   EXPECT_NE(values.find("3000000000 values"), std::string::npos) << values;
 }
 
+/// Before anything of that size is counted in integers or allocated.
+TEST(Grid, RefusesMoreThanIntegersHold) {
+  const std::string axis = test::refusal([] {
+    Grid<2>(PETSC_COMM_WORLD, {{1, 1}, {2000000000, 1}, 1.0}, nullptr);
+  });
+  EXPECT_EQ(axis, "/domain/elements: [2000000000,1], at most 1000000000 are allowed along an axis");
+  const std::string plane = test::refusal([] {
+    Grid<3>(PETSC_COMM_WORLD, {{1, 1, 1}, {49999, 49999, 1}, 1.0}, nullptr);
+  });
+  EXPECT_NE(
+      plane.find("/domain/elements: [49999,49999,1] make 2500000000 nodes across the last axis, at most "
+                 "2147483647 are allowed"),
+      std::string::npos)
+      << plane;
+}
+
 TEST(Grid, RefusesAnEmptyDomain) {
   EXPECT_NE(test::refusal([] {
               Grid<2>(PETSC_COMM_WORLD, {{1, 1}, {4, 0}, 1.0}, nullptr);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Islands of stiffness fields that are drawn by hand.
-#include "fabseq/lanes/stiff_islands.h"
+#include "fabseq/lanes/island_map.h"
 
 #include <gtest/gtest.h>
 
 #include "support/islands.h"
+#include "support/masked_grid.h"
 #include "support/small_parts.h"
 #include <limits>
 #include <utility>
@@ -13,9 +14,28 @@
 namespace fabseq {
 namespace {
 
+/// Islands of a field on one rank, and which each node is on; -1: none.
+struct Found {
+  int count = 0;
+  std::vector<int> node_island;
+};
+
+/// `field`: of each element of the box; those of the lowest layer are supported.
 template <int Dim>
-StiffIslands found_in(const test::Islands<Dim>& islands, double contrast = 100.0, int most = 8) {
-  return find_stiff_islands<Dim>(islands.elements, islands.field(), islands.supported(), contrast, most);
+Found find(const Index<Dim>& elements, const std::vector<double>& field, double contrast = 100.0,
+           int most = 8) {
+  const test::Mask<Dim> full = test::masks<Dim>()[0];
+  const test::MaskedGrid<Dim> masked(PETSC_COMM_SELF, elements, full, {Dim - 1, false});
+  const LaneHierarchy<Dim> hierarchy(masked.grid, masked.domain);
+  const LaneIslands islands = IslandMap<Dim>(hierarchy.level(0)).find(field, 1, contrast, most)[0];
+  Found found{islands.count, std::vector<int>(static_cast<std::size_t>(masked.whole.nodes.count()), -1)};
+  for (const auto& node : islands.nodes) found.node_island[node.node] = node.island;
+  return found;
+}
+
+template <int Dim>
+Found found_in(const test::Islands<Dim>& islands, double contrast = 100.0, int most = 8) {
+  return find<Dim>(islands.elements, islands.field(), contrast, most);
 }
 template <int Dim>
 IndexBox<Dim> all_nodes(const test::Islands<Dim>& islands) {
@@ -31,7 +51,7 @@ TYPED_TEST_SUITE(StiffIslandsTest, test::Dimensions);
 TYPED_TEST(StiffIslandsTest, AreBlocksThatDoNotStandOnThePlate) {
   constexpr int Dim = TypeParam::value;
   const auto islands = test::two_islands<Dim>();
-  const StiffIslands found = found_in(islands);
+  const Found found = found_in(islands);
   ASSERT_EQ(found.count, 2);
   all_nodes(islands).for_each([&](const Index<Dim>& node, std::int64_t offset) {
     EXPECT_EQ(found.node_island[offset], islands.block_at(node)) << to_text<Dim>(node);
@@ -41,7 +61,7 @@ TYPED_TEST(StiffIslandsTest, AreBlocksThatDoNotStandOnThePlate) {
 TYPED_TEST(StiffIslandsTest, OnlyTheLargestCount) {
   constexpr int Dim = TypeParam::value;
   const auto islands = test::two_islands<Dim>();
-  const StiffIslands found = found_in(islands, 100.0, 1);
+  const Found found = found_in(islands, 100.0, 1);
   ASSERT_EQ(found.count, 1);
   all_nodes(islands).for_each([&](const Index<Dim>& node, std::int64_t offset) {
     EXPECT_EQ(found.node_island[offset], islands.block_at(node) == 0 ? 0 : -1);
@@ -63,7 +83,7 @@ TYPED_TEST(StiffIslandsTest, WhatIsConnectedToThePlateIsNone) {
   column.start[Dim - 1] = 0;
   column.size[Dim - 1] = islands.blocks[0].start[Dim - 1];
   islands.blocks.push_back(column);
-  const StiffIslands found = found_in(islands);
+  const Found found = found_in(islands);
   ASSERT_EQ(found.count, 1);
   all_nodes(islands).for_each([&](const Index<Dim>& node, std::int64_t offset) {
     EXPECT_EQ(found.node_island[offset], islands.block_at(node) == 1 ? 0 : -1);
@@ -88,7 +108,7 @@ TYPED_TEST(StiffIslandsTest, BridgesJoinIslands) {
       }()));
       field[all.offset(at)] = bridge;
     }
-    const StiffIslands found = find_stiff_islands<Dim>(islands.elements, field, islands.supported());
+    const Found found = find<Dim>(islands.elements, field);
     EXPECT_EQ(found.count, bridge < 0.01 ? 2 : 1) << bridge;
   }
 }
@@ -98,7 +118,7 @@ TYPED_TEST(StiffIslandsTest, UniformFieldsHaveNone) {
   auto islands = test::two_islands<Dim>();
   for (const double value : {1.0, 1e-9, 0.0}) {
     const std::vector<double> field(islands.field().size(), value);
-    EXPECT_EQ(find_stiff_islands<Dim>(islands.elements, field, islands.supported()).count, 0);
+    EXPECT_EQ(find<Dim>(islands.elements, field).count, 0);
   }
 }
 
@@ -109,7 +129,7 @@ TYPED_TEST(StiffIslandsTest, NothingAroundIsAsGoodAsSoft) {
   auto field = islands.field();
   for (double& value : field)
     if (value == test::soft && test::noise(&value - field.data()) < 0.3) value = 0.0;
-  const StiffIslands found = find_stiff_islands<Dim>(islands.elements, field, islands.supported());
+  const Found found = find<Dim>(islands.elements, field);
   EXPECT_EQ(found.count, 2);
 }
 
@@ -120,14 +140,13 @@ TYPED_TEST(StiffIslandsTest, WhatIsNoNumberDoesNoHarm) {
   const auto found_with = [&](double value) {
     auto field = islands.field();
     for (std::size_t i = 0; i < field.size(); i += 11) field[i] = value;
-    return find_stiff_islands<Dim>(islands.elements, field, islands.supported(), 100.0,
-                                   static_cast<int>(field.size()));
+    return find<Dim>(islands.elements, field, 100.0, static_cast<int>(field.size()));
   };
   const double infinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const auto& [spoiled, equivalent] :
        {std::pair(nan, 0.0), std::pair(-1.0, 0.0), std::pair(infinity, 1e300)}) {
-    const StiffIslands found = found_with(spoiled), expected = found_with(equivalent);
+    const Found found = found_with(spoiled), expected = found_with(equivalent);
     EXPECT_GE(expected.count, 2);
     EXPECT_EQ(found.count, expected.count) << spoiled;
     EXPECT_EQ(found.node_island, expected.node_island) << spoiled;

@@ -10,7 +10,9 @@
 #include "support/shapes.h"
 #include "support/whole_field.h"
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <numeric>
 
@@ -139,11 +141,11 @@ std::vector<std::int64_t> serial_labels(const IndexBox<Dim>& all, const std::vec
 }
 
 template <int Dim>
-void compare_pieces(const Domain<Dim>& domain, double fill, int seed) {
+void compare_pieces(const Domain<Dim>& domain, const std::function<double(std::int64_t)>& density_of) {
   const Grid<Dim> grid(PETSC_COMM_WORLD, domain, nullptr);
   const IndexBox<Dim> all = grid.all_elements();
-  std::vector<double> whole(static_cast<std::size_t>(all.count()));
-  for (std::size_t e = 0; e < whole.size(); ++e) whole[e] = speckle(static_cast<std::int64_t>(e), fill, seed);
+  std::vector<double> whole;
+  for (std::int64_t e = 0; e < all.count(); ++e) whole.push_back(density_of(e));
   std::vector<double> density(static_cast<std::size_t>(grid.owned_elements().count()));
   grid.owned_elements().for_each(
       [&](const Index<Dim>& element, std::int64_t offset) { density[offset] = whole[all.offset(element)]; });
@@ -186,9 +188,41 @@ void compare_pieces(const Domain<Dim>& domain, double fill, int seed) {
 TEST(FindPieces, AgreesWithASerialUnionFind) {
   // Near the percolation thresholds pieces wind through several ranks.
   for (int seed = 0; seed < 5; ++seed) {
-    compare_pieces<2>({{1.7, 2.3}, {37, 41}, 1.0}, 0.6, seed);
-    compare_pieces<3>({{1, 2, 3}, {13, 11, 17}, 1.0}, 0.32, seed);
+    compare_pieces<2>({{1.7, 2.3}, {37, 41}, 1.0}, [&](std::int64_t e) { return speckle(e, 0.6, seed); });
+    compare_pieces<3>({{1, 2, 3}, {13, 11, 17}, 1.0}, [&](std::int64_t e) { return speckle(e, 0.32, seed); });
   }
+}
+
+/// Elements and blocks of them that touch by edges and corners only.
+TEST(FindPieces, DoNotJoinAtCorners) {
+  for (const int edge : {1, 3}) {
+    const auto is_even = [edge](const auto& element) {
+      int blocks = 0;
+      for (const int i : element) blocks += i / edge;
+      return blocks % 2 == 0 ? 1.0 : 0.0;
+    };
+    const IndexBox<2> plane{{}, {14, 19}};
+    compare_pieces<2>({{1.4, 1.9}, plane.size, 1.0}, [&](std::int64_t e) { return is_even(plane.index(e)); });
+    const IndexBox<3> box{{}, {8, 9, 10}};
+    compare_pieces<3>({{1, 2, 3}, box.size, 1.0}, [&](std::int64_t e) { return is_even(box.index(e)); });
+  }
+}
+
+/// Two arms that wind around each other from the edge to the middle, in 3D as walls: each crosses the
+/// boundaries between the ranks in every turn.
+TEST(FindPieces, FollowsTwoSpiralsThatWindAroundEachOther) {
+  // Along a ray of any direction the arms and the gaps between them take turns.
+  const auto is_arm = [](int x, int y, int extent) {
+    const double u = x + 0.5 - 0.5 * extent, v = y + 0.5 - 0.5 * extent;
+    const double turns = std::hypot(u, v) / 12.0 - std::atan2(v, u) / (2.0 * std::acos(-1.0));
+    return std::fmod(2.0 * (turns + 8.0), 1.0) < 0.6 ? 1.0 : 0.0;
+  };
+  const IndexBox<2> plane{{}, {73, 73}};
+  compare_pieces<2>({{1.0, 1.0}, plane.size, 1.0},
+                    [&](std::int64_t e) { return is_arm(plane.index(e)[0], plane.index(e)[1], 73); });
+  const IndexBox<3> box{{}, {41, 5, 41}};
+  compare_pieces<3>({{1, 0.2, 1}, box.size, 1.0},
+                    [&](std::int64_t e) { return is_arm(box.index(e)[0], box.index(e)[2], 41); });
 }
 
 TEST(FindPieces, FollowsASpiralThroughAllRanks) {

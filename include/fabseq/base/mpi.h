@@ -6,6 +6,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -38,6 +39,18 @@ class Communicator {
 int rank_of(MPI_Comm comm);
 int size_of(MPI_Comm comm);
 
+/// Calls f(part) for consecutive parts of `values` of at most `most` entries each, which MPI can count; once
+/// if there are none. Not collective.
+template <class Value, class Function>
+void for_each_message(std::span<Value> values, Function&& f, std::size_t most = std::size_t{1} << 30) {
+  std::size_t begin = 0;
+  do {
+    const std::size_t length = std::min(most, values.size() - begin);
+    f(values.subspan(begin, length));
+    begin += length;
+  } while (begin < values.size());
+}
+
 /// Sum, maximum or minimum of `value` over the ranks.
 double sum(MPI_Comm comm, double value);
 std::int64_t sum(MPI_Comm comm, std::int64_t value);
@@ -48,7 +61,7 @@ std::int64_t min(MPI_Comm comm, std::int64_t value);
 /// True on every rank if `value` is true on any rank.
 bool any(MPI_Comm comm, bool value);
 
-/// Sum over the ranks, entry by entry, in place. The length is the same on all ranks.
+/// Sum over the ranks, entry by entry, in place. The length, which may be any, is the same on all ranks.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 void sum_in_place(MPI_Comm comm, std::span<float> values);
 void sum_in_place(MPI_Comm comm, std::span<std::int64_t> values);
@@ -61,8 +74,8 @@ std::string broadcast(MPI_Comm comm, const std::string& text);
 /// Copies rank 0's `values` to every rank, in place. The length is the same on all ranks.
 void broadcast(MPI_Comm comm, std::span<double> values);
 
-/// The entries of all ranks on every rank, rank after rank; at most 2^31 - 1 in all. Lengths may differ
-/// between ranks.
+/// The entries of all ranks on every rank, rank after rank. Lengths may differ between ranks. Throws
+/// InputError on all ranks if there are more than 2^31 - 1 in all.
 std::vector<std::int64_t> gather_all(MPI_Comm comm, std::span<const std::int64_t> own);
 std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own);
 

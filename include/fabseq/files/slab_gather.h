@@ -29,8 +29,8 @@ class SlabGather {
   std::span<const double> gather(int slab);
 
  private:
-  /// Number of values that a box contributes to a slab.
-  int values_in_slab(const IndexBox<Dim>& box, int slab) const;
+  /// Number of elements or nodes that a box contributes to a slab.
+  int points_in_slab(const IndexBox<Dim>& box, int slab) const;
   void place(const IndexBox<Dim>& box, const double* piece);
 
   MPI_Comm comm_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/grid/box_gather.h"
+#include "fabseq/lanes/island_graph.h"
 #include "fabseq/lanes/lane_hierarchy.h"
-#include "fabseq/lanes/stiff_islands.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -17,33 +19,48 @@ struct LaneIslands {
     bool counted = true;  ///< whether this rank counts it in sums over all nodes
   };
   int count = 0;
-  std::vector<Node> nodes;  ///< none of them held
+  std::vector<Node> nodes;  ///< none of them held; ascending
 };
 
-/// Finds the stiff islands of each lane: lanes are dealt out to the ranks, and a rank sees its lanes' whole
-/// fields.
+/// Finds the stiff islands of each lane: basins of the stiffness field, found by letting it sink. Elements
+/// join face-adjacent ones in the order of decreasing stiffness (to about a fifth), down to three times the
+/// least there is; find_islands() says which basins are islands. A node belongs to the basin of its stiffest
+/// element, the first of equally stiff ones. The islands do not depend on the number of ranks. A rank looks
+/// at its own elements and one layer around them; the graph of a lane's basins, which is small next to the
+/// field, goes to one rank, another one for each lane.
 template <int Dim>
 class IslandMap {
  public:
-  /// Fields larger than this are not gathered on one rank: their islands stay unknown.
-  static constexpr std::int64_t largest = 100'000'000;
-
   /// `level` is the finest and must outlive the map. Collective on its communicator.
   explicit IslandMap(const LaneLevel<Dim>& level);
 
-  /// `stiffness`: [element][lane] of this rank. Collective.
-  std::vector<LaneIslands> find(std::span<const double> stiffness, int width) const;
+  /// `stiffness`: [element][lane] of this rank's mesh, what is no number counting as nothing; `contrast`: of
+  /// an island's peak to the saddle where it ends; `most`: islands of a lane, the largest. Collective.
+  std::vector<LaneIslands> find(std::span<const double> stiffness, int width, double contrast = 100.0,
+                                int most = 8) const;
 
  private:
-  std::vector<int> find_in(std::span<const double> field) const;
+  /// The basins of all lanes that this rank has a part of.
+  struct Found {
+    std::vector<std::vector<int>> of_element;  ///< [lane][element of the box]: index of a basin, -1 for none
+    std::vector<std::vector<Basin>> basins;    ///< [lane]: those that may be islands
+    std::vector<std::vector<int>> numbers;     ///< [lane]: their indices
+    std::vector<std::vector<Saddle>> saddles;  ///< [lane]
+  };
+
+  std::vector<IslandLimits> limits_of(std::span<const double> stiffness, int width, double contrast,
+                                      int most) const;
+  std::vector<double> field_of(std::span<const double> stiffness, int width, int lane) const;
+  Found find_basins(std::span<const double> stiffness, const std::vector<IslandLimits>& limits) const;
+  std::vector<BasinIslands> resolve(const Found& found, const std::vector<IslandLimits>& limits) const;
+  std::vector<LaneIslands::Node> nodes_of(const std::vector<double>& field,
+                                          const std::vector<int>& island_of_element) const;
 
   const LaneLevel<Dim>& level_;
-  std::vector<char> node_held_, node_counted_, element_supported_;
-  std::vector<int> places_;       ///< of this rank's elements in the whole box
-  std::vector<int> node_places_;  ///< of its nodes
-  std::vector<int> element_counts_, element_starts_, node_counts_, node_starts_;  ///< of all ranks
-  std::vector<int> all_places_, all_node_places_;
-  std::vector<char> all_supported_;
+  IndexBox<Dim> whole_, owned_;
+  BoxGather<Dim> ring_;  ///< of the elements around this rank's
+  std::vector<char> node_held_, node_counted_;
+  std::vector<char> supported_;  ///< whether an element of the box has a held node
 };
 
 }  // namespace fabseq

@@ -14,8 +14,8 @@ namespace fabseq {
 /// of the fine part whose coarse element is no part element take the mean of what their nearest part elements
 /// would go on to. A linear field stays what it is wherever the part is two elements thick.
 ///
-/// `part`: of the field, every rank's share of which all ranks gather. `fine`: a part field of it is
-/// returned. Both grids have the same communicator, on which the call is collective. Source: fabseq's own.
+/// `part`: of the field. `fine`: a part field of it is returned. Both grids have the same communicator, on
+/// which the call is collective; a rank gathers what its own fine elements lie in. Source: fabseq's own.
 template <int Dim>
 std::vector<double> refined_field(const Part<Dim>& part, std::span<const double> field,
                                   const Part<Dim>& fine);

@@ -290,7 +290,9 @@ SolveReport AssembledSystem<Dim>::last_report() const {
   SolveReport report;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(solver_, &reason));
-  check(KSPGetIterationNumber(solver_, &report.iterations));
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(solver_, &iterations));
+  report.iterations = static_cast<int>(iterations);
   PetscReal norm = 0.0;
   check(KSPGetResidualNorm(solver_, &norm));
   const PetscReal* history = nullptr;

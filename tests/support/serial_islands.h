@@ -1,18 +1,28 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/lanes/stiff_islands.h"
+/// \file
+/// Stiff islands by letting the whole field sink, element by element: what IslandMap is compared with.
+#pragma once
+
+#include "fabseq/grid/index_box.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
+#include <vector>
 
-namespace fabseq {
+namespace fabseq::test {
 
-namespace {
+/// Islands of a field, and which of them each node of the box is on, lexicographic; -1: none.
+struct SerialIslands {
+  int count = 0;
+  std::vector<int> node_island;
+};
 
 /// Sets that can be joined; each has a representative.
-class DisjointSets {
+class SunkSets {
  public:
   void resize(std::size_t count) { parent_.assign(count, -1); }
   bool contains(int member) const { return parent_[member] >= 0; }
@@ -32,7 +42,7 @@ class DisjointSets {
 };
 
 /// Elements stiffer than `floor`, stiffest first to a fifth: by the exponent and two bits of the fraction.
-std::vector<int> order_by_stiffness(std::span<const double> stiffness, double floor) {
+inline std::vector<int> order_by_stiffness(std::span<const double> stiffness, double floor) {
   constexpr int shift = 50;
   const auto key = [&](std::size_t e) { return std::bit_cast<std::uint64_t>(stiffness[e]) >> shift; };
   std::vector<int> starts((std::size_t{1} << (63 - shift)) + 1, 0);
@@ -69,13 +79,15 @@ class Watershed {
     }
   }
 
-  /// Islands, largest first.
+  /// Islands, largest first; of equal size, the one whose first element rose earlier.
   std::vector<int> islands() const {
     std::vector<int> result;
     for (std::size_t basin = 0; basin < properties_.size(); ++basin)
       if (properties_[basin].island) result.push_back(static_cast<int>(basin));
-    std::stable_sort(result.begin(), result.end(),
-                     [&](int a, int b) { return properties_[a].size > properties_[b].size; });
+    std::stable_sort(result.begin(), result.end(), [&](int a, int b) {
+      return properties_[a].size != properties_[b].size ? properties_[a].size > properties_[b].size
+                                                        : properties_[a].first < properties_[b].first;
+    });
     return result;
   }
   /// Basin of an element, -1 for those too soft to be in one.
@@ -87,6 +99,7 @@ class Watershed {
     std::int64_t size = 0;
     bool supported = false;
     bool island = false;
+    int first = 0;  // basin that it began with: they are numbered as they rise
   };
   static constexpr int smallest = 4;  // elements
 
@@ -110,7 +123,7 @@ class Watershed {
     components_.add(element);
     if (stiffest < 0) {
       basin_of_[element] = basins_.append();
-      properties_.push_back({stiffness_[element], 0, false, false});
+      properties_.push_back({stiffness_[element], 0, false, false, basin_of_[element]});
       main_basin_[element] = basin_of_[element];
     } else {
       basin_of_[element] = basins_.find(basin_of_[stiffest]);
@@ -142,6 +155,7 @@ class Watershed {
         whole.size += ends.size;
         whole.supported = whole.supported || ends.supported;
         whole.peak = std::max(whole.peak, ends.peak);
+        whole.first = std::min(whole.first, ends.first);
       }
     }
     components_.join(second, first);
@@ -152,19 +166,19 @@ class Watershed {
   std::span<const double> stiffness_;
   std::span<const char> supported_;
   double contrast_;
-  DisjointSets components_, basins_;
+  SunkSets components_, basins_;
   std::vector<int> basin_of_;    ///< of each element
   std::vector<int> main_basin_;  ///< of each component, at its representative
   std::vector<Properties> properties_;
 };
 
-}  // namespace
-
+/// `stiffness`: of each element of the box, lexicographic, 0 where there is none. `supported`: whether an
+/// element has a held node.
 template <int Dim>
-StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const double> stiffness,
-                                std::span<const char> supported, double contrast, int most) {
+SerialIslands find_serial_islands(const Index<Dim>& elements, std::span<const double> stiffness,
+                                  std::span<const char> supported, double contrast = 100.0, int most = 8) {
   Watershed<Dim> watershed(elements, stiffness, supported, contrast);
-  StiffIslands result;
+  SerialIslands result;
   const std::vector<int> islands = watershed.islands();
   result.count = std::min<int>(most, static_cast<int>(islands.size()));
   if (result.count == 0) return result;
@@ -189,6 +203,4 @@ StiffIslands find_stiff_islands(const Index<Dim>& elements, std::span<const doub
   return result;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(find_stiff_islands);
-
-}  // namespace fabseq
+}  // namespace fabseq::test
