@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// Memory on large pages.
+#include "fabseq/base/large_pages.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <new>
+
+namespace fabseq {
+namespace {
+
+TEST(LargePagesTest, GivesZeroedMemoryAlignedToAPage) {
+  for (const std::size_t bytes : {std::size_t{1}, large_page, large_page + 1, 3 * large_page}) {
+    auto* const place = static_cast<char*>(map_large_pages(bytes));
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(place) % large_page, 0U);
+    EXPECT_EQ(place[0], 0);
+    EXPECT_EQ(place[bytes - 1], 0);
+    std::memset(place, 1, bytes);
+    unmap_large_pages(place, bytes);
+  }
+}
+
+TEST(LargePagesTest, RefusesWhatNoMachineHas) {
+  EXPECT_THROW(map_large_pages(std::numeric_limits<std::size_t>::max() / 4), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace fabseq
