@@ -16,7 +16,8 @@ FIGURES = ["messages", "message_bytes", "collectives", "collective_bytes"]
 # Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt:
 # what is set up at first use is sent only once.
 ITERATIONS = 6
-# Of these phases the bytes of MPI_Alltoallv are left out: graphs of basins (IslandMap), as large as the stiffness makes them.
+# Of these phases the bytes of MPI_Alltoallv are left out: graphs of basins (IslandMap), as large as the
+# stiffness makes them.
 PHASES_WITH_GRAPHS = ("primal", "adjoint")
 # On two boxes: one all of material, which the model knows to the last byte, and one with a void.
 BLOCK = {

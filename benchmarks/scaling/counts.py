@@ -5,8 +5,8 @@ collective calls.
 A "halo" is a sum over shared nodes (SharedNodes::sum), an "exchange" PETSc's halo of the nodes of the whole
 box, a "ring" a copy of the elements around the rank's own: one message to each neighbour. A "gather" takes
 values to the ranks that hold the next level, or back (LevelGather); a "deal" takes lanes to those that solve
-them on the last level, or back (LaneDeal). Collectives are over the ranks of a group ("domain"), those of them
-that hold a level (its number), a rank and its copies ("across"), or all ("world").
+them on the last level, or back (LaneDeal). Collectives are over the ranks of a group ("domain"), those of
+them that hold a level (its number), a rank and its copies ("across"), or all ("world").
 """
 
 from collections import Counter, defaultdict
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaling.costs import DOUBLE, SINGLE, coarse_step, outer_step, visit
+
 
 @dataclass
 class Iteration:
