@@ -106,10 +106,10 @@ class LaneSolver:
     def set_up(self, width):
         problem, operators = self.problem, self.problem.operators(width)
         for level in range(len(self.levels) - 1):
-            self.halo(level, problem.scaling() * operators * SINGLE)
+            self.halo(level, problem.scaling() * operators * DOUBLE)
             self.transfer_down(level, 0, (width if problem.own_operators else 2) * SINGLE)
             self.tally.work[self.phase] += self.levels[level].own_nodes * operators * np.array(
-                [70 * problem.components, problem.scaling() * 5 * SINGLE])
+                [70 * problem.components, problem.scaling() * (4 * DOUBLE + SINGLE)])
         self.reduce(operators * DOUBLE)  # of factor()
         self.serial("factor", most_lanes(self.owners(operators)))
         if not problem.own_operators or len(self.levels) == 1:

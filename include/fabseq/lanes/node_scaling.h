@@ -25,15 +25,16 @@ class NodeScaling {
   void set_up(LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
               const Real* coefficients) {
     constexpr int block = entries * width;
-    inverse_.assign(static_cast<std::size_t>(level.mesh.nodes()) * block, 0.0F);
-    collect(level, matrices, coefficients);
-    sum_over_holders(level, inverse_.data(), block);
+    LaneArray blocks(static_cast<std::size_t>(level.mesh.nodes()) * block, 0.0);
+    collect(level, matrices, coefficients, blocks);
+    sum_over_holders(level, blocks.data(), block);
+    inverse_.resize(blocks.size());
     std::size_t next = 0;  // among the held unknowns
     for (std::int64_t node = 0; node < level.mesh.nodes(); ++node) {
       unsigned held = 0;
       for (; next < level.fixed.size() && level.fixed[next] / components == node; ++next)
         held |= 1U << (level.fixed[next] % components);
-      invert(held, &inverse_[node * block]);
+      invert(&blocks[node * block], held, &inverse_[node * block]);
     }
   }
 
@@ -73,27 +74,26 @@ class NodeScaling {
     else
       return Lanes<Width, Real>::broadcast(*from);
   }
-  /// Sums up the blocks where their inverses will be.
   void collect(const LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
-               const Real* coefficients) {
+               const Real* coefficients, LaneArray& blocks) const {
     constexpr int stride = Problem::template Kernel<Width>::stride;
     constexpr int corners = corner_count<Problem::dim>;
     for (const auto& row : level.mesh.rows())
       for (int i = 0; i < row.length; ++i) {
         const Real* of_element = coefficients + (row.element + i) * stride;
         for (int corner = 0; corner < corners; ++corner) {
-          float* place = &inverse_[(row.node[corner / 2] + i + corner % 2) * entries * width];
+          double* place = &blocks[(row.node[corner / 2] + i + corner % 2) * entries * width];
           for (int a = 0; a < components; ++a)
             for (int b = a; b < components; ++b)
               for (int lane = 0; lane < width; ++lane)
-                place[off_diagonal(a, b) * width + lane] += static_cast<float>(Problem::template entry<Width>(
-                    matrices, corner * components + a, corner * components + b, of_element, lane));
+                place[off_diagonal(a, b) * width + lane] += Problem::template entry<Width>(
+                    matrices, corner * components + a, corner * components + b, of_element, lane);
         }
       }
   }
 
-  /// Inverts in place. Held unknowns count as unit rows meanwhile.
-  void invert(unsigned held, float* block) const {
+  /// Held unknowns count as unit rows while inverting.
+  void invert(const double* block, unsigned held, float* inverse) const {
     using Value = Lanes<width>;
     const auto is_held = [&](int a, int b) { return (((held >> a) | (held >> b)) & 1U) != 0; };
     const auto entry = [&](int a, int b) {
@@ -101,17 +101,18 @@ class NodeScaling {
       return Value::load(block + off_diagonal(a, b) * width);
     };
     const auto set = [&](int a, int b, const Value& value) {
-      (is_held(a, b) ? Value::zero() : value).store(block + off_diagonal(a, b) * width);
+      float* place = inverse + off_diagonal(a, b) * width;
+      for (int lane = 0; lane < width; ++lane)
+        place[lane] = is_held(a, b) ? 0.0F : static_cast<float>(value[lane]);
     };
     const Value one = Value::broadcast(1.0);
     if constexpr (components == 1) {
       set(0, 0, one / entry(0, 0));
     } else if constexpr (components == 2) {
-      const Value a = entry(0, 0), b = entry(1, 1), c = entry(0, 1);
-      const Value scale = one / (a * b - c * c);
-      set(0, 0, b * scale);
-      set(1, 1, a * scale);
-      set(0, 1, c * scale * -1.0);
+      const Value scale = one / (entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(0, 1));
+      set(0, 0, entry(1, 1) * scale);
+      set(1, 1, entry(0, 0) * scale);
+      set(0, 1, entry(0, 1) * scale * -1.0);
     } else {
       const Value a = entry(0, 0), b = entry(1, 1), c = entry(2, 2);
       const Value d = entry(0, 1), e = entry(0, 2), f = entry(1, 2);
