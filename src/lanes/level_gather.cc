@@ -9,15 +9,6 @@ namespace fabseq {
 
 namespace {
 
-template <int Dim>
-bool overlap(const IndexBox<Dim>& a, const IndexBox<Dim>& b) {
-  bool result = true;
-  for (int axis = 0; axis < Dim; ++axis)
-    result = result && a.start[axis] < b.start[axis] + b.size[axis] &&
-             b.start[axis] < a.start[axis] + a.size[axis];
-  return result;
-}
-
 /// Box of all elements of a level, or `longer` along each axis: 1 for a box of its nodes.
 template <int Dim>
 IndexBox<Dim> whole_box(const LevelShares<Dim>& shares, int longer) {
@@ -36,10 +27,10 @@ LevelGather<Dim>::LevelGather(MPI_Comm comm, const LaneMesh<Dim>& stage, const L
   const int fine_process = fine.process_of(rank_of(comm)), coarse_process = coarse.process_of(rank_of(comm));
   Places elements, nodes, elements_here, nodes_here;
   for (int process = 0; fine_process >= 0 && process < coarse.count(); ++process)
-    if (overlap(fine.parents_of(fine_process, factors), coarse.elements_of(process)))
+    if (fine.parents_of(fine_process, factors).common_with(coarse.elements_of(process)).count() > 0)
       elements.push_back({coarse.ranks[process], {}});
   for (int process = 0; coarse_process >= 0 && process < fine.count(); ++process)
-    if (overlap(fine.parents_of(process, factors), coarse.elements_of(coarse_process)))
+    if (fine.parents_of(process, factors).common_with(coarse.elements_of(coarse_process)).count() > 0)
       elements_here.push_back({fine.ranks[process], {}});
   nodes = elements;
   nodes_here = elements_here;

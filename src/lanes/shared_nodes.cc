@@ -10,21 +10,6 @@
 
 namespace fabseq {
 
-namespace {
-
-template <int Dim>
-IndexBox<Dim> intersection(const IndexBox<Dim>& a, const IndexBox<Dim>& b) {
-  IndexBox<Dim> common;
-  for (int axis = 0; axis < Dim; ++axis) {
-    common.start[axis] = std::max(a.start[axis], b.start[axis]);
-    const int end = std::min(a.start[axis] + a.size[axis], b.start[axis] + b.size[axis]);
-    common.size[axis] = std::max(0, end - common.start[axis]);
-  }
-  return common;
-}
-
-}  // namespace
-
 template <int Dim>
 SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm), rank_(rank_of(comm)) {
   std::map<std::int64_t, int> lowest_holder;
@@ -33,7 +18,7 @@ SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm)
   static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
   MPI_Allgather(&mesh.node_box(), 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
   for (int rank = 0; rank < static_cast<int>(boxes.size()); ++rank) {
-    const IndexBox<Dim> common = intersection(mesh.node_box(), boxes[rank]);
+    const IndexBox<Dim> common = mesh.node_box().common_with(boxes[rank]);
     if (rank == rank_ || common.count() == 0) continue;
     std::vector<char> own(static_cast<std::size_t>(common.count())), theirs(own.size());
     common.for_each([&](const Index<Dim>& node, std::int64_t offset) {

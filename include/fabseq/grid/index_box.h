@@ -3,6 +3,7 @@
 /// Points, indices and boxes of indices in `Dim` dimensions, x fastest.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -93,6 +94,16 @@ struct IndexBox {
       offset /= size[axis];
     }
     return result;
+  }
+  /// What both boxes have; a box of no entries if they have nothing in common.
+  IndexBox common_with(const IndexBox& other) const {
+    IndexBox common;
+    for (int axis = 0; axis < Dim; ++axis) {
+      common.start[axis] = std::max(start[axis], other.start[axis]);
+      const int end = std::min(start[axis] + size[axis], other.start[axis] + other.size[axis]);
+      common.size[axis] = std::max(0, end - common.start[axis]);
+    }
+    return common;
   }
   /// Calls f(index, offset) for all indices in lexicographic order.
   template <class Function>
