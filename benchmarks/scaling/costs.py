@@ -40,5 +40,5 @@ def coarse_step(problem, level, width, steps):
 
 
 def outer_step(problem, level, width):
-    """What is outside of the preconditioner: product (x in single precision), updates, inner products."""
-    return sweep(problem, level, width, DOUBLE, 2, 2) + values_of(problem, level, width) * np.array([6 + 2 + 6, 20 + 12 + 48 - 4])
+    """What is outside of the preconditioner: product, vector updates, inner products."""
+    return sweep(problem, level, width, DOUBLE, 2, 2) + values_of(problem, level, width) * np.array([6 + 2 + 6, 20 + 20 + 52])

@@ -86,10 +86,8 @@ class LaneCg {
   std::unique_ptr<Operator> matrix_;
   std::unique_ptr<Multigrid> multigrid_;
   std::array<bool, Width> positive_{};
-  /// A direction holds what single precision holds, as the preconditioned residual does that it is made of:
-  /// its image, and the step along it, are those of the rounded direction.
-  LaneValues<float> rounded_residual_, preconditioned_, direction_;
-  LaneArray image_;
+  LaneArray direction_, image_;
+  LaneValues<float> rounded_residual_, preconditioned_;
   std::unique_ptr<IslandMap<Problem::dim>> island_map_;
   IslandModes<Problem, Width> islands_;
   const FreeMotions<Problem::dim>* free_motions_ = nullptr;

@@ -26,8 +26,8 @@ void LaneCg<Problem, Width>::allocate() {
   if (matrix_) return;
   matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
   multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
-  image_.resize(matrix_->size());
-  for (auto* array : {&rounded_residual_, &preconditioned_, &direction_}) array->resize(matrix_->size());
+  for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
+  for (auto* array : {&rounded_residual_, &preconditioned_}) array->resize(matrix_->size());
 }
 
 template <class Problem, int Width>
@@ -35,9 +35,10 @@ void LaneCg<Problem, Width>::give_back_memory() {
   matrix_.reset();
   multigrid_.reset();
   half_.reset();
-  for (LaneArray* array : {&image_, &corrected_, &left_over_, &handed_residual_, &handed_solution_})
+  for (LaneArray* array :
+       {&direction_, &image_, &corrected_, &left_over_, &handed_residual_, &handed_solution_})
     free_memory(*array);
-  for (auto* array : {&rounded_residual_, &preconditioned_, &direction_}) free_memory(*array);
+  for (auto* array : {&rounded_residual_, &preconditioned_}) free_memory(*array);
 }
 
 template <class Problem, int Width>
@@ -175,7 +176,7 @@ void LaneCg<Problem, Width>::precondition(const LaneArray& residual) {
 /// direction = preconditioned residual + beta direction
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
-  using Value = Lanes<Width, float>;
+  using Value = Lanes<Width>;
   const auto factor = Value::load(beta.data());
   for (std::size_t i = 0; i < direction_.size(); i += Width) {
     auto direction = Value::load(&preconditioned_[i]);
