@@ -105,8 +105,8 @@ class GatherCount {
 };
 
 LaneMesh<3> stage_of(const Level& fine, const Shares& shares, int process) {
-  return Hierarchy::stage_of(mesh_of(*fine.mesh, shares, process), shares.parents_of(process, fine.factors),
-                             fine.factors);
+  return Hierarchy::stage_of(mesh_of(*fine.mesh, shares, process),
+                             shares.elements_of(process).coarsened(fine.factors), fine.factors);
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ void System::gather(Level& level, const Level& fine, const Shares& shares, const
       if (stage.elements() > 0)
         for (const int holder : fabseq::LevelGather<3>::holders_of_nodes(stage, coarse)) ++of_nodes[holder];
     } else {
-      const auto parents = shares.parents_of(process, fine.factors);
+      const auto parents = shares.elements_of(process).coarsened(fine.factors);
       Index<3> last = parents.start;
       for (int axis = 0; axis < 3; ++axis) last[axis] += parents.size[axis] - 1;
       const Index<3> low = coarse.ranges.position_of_element(parents.start);
@@ -198,10 +198,7 @@ void System::gather(Level& level, const Level& fine, const Shares& shares, const
                                         {high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1}};
       touched.for_each([&](const Index<3>& position, std::int64_t) {
         const auto box = coarse.ranges.elements_of(position);
-        double common = 1.0;
-        for (int axis = 0; axis < 3; ++axis)
-          common *= std::min(box.start[axis] + box.size[axis], last[axis] + 1) -
-                    std::max(box.start[axis], parents.start[axis]);
+        const auto common = static_cast<double>(box.common_with(parents).count());
         of_elements[coarse.ranges.rank_at(position)] = fill_ * common;
         of_nodes[coarse.ranges.rank_at(position)] = nodes_of(common);
       });
@@ -218,7 +215,8 @@ void System::deal_lanes(Level& level, const Level& fine, const Shares& shares) c
     const auto nodes =
         fine.mesh != nullptr
             ? stage_of(fine, shares, process).nodes()
-            : std::llround(nodes_of(static_cast<double>(shares.parents_of(process, fine.factors).count())));
+            : std::llround(
+                  nodes_of(static_cast<double>(shares.elements_of(process).coarsened(fine.factors).count())));
     if (nodes > 0) level.holders.emplace_back(shares.ranks[process], nodes);
   }
   level.own_nodes = 0.0;

@@ -164,7 +164,7 @@ void LaneHierarchy<Dim>::make_coarse_mesh(LaneLevel<Dim>& fine, LaneLevel<Dim>& 
   }
   LaneMesh<Dim> stage;
   if (const int process = fine.shares.process_of(rank_of(comm)); process >= 0)
-    stage = stage_of(fine.mesh, fine.shares.parents_of(process, fine.factors), fine.factors);
+    stage = stage_of(fine.mesh, fine.shares.elements_of(process).coarsened(fine.factors), fine.factors);
   coarse.shares = fine.shares.coarsened(fine.factors, active_);
   fine.staged = !fine.shares.stay_in_place(coarse.shares, fine.factors);
   if (fine.staged) {

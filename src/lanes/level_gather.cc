@@ -25,13 +25,15 @@ LevelGather<Dim>::LevelGather(MPI_Comm comm, const LaneMesh<Dim>& stage, const L
     : comm_(comm) {
   // Who may have something for whom follows from the shares.
   const int fine_process = fine.process_of(rank_of(comm)), coarse_process = coarse.process_of(rank_of(comm));
+  const auto meet = [&](int of_fine, int of_coarse) {
+    const auto parents = fine.elements_of(of_fine).coarsened(factors);
+    return parents.common_with(coarse.elements_of(of_coarse)).count() > 0;
+  };
   Places elements, nodes, elements_here, nodes_here;
   for (int process = 0; fine_process >= 0 && process < coarse.count(); ++process)
-    if (fine.parents_of(fine_process, factors).common_with(coarse.elements_of(process)).count() > 0)
-      elements.push_back({coarse.ranks[process], {}});
+    if (meet(fine_process, process)) elements.push_back({coarse.ranks[process], {}});
   for (int process = 0; coarse_process >= 0 && process < fine.count(); ++process)
-    if (fine.parents_of(process, factors).common_with(coarse.elements_of(coarse_process)).count() > 0)
-      elements_here.push_back({fine.ranks[process], {}});
+    if (meet(process, coarse_process)) elements_here.push_back({fine.ranks[process], {}});
   nodes = elements;
   nodes_here = elements_here;
   deal_out(stage, coarse, elements, nodes);

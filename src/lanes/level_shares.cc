@@ -21,17 +21,6 @@ int LevelShares<Dim>::process_of(int rank) const {
 }
 
 template <int Dim>
-IndexBox<Dim> LevelShares<Dim>::parents_of(int process, const Index<Dim>& factors) const {
-  IndexBox<Dim> box = elements_of(process);
-  for (int axis = 0; axis < Dim; ++axis) {
-    const int end = (box.start[axis] + box.size[axis] + factors[axis] - 1) / factors[axis];
-    box.start[axis] /= factors[axis];
-    box.size[axis] = end - box.start[axis];
-  }
-  return box;
-}
-
-template <int Dim>
 void LevelShares<Dim>::halve(int axis) {
   const LevelShares old = *this;
   const int processes = (old.ranges.processes[axis] + 1) / 2;

@@ -122,17 +122,6 @@ class CoarseField {
   std::vector<Entry> entries_, around_;  ///< of the owned elements; of them and those around them
 };
 
-/// The box of the coarse elements that the fine ones of a box lie in.
-template <int Dim>
-IndexBox<Dim> parents_of(const IndexBox<Dim>& fine) {
-  IndexBox<Dim> result;
-  for (int axis = 0; axis < Dim; ++axis) {
-    result.start[axis] = fine.start[axis] / 2;
-    result.size[axis] = (fine.start[axis] + fine.size[axis] + 1) / 2 - result.start[axis];
-  }
-  return result;
-}
-
 }  // namespace
 
 template <int Dim>
@@ -141,7 +130,9 @@ std::vector<double> refined_field(const Part<Dim>& part, std::span<const double>
   using Entry = typename CoarseField<Dim>::Entry;
   CoarseField<Dim> coarse(part, field);
   const IndexBox<Dim>& owned = fine.grid().owned_elements();
-  const IndexBox<Dim> parents = parents_of(owned);
+  Index<Dim> halved;
+  halved.fill(2);
+  const IndexBox<Dim> parents = owned.coarsened(halved);
   const BoxGather<Dim> to_fine(part.grid().comm(), part.grid().owned_elements(), parents);
   const auto parent = [&](int element) {
     Index<Dim> index = owned.index(element);

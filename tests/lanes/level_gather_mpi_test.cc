@@ -28,7 +28,7 @@ struct Stages {
         fine(LevelShares<Dim>::finest(masked.grid.decomposition())) {
     factors.fill(2);
     coarse = fine.coarsened(factors, active);
-    const auto parents = fine.parents_of(rank_of(PETSC_COMM_WORLD), factors);
+    const auto parents = fine.elements_of(rank_of(PETSC_COMM_WORLD)).coarsened(factors);
     std::vector<char> touched(static_cast<std::size_t>(parents.count()), 0);
     masked.whole.for_each_active([&](Index<Dim> element, std::int64_t) {
       if (!masked.grid.owned_elements().contains(element)) return;

@@ -36,8 +36,8 @@ TEST(LevelShares, StayInPlaceWhereAllBeginOnTheCoarseGrid) {
   EXPECT_EQ(coarse.ranks, shares.ranks);
   EXPECT_TRUE(shares.stay_in_place(coarse, halves));
   for (int process = 0; process < 8; ++process) {
-    EXPECT_EQ(coarse.elements_of(process).start, shares.parents_of(process, halves).start);
-    EXPECT_EQ(coarse.elements_of(process).size, shares.parents_of(process, halves).size);
+    EXPECT_EQ(coarse.elements_of(process).start, shares.elements_of(process).coarsened(halves).start);
+    EXPECT_EQ(coarse.elements_of(process).size, shares.elements_of(process).coarsened(halves).size);
   }
   const auto odd = LevelShares<3>::finest(even_ranges({40, 40, 42}, {2, 2, 2}));
   EXPECT_FALSE(odd.stay_in_place(odd.coarsened(halves, 64000), halves));

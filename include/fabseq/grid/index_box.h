@@ -105,6 +105,16 @@ struct IndexBox {
     }
     return common;
   }
+  /// The box of elements, `factors` times coarser, that those of this box lie in.
+  IndexBox coarsened(const Index<Dim>& factors) const {
+    IndexBox coarse;
+    for (int axis = 0; axis < Dim; ++axis) {
+      coarse.start[axis] = start[axis] / factors[axis];
+      const int end = (start[axis] + size[axis] + factors[axis] - 1) / factors[axis];
+      coarse.size[axis] = end - coarse.start[axis];
+    }
+    return coarse;
+  }
   /// Calls f(index, offset) for all indices in lexicographic order.
   template <class Function>
   void for_each(Function&& f) const {

@@ -45,9 +45,8 @@ class LaneOperator {
   template <int Wider>
   void select(const LaneOperator<Problem, Wider, Real>& from, std::span<const int> lanes);
 
-  /// y = K x; returns this rank's part of x . y in each lane. x: doubles or floats.
-  template <class From>
-  Scalars apply(const From* x, Real* y);
+  /// y = K x; returns this rank's part of x . y in each lane.
+  Scalars apply(const Real* x, Real* y);
   /// This rank's part of the residual b - K x: parts of shared nodes add up to it. Not collective.
   void residual_part(const Real* b, const Real* x, Real* residual);
   /// Chebyshev iteration of `degree` on the scaled operator, for eigenvalues from `low_end` of the largest
@@ -86,8 +85,8 @@ class LaneOperator {
   }
   /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether
   /// or not this rank counts them in inner products.
-  template <class From, class Finish>
-  void complete_sweep(const From* x, Finish&& finish);
+  template <class Finish>
+  void complete_sweep(const Real* x, Finish&& finish);
   void first_step_from_zero(const Real* b, Real* x, Real scale) const;
   /// x += step, step = momentum * old step + scale * D^-1 (b - K x). The old step is none, x itself (after
   /// a first step from zero) or `step`; the new one is stored if a further step needs it.
@@ -112,8 +111,8 @@ void LaneOperator<Problem, Width, Real>::select(const LaneOperator<Problem, Wide
 }
 
 template <class Problem, int Width, class Real>
-template <class From, class Finish>
-void LaneOperator<Problem, Width, Real>::complete_sweep(const From* x, Finish&& finish) {
+template <class Finish>
+void LaneOperator<Problem, Width, Real>::complete_sweep(const Real* x, Finish&& finish) {
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(),
         [&](std::int64_t node, const Values& sums) { finish(node, sums, true); });
@@ -125,8 +124,7 @@ void LaneOperator<Problem, Width, Real>::complete_sweep(const From* x, Finish&& 
 }
 
 template <class Problem, int Width, class Real>
-template <class From>
-LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const From* x, Real* y) {
+LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const Real* x, Real* y) {
   std::array<Lanes<Width>, components> products;
   products.fill(Lanes<Width>::zero());
   const bool past_caches = size() * sizeof(Real) > cache_bytes;

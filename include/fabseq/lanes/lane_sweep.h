@@ -28,9 +28,8 @@ template <class Modes>
         }
 }
 
-/// The sums of one row of elements: reads faces across x, adds forces on them to the window. `From`: double
-/// or float, of x.
-template <class Kernel, class From, class Finish>
+/// The sums of one row of elements: reads faces across x, adds forces on them to the window.
+template <class Kernel, class Finish>
 class RowSweep {
  public:
   using Row = typename LaneMesh<Kernel::dim>::Row;
@@ -39,7 +38,7 @@ class RowSweep {
   template <int Count>
   using Modes = typename Kernel::template Modes<Count>;
 
-  RowSweep(const Row& row, const Kernel& kernel, const From* x, Number* window, Finish& finish)
+  RowSweep(const Row& row, const Kernel& kernel, const Number* x, Number* window, Finish& finish)
       : row_(row), kernel_(kernel), finish_(finish) {
     for (int corner = 0; corner < face; ++corner) {
       from_[corner] = x + row.node[corner] * node_values;
@@ -73,7 +72,7 @@ class RowSweep {
   static constexpr int components = Kernel::components;
   static constexpr int width = Kernel::width;
   static constexpr int node_values = components * width;
-  static constexpr int cache_line = 64 / sizeof(From);
+  static constexpr int cache_line = 64 / sizeof(Number);
   /// Elements side by side, whose lanes fill a register, but no more than are worth the joining.
   static constexpr int group = std::clamp(register_bytes / (width * static_cast<int>(sizeof(Number))), 1, 8);
   using Value = Lanes<width, Number>;
@@ -85,7 +84,7 @@ class RowSweep {
     for (int corner = 0; corner < face; ++corner)
 #pragma GCC unroll 3
       for (int a = 0; a < components; ++a) {
-        const From* const place = from_[corner] + i * node_values + a * width;
+        const Number* const place = from_[corner] + i * node_values + a * width;
         if (components == 1 && stride != 0)
           modes[a][corner] = Lanes<Count * width, Number>::load(place);
         else
@@ -224,7 +223,7 @@ class RowSweep {
   const Row& row_;
   const Kernel& kernel_;
   Finish& finish_;
-  std::array<const From*, face> from_;
+  std::array<const Number*, face> from_;
   std::array<Number*, face> to_;
 };
 
@@ -232,8 +231,8 @@ class RowSweep {
 /// more, so that `finish` may overwrite x; `sums` is [component][lane], its place is cleared afterwards. Of
 /// shared nodes this rank's part is copied to `shared`, [position][component][lane], instead. `window` has
 /// room for LaneMesh::window() nodes and is zero before and after.
-template <class Kernel, class From, class Finish>
-void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const From* x,
+template <class Kernel, class Finish>
+void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typename Kernel::Number* x,
            typename Kernel::Number* window, typename Kernel::Number* shared, Finish&& finish) {
   constexpr int width = Kernel::width;
   constexpr int components = Kernel::components;

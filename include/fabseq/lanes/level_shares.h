@@ -24,8 +24,6 @@ struct LevelShares {
   int process_of(int rank) const;
   /// Elements of a process.
   IndexBox<Dim> elements_of(int process) const { return ranges.elements_of(ranges.position_of(process)); }
-  /// Elements of the next level, `factors` times coarser, that those of a process lie in.
-  IndexBox<Dim> parents_of(int process, const Index<Dim>& factors) const;
   /// Process that holds an element.
   int holder_of(const Index<Dim>& element) const {
     return ranges.rank_at(ranges.position_of_element(element));
