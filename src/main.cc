@@ -53,12 +53,12 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       const Iterate iterate{iteration, beta, run.problem.evaluate(pipeline, state), binary};
       run.best.offer(iterate, run.design());
       // Adjoints through all stages (8).
-      const ProblemGradients gradients = run.problem.gradients(pipeline, state, iterate.values);
+      ProblemGradients gradients = run.problem.gradients(pipeline, state, iterate.values);
       // A step of the method of moving asymptotes (9).
       Design next = run.design();
       const StepReport step = [&] {
         const auto scope = timer.enter(Phase::optimizer);
-        return run.optimizer.update(next, gradients, run.continuation.move_limit(iteration));
+        return run.optimizer.update(next, std::move(gradients), run.continuation.move_limit(iteration));
       }();
       output.iteration(iterate, step, pipeline, state, run.design());
       run.complete(std::move(next), step.change, iterate.values);

@@ -24,30 +24,30 @@ std::vector<double> DesignUpdate::to_variables(const Design& design) const {
   return result;
 }
 
-std::vector<double> DesignUpdate::gradient_of_variables(const Design& gradient, const Design& design) const {
-  std::vector<double> result;
-  for (std::size_t i = 0; i < field_size_; ++i)
-    result.push_back(gradient.field[i] * space_.slope(design.field[i]));
+std::vector<double> DesignUpdate::gradient_of_variables(Design gradient, const Design& design) const {
+  std::vector<double> result = std::move(gradient.field);
+  result.resize(field_size_);
+  for (std::size_t i = 0; i < field_size_; ++i) result[i] *= space_.slope(design.field[i]);
   if (has_layer_variables())
     result.insert(result.end(), gradient.layer_variables.begin(), gradient.layer_variables.end());
   return result;
 }
 
 /// Each as a pair +r, -r, of which one is its absolute value.
-void DesignUpdate::add_residuals(const ProblemGradients& gradients, const Design& design, MmaRows& kinds,
+void DesignUpdate::add_residuals(ProblemGradients& gradients, const Design& design, MmaRows& kinds,
                                  std::vector<double>& values, std::vector<std::vector<double>>& rows) const {
   kinds.add_residuals(static_cast<int>(gradients.residuals.size()));
   for (std::size_t k = 0; k < gradients.residuals.size(); ++k) {
-    const std::vector<double> gradient = gradient_of_variables(gradients.residuals[k], design);
-    for (const double sign : {1.0, -1.0}) {
-      values.push_back(sign * gradients.residual_values[k]);
-      std::vector<double>& row = rows.emplace_back(gradient);
-      for (double& entry : row) entry *= sign;
-    }
+    const double value = gradients.residual_values[k];
+    values.insert(values.end(), {value, -value});
+    rows.push_back(gradient_of_variables(std::move(gradients.residuals[k]), design));
+    std::vector<double> opposite = rows.back();
+    for (double& entry : opposite) entry = -entry;
+    rows.push_back(std::move(opposite));
   }
 }
 
-StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradients, double move_limit) {
+StepReport DesignUpdate::update(Design& design, ProblemGradients gradients, double move_limit) {
   const std::vector<double> before = to_variables(design);
   std::vector<double> now = before, lower(before.size(), 0.0), upper(before.size(), 1.0);
   for (std::size_t i = field_size_; i < before.size(); ++i) {
@@ -58,14 +58,14 @@ StepReport DesignUpdate::update(Design& design, const ProblemGradients& gradient
   MmaRows kinds = MmaRows::constraints(static_cast<int>(gradients.constraints.size()));
   std::vector<double> values = gradients.constraint_values;
   std::vector<std::vector<double>> rows;
-  for (const Design& row : gradients.constraints) rows.push_back(gradient_of_variables(row, design));
+  for (Design& row : gradients.constraints) rows.push_back(gradient_of_variables(std::move(row), design));
   kinds.add_largest_of(static_cast<int>(gradients.largest.size()));
   values.insert(values.end(), gradients.largest_values.begin(), gradients.largest_values.end());
-  for (const Design& row : gradients.largest) rows.push_back(gradient_of_variables(row, design));
+  for (Design& row : gradients.largest) rows.push_back(gradient_of_variables(std::move(row), design));
   add_residuals(gradients, design, kinds, values, rows);
   StepReport report;
-  report.mma = mma_.update(now, gradient_of_variables(gradients.objective, design), values, rows, lower,
-                           upper, move_limit, kinds);
+  report.mma = mma_.update(now, gradient_of_variables(std::move(gradients.objective), design), values, rows,
+                           lower, upper, move_limit, kinds);
   for (std::size_t i = 0; i < now.size(); ++i)
     report.change = std::max(report.change, std::abs(now[i] - before[i]) / (upper[i] - lower[i]));
   report.change = max(comm_, report.change);

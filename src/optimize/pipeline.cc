@@ -91,9 +91,9 @@ std::vector<Design> Pipeline<Dim>::gradients(std::span<const std::unique_ptr<Res
                                              const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
-  add_explicit_derivatives(responses, state, dealt);
-  pull_back_process(state, dealt);
-  auto fields = pull_back_sequence(pull_back_layers(state, dealt), dealt);
+  pull_back_process(responses, state, dealt);
+  pull_back_shared(state, dealt);
+  auto fields = pull_back_own(responses, state, dealt);
   auto layer_variables = sum_up_layer_variables(dealt);
   std::vector<Design> result;
   for (std::size_t row = 0; row < rows.size(); ++row)
@@ -147,27 +147,39 @@ void Pipeline<Dim>::restore(const CheckpointState& state) {
 }
 
 template <int Dim>
+void Pipeline<Dim>::forget_results() {
+  process_.forget_increments();
+  densities_ = {};
+}
+
+/// What else than the process a row depends on is in its owner's part of it. What it has by the layers'
+/// densities is pulled back to the pseudo-time at once: rows by the dozen would fill the memory with it.
+template <int Dim>
 void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                             const PipelineState<Dim>& state, std::vector<Row>& rows) {
-  const auto scope = timer_.enter(Phase::responses);
-  model_.groups.run([&] {
-    for (Row& row : rows) {
-      if (!is_own(row) && !row.shared) continue;
-      for (const WeightedComponent& term : *row.terms)
-        if (is_own(row) || responses[term.response]->uses_displacements())
-          responses[term.response]->add_derivative(term.component, term.weight, state, row.adjoint);
-      if (is_own(row)) continue;
-      // What else the row depends on is in its owner's part of it.
+                                             const PipelineState<Dim>& state, Row& row) {
+  {
+    const auto scope = timer_.enter(Phase::responses);
+    for (const WeightedComponent& term : *row.terms)
+      if (is_own(row) || responses[term.response]->uses_displacements())
+        responses[term.response]->add_derivative(term.component, term.weight, state, row.adjoint);
+    if (!is_own(row)) {
       PipelineAdjoint<Dim> of_process(state.layers.count());
       of_process.process = std::move(row.adjoint.process);
       of_process.combinations = std::move(row.adjoint.combinations);
       row.adjoint = std::move(of_process);
     }
-  });
+  }
+  const auto scope = timer_.enter(Phase::layers);
+  take_up_densities(state, row);
 }
 
 template <int Dim>
-void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows) {
+void Pipeline<Dim>::pull_back_process(std::span<const std::unique_ptr<Response<Dim>>> responses,
+                                      const PipelineState<Dim>& state, std::vector<Row>& rows) {
+  model_.groups.run([&] {
+    for (Row& row : rows)
+      if (row.shared) add_explicit_derivatives(responses, state, row);
+  });
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
@@ -180,14 +192,10 @@ void Pipeline<Dim>::pull_back_process(const PipelineState<Dim>& state, std::vect
                              [this, &state, &row] { take_up_densities(state, row); }});
     }
   }
-  // One row may keep its densities: there is nothing to save.
-  if (derivatives.size() == 1) derivatives[0].after_block = {};
   if (!adjoints.empty()) process_.pull_back(state.layers, adjoints, derivatives);
   iterations_.adjoint = process_.adjoint_iterations();
 }
 
-/// Pulls what there is by the layers' densities back to the pseudo-time at once: rows by the dozen would fill
-/// the memory with it.
 template <int Dim>
 void Pipeline<Dim>::take_up_densities(const PipelineState<Dim>& state, Row& row) const {
   DensityDerivatives part(state.layers.count());
@@ -198,50 +206,69 @@ void Pipeline<Dim>::take_up_densities(const PipelineState<Dim>& state, Row& row)
   layers_->pull_back(state.time.time, state.layers, part, d_time, row.layer_variables);
 }
 
-/// The rows of this group with all of their parts.
+/// Sums up the parts that the groups have of a row at its owner.
 template <int Dim>
-std::vector<TimeDerivatives> Pipeline<Dim>::pull_back_layers(const PipelineState<Dim>& state,
-                                                             std::vector<Row>& rows) {
+void Pipeline<Dim>::pull_back_shared(const PipelineState<Dim>& state, std::vector<Row>& rows) {
   const auto scope = timer_.enter(Phase::layers);
-  std::vector<TimeDerivatives> result;
   for (Row& row : rows) {
-    if (!is_own(row) && !row.shared) continue;
-    TimeDerivatives time = std::move(row.adjoint.time);
-    if (time.time.empty()) time.time.assign(state.time.time.size(), 0.0);
+    if (!row.shared) continue;
+    TimeDerivatives& time = row.adjoint.time;
     DensityDerivatives& densities = row.adjoint.densities;
-    if (row.shared && strain_.turns()) {
+    if (strain_.turns()) {
       strain_.pull_back(state.time.gradient, state.layers, row.strains, time.gradient, densities);
       if (densities.directions.empty()) model_.groups.sum_at(row.owner, time.gradient);
     }
-    // What is the same on all ranks counts once.
-    if (!is_own(row) || rank_of(model_.groups.domain()) != 0) densities.time_points.clear();
-    row.layer_variables.resize(layer_variables_, 0.0);
-    layers_->pull_back(state.time.time, state.layers, densities, time.time, row.layer_variables);
-    if (row.shared) model_.groups.sum_at(row.owner, time.time);
-    if (is_own(row)) result.push_back(std::move(time));
+    pull_back_layers(state, row);
+    model_.groups.sum_at(row.owner, time.time);
   }
-  return result;
 }
 
+/// All that a row has by what the layers hold.
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::pull_back_sequence(std::span<const TimeDerivatives> own,
-                                                                   const std::vector<Row>& rows) {
-  const auto scope = timer_.enter(Phase::heat);
+void Pipeline<Dim>::pull_back_layers(const PipelineState<Dim>& state, Row& row) const {
+  // What is the same on all ranks counts once.
+  if (!is_own(row) || rank_of(model_.groups.domain()) != 0) row.adjoint.densities.time_points.clear();
+  layers_->pull_back(state.time.time, state.layers, row.adjoint.densities, row.adjoint.time.time,
+                     row.layer_variables);
+}
+
+/// Gradients of all rows by this rank's share of the variables. A group goes through its rows by as many as
+/// the heat solver takes together: what they have by the pseudo-time takes memory, too.
+template <int Dim>
+std::vector<std::vector<double>> Pipeline<Dim>::pull_back_own(
+    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state,
+    std::vector<Row>& rows) {
+  std::vector<Row*> own;
+  for (Row& row : rows)
+    if (is_own(row)) own.push_back(&row);
   std::vector<std::vector<double>> gradients;
+  std::vector<int> iterations(rows.size(), 0);
   model_.groups.run([&] {
-    if (!own.empty()) gradients = sequence_->pull_back(own);
+    for (std::size_t first = 0; first < own.size(); first += HeatSolver<Dim>::widest) {
+      std::vector<TimeDerivatives> times;
+      const std::size_t end = std::min<std::size_t>(own.size(), first + HeatSolver<Dim>::widest);
+      for (std::size_t k = first; k < end; ++k) {
+        if (!own[k]->shared) {
+          add_explicit_derivatives(responses, state, *own[k]);
+          const auto scope = timer_.enter(Phase::layers);
+          pull_back_layers(state, *own[k]);
+        }
+        times.push_back(std::move(own[k]->adjoint.time));
+      }
+      const auto scope = timer_.enter(Phase::heat);
+      for (std::vector<double>& gradient : sequence_->pull_back(times))
+        gradients.push_back(std::move(gradient));
+      const std::vector<int> solves = sequence_->adjoint_iterations();
+      for (std::size_t k = 0; k < solves.size(); ++k) iterations[own[first + k] - rows.data()] = solves[k];
+    }
   });
-  std::vector<int> owners, iterations(rows.size(), 0);
-  const std::vector<int> solves = own.empty() ? std::vector<int>{} : sequence_->adjoint_iterations();
-  std::size_t next = 0;
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    owners.push_back(rows[row].owner);
-    if (is_own(rows[row]) && next < solves.size()) iterations[row] = solves[next++];
-  }
+  const auto scope = timer_.enter(Phase::heat);
   if (!time_->temperature.empty()) {
     model_.groups.sum(iterations);
     iterations_.heat.insert(iterations_.heat.end(), iterations.begin(), iterations.end());
   }
+  std::vector<int> owners;
+  for (const Row& row : rows) owners.push_back(row.owner);
   return model_.groups.share_out(gradients, owners, sequence_->variables());
 }
 

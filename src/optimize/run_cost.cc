@@ -88,13 +88,16 @@ BlockSolver block_solver(SolverPath path) {
 }
 
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
-  // Each group has the heat problem and all densities; displacements, what counts of them, and derivatives
-  // are shared out.
-  const double of_nodes =
-      size.nodes * (200.0 * groups + 8.0 * (size.dimension * size.cases + 1) * size.layers);
-  const double of_elements =
-      size.part_elements * size.layers * (16.0 * groups + 70.0 + 16.0 * size.functionals);
-  const double held = of_nodes + of_elements + size.ranks * bytes_per_rank;
+  // Each group has the heat problem and all densities; increments and what counts of them, and gradients with
+  // two rows per layer, are shared out. The baseline's report is there throughout, two others when there are
+  // no gradients any more.
+  const double problem = size.nodes * 200.0 * groups + size.part_elements * size.layers * 16.0 * groups;
+  const double increments =
+      size.unknowns * size.layers * 8.0 * (size.cases + 1.0 / static_cast<double>(size.dimension));
+  const double gradients = size.part_elements * (24.0 * size.layers + 56.0 * size.functionals + 100.0);
+  const double report = size.nodes * 136.0;
+  const double held =
+      problem + increments + report + std::max(gradients, 2.0 * report) + size.ranks * bytes_per_rank;
   if (path == SolverPath::reference) {
     const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
     const double systems = size.unknowns * (kept ? size.layers * factor_bytes_per_unknown

@@ -14,18 +14,17 @@ constexpr double least_share = 1e-10;
 
 void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
                    LaneVector& load) {
-  for (std::size_t i = 0; i < load.unknowns(); ++i) {
-    const double common = functional.displacement.empty() ? 0.0 : -functional.displacement[i];
-    std::fill_n(&load.values[i * load.lanes], load.lanes, common);
+  const LaneVector* own = functional.increments.empty() ? nullptr : &functional.increments[block];
+  const LaneVector* weights = result.weights.empty() ? nullptr : &result.weights[block];
+  std::fill(load.values.begin(), load.values.end(), 0.0);
+  for (std::size_t i = 0; i < result.nodes.size() * load.components; ++i) {
+    const std::size_t to = result.in_field(i, load.components);
+    const double common = functional.displacement.empty() ? 0.0 : functional.displacement[to];
+    for (int lane = 0; lane < load.lanes; ++lane) {
+      const double derivative = common + (own != nullptr ? (*own)(i, lane) : 0.0);
+      load(to, lane) = -derivative * (weights != nullptr ? (*weights)(i / load.components, lane) : 1.0);
+    }
   }
-  if (!functional.increments.empty()) {
-    const std::vector<double>& own = functional.increments[block].values;
-    for (std::size_t i = 0; i < own.size(); ++i) load.values[i] -= own[i];
-  }
-  if (result.weights.empty()) return;
-  const LaneVector& weights = result.weights[block];
-  for (std::size_t i = 0; i < load.unknowns(); ++i)
-    for (int lane = 0; lane < load.lanes; ++lane) load(i, lane) *= weights(i / load.components, lane);
 }
 
 }  // namespace

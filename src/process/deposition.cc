@@ -31,13 +31,12 @@ double Deposition<Dim>::product(const Missing& missing, const Index<Dim>& node,
 
 template <int Dim>
 LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, int lanes) const {
-  const auto& nodes = model_.part.grid().owned_nodes();
-  LaneVector result(static_cast<int>(nodes.count()), 1, lanes);
+  const auto& owned = model_.part.grid().owned_nodes();
+  LaneVector result(static_cast<int>(model_.nodes.size()), 1, lanes);
   for (int lane = 0; lane < lanes; ++lane) {
     const Missing missing = this->missing(densities.stage[first + lane]);
-    nodes.for_each([&](const Index<Dim>& node, std::int64_t number) {
-      result(static_cast<std::size_t>(number), lane) = 1.0 - product(missing, node);
-    });
+    for (std::size_t k = 0; k < model_.nodes.size(); ++k)
+      result(k, lane) = 1.0 - product(missing, owned.index(model_.nodes[k]));
   }
   return result;
 }
@@ -55,9 +54,11 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
                                       const LaneVector& d_weights, DensityDerivatives& derivatives) const {
   const Part<Dim>& part = model_.part;
   const Grid<Dim>& grid = part.grid();
+  std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()));
   for (int lane = 0; lane < d_weights.lanes; ++lane) {
-    grid.exchange(1).to_ghosted(d_weights.lane(lane), of_nodes);
+    for (std::size_t k = 0; k < model_.nodes.size(); ++k) owned[model_.nodes[k]] = d_weights(k, lane);
+    grid.exchange(1).to_ghosted(owned, of_nodes);
     auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
     for (std::size_t e = 0; e < d_stage.size(); ++e) {
       const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);

@@ -3,6 +3,24 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Owned nodes of the elements of all ranks, by first corners.
+template <int Dim>
+std::vector<int> nodes_of(const Grid<Dim>& grid, const std::vector<int>& first_corners) {
+  std::vector<double> touched(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
+  for (const int corner : first_corners)
+    for (const int offset : grid.corner_offsets()) touched[corner + offset] = 1.0;
+  std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
+  grid.exchange(1).add_to_owned(touched, owned);
+  std::vector<int> result;
+  for (std::size_t node = 0; node < owned.size(); ++node)
+    if (owned[node] != 0.0) result.push_back(static_cast<int>(node));
+  return result;
+}
+
+}  // namespace
+
 template <int Dim>
 ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& supports_,
                                 const MaterialSettings& material_, const ProcessSettings& settings_)
@@ -31,6 +49,7 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
     elements.push_back(static_cast<int>(offset));
     domain.first_corners.push_back(grid.first_corner(index));
   });
+  nodes = nodes_of(grid, domain.first_corners);
   domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim);
   for (std::size_t node = 0; node < supports.held.size(); ++node)
     std::fill_n(domain.fixed.begin() + static_cast<std::ptrdiff_t>(node * Dim), Dim, supports.held[node]);

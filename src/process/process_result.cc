@@ -18,12 +18,13 @@ void ProcessResult::add_counted(std::size_t block, CaseDisplacements& of) const 
   for (std::size_t i = 0; i < own.unknowns(); ++i) {
     const double* share = weights.empty() ? nullptr : &weights[block].values[i / own.components * own.lanes];
     for (int lane = 0; lane < own.lanes; ++lane)
-      of.displacement[i] += (share != nullptr ? share[lane] : 1.0) * own(i, lane);
+      of.displacement[in_field(i, own.components)] += (share != nullptr ? share[lane] : 1.0) * own(i, lane);
   }
 }
 
 ProcessResult ProcessResult::combined(std::span<const double> combination, bool with_increments) const {
   ProcessResult result;
+  result.nodes = nodes;
   result.all_layers = all_layers;
   result.iterations = iterations;
   for (std::size_t k = 0; k < combination.size(); ++k) {

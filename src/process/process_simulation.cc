@@ -21,24 +21,20 @@ void require_convergence(const SolveReport& report, int layer, const char* what)
   throw NumericalError(text.str());
 }
 
-/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a block serves the next
-/// one, too, for fresh memory costs more than what is done with it here.
-void resize(LaneVector& vector, int nodes, int components, int lanes) {
-  if (vector.nodes != nodes || vector.components != components || vector.lanes != lanes)
-    vector = LaneVector(nodes, components, lanes);
-}
-
 /// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
-LaneVector weight_derivatives(const ProcessAdjoint& functional, std::size_t block,
-                              const LaneVector& increments) {
-  LaneVector result(increments.nodes, 1, increments.lanes);
-  for (std::size_t i = 0; i < increments.unknowns(); ++i)
+LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
+                              std::size_t block, const LaneVector& increments) {
+  LaneVector weights(increments.nodes, 1, increments.lanes);
+  for (std::size_t i = 0; i < increments.unknowns(); ++i) {
+    const double common = functional.displacement.empty()
+                              ? 0.0
+                              : functional.displacement[result.in_field(i, increments.components)];
     for (int lane = 0; lane < increments.lanes; ++lane) {
-      const double common = functional.displacement.empty() ? 0.0 : functional.displacement[i];
       const double own = functional.increments.empty() ? 0.0 : functional.increments[block](i, lane);
-      result(i / increments.components, lane) += (common + own) * increments(i, lane);
+      weights(i / increments.components, lane) += (common + own) * increments(i, lane);
     }
-  return result;
+  }
+  return weights;
 }
 
 }  // namespace
@@ -56,6 +52,7 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       supports_(model),
       adjoint_loads_(model, elements_, groups),
       solver_(std::move(solver)) {
+  result_.nodes = model.nodes;
   result_.all_layers = groups.world();
   result_.scenarios = cases_.scenarios;
   result_.other_cases.resize(cases_.cases.size() - 1);
@@ -73,6 +70,18 @@ template <int Dim>
 void ProcessSimulation<Dim>::start_cold() {
   solver_->start_cold();
   if (release_) release_->start_cold();
+}
+
+template <int Dim>
+int ProcessSimulation<Dim>::owned_nodes() const {
+  return static_cast<int>(model_.part.grid().owned_nodes().count());
+}
+
+template <int Dim>
+void ProcessSimulation<Dim>::forget_increments() {
+  for (std::size_t number = 0; number < result_.case_count(); ++number)
+    result_.of_case(number).increments = {};
+  result_.weights = {};
 }
 
 template <int Dim>
@@ -134,9 +143,12 @@ template <int Dim>
 std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& densities,
                                                       std::size_t number) const {
   std::vector<double> result(model_.domain.fixed.size(), 0.0);
-  for (std::size_t block = 0; block < result_.blocks.size(); ++block)
+  LaneVector increments;
+  for (std::size_t block = 0; block < result_.blocks.size(); ++block) {
+    spread(result_.of_case(number).increments[block], result_.nodes, owned_nodes(), increments);
     supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], result_.blocks[block].first,
-                            result_.of_case(number).increments[block], result);
+                            increments, result);
+  }
   groups_.sum(result);
   return result;
 }
@@ -156,22 +168,21 @@ std::vector<double> ProcessSimulation<Dim>::release_motion(std::span<const doubl
 template <int Dim>
 void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number, Room& room) {
   const LayerBlock& block = result_.blocks[number];
-  const auto nodes = static_cast<int>(model_.part.grid().owned_nodes().count());
   set_operators(densities, block, true);
   const std::size_t all = result_.case_count(), at_once = std::min(all, solver_->sets_at_once());
   room.loads.resize(at_once);
+  room.solutions.resize(at_once);
   for (std::size_t first = 0; first < all; first += at_once) {
     const std::size_t count = std::min(at_once, all - first);
-    std::vector<LaneVector> increments(count);
     for (std::size_t i = 0; i < count; ++i) {
-      increments[i] = std::move(result_.of_case(first + i).increments[number]);
-      resize(room.loads[i], nodes, Dim, block.lanes);
-      resize(increments[i], nodes, Dim, block.lanes);
+      resize(room.loads[i], owned_nodes(), Dim, block.lanes);
+      resize(room.solutions[i], owned_nodes(), Dim, block.lanes);
       elements_.set_load(densities, block.first, cases_.cases[first + i], room.loads[i]);
     }
-    const auto reports = solver_->solve(std::span(room.loads).first(count), increments);
+    const auto reports =
+        solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
-      result_.of_case(first + i).increments[number] = std::move(increments[i]);
+      pick(room.solutions[i], result_.nodes, result_.of_case(first + i).increments[number]);
       for (int lane = 0; lane < block.lanes; ++lane) {
         require_convergence(reports[i][lane], block.first + lane, "forward");
         int& iterations = result_.iterations[block.first + lane];
@@ -190,8 +201,9 @@ std::vector<double> ProcessSimulation<Dim>::increment(int layer, bool counted) c
       const int lane = layer - deal_.blocks[group][number].first;
       if (lane < 0 || lane >= deal_.blocks[group][number].lanes) continue;
       std::vector<double> result(result_.displacement.size());
-      for (std::size_t i = 0; group == groups_.index() && i < result.size(); ++i)
-        result[i] = counted ? result_.counted(number, i, lane) : result_.increments[number](i, lane);
+      for (std::size_t i = 0; group == groups_.index() && i < result_.nodes.size() * Dim; ++i)
+        result[result_.in_field(i, Dim)] =
+            counted ? result_.counted(number, i, lane) : result_.increments[number](i, lane);
       groups_.broadcast(group, result);
       return result;
     }
@@ -258,13 +270,12 @@ template <int Dim>
 void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std::size_t number,
                                             std::span<const Functional* const> functionals, Room& room) {
   const LayerBlock& block = result_.blocks[number];
-  const int nodes = result_.increments[number].nodes;
   const std::span<LaneVector> loads = std::span(room.loads).first(functionals.size());
   const std::span<LaneVector> adjoints = std::span(room.solutions).first(functionals.size());
   for (std::size_t i = 0; i < functionals.size(); ++i) {
     const Functional& functional = *functionals[i];
-    resize(loads[i], nodes, Dim, block.lanes);
-    resize(adjoints[i], nodes, Dim, block.lanes);
+    resize(loads[i], owned_nodes(), Dim, block.lanes);
+    resize(adjoints[i], owned_nodes(), Dim, block.lanes);
     adjoint_loads_.set(*functional.from, functional.number, result_, number, loads[i]);
     if (!functional.motion.empty())
       supports_.subtract_motion(densities, block.first, functional.motion, loads[i]);
@@ -285,20 +296,23 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
 template <int Dim>
 void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, std::size_t number,
                                              const Functional& functional, const LaneVector* adjoint,
-                                             const Room& room) const {
+                                             Room& room) const {
   const ProcessDerivatives& to = *functional.to;
   const std::vector<double>& combination = functional.from->combination;
   LaneVector combined;
   if (!combination.empty()) combined = result_.combined_increments(combination, number);
   const LaneVector& increments = combination.empty() ? result_.increments[number] : combined;
   StrainField not_asked_for;
-  if (adjoint != nullptr)
+  if (adjoint != nullptr) {
+    spread(increments, result_.nodes, owned_nodes(), room.increments);
     elements_.add_derivatives(densities, result_.blocks[number].first, cases_.factors(combination),
-                              increments, *adjoint, *to.densities,
+                              room.increments, *adjoint, *to.densities,
                               to.strains != nullptr ? *to.strains : not_asked_for);
+  }
   if (deposition_)
     deposition_->add_derivatives(room.missing, result_.blocks[number].first,
-                                 weight_derivatives(*functional.from, number, increments), *to.densities);
+                                 weight_derivatives(*functional.from, result_, number, increments),
+                                 *to.densities);
   if (to.after_block) to.after_block();
 }
 

@@ -42,11 +42,13 @@ SequenceReport<Dim> planar_report(const Setup<Dim>& setup, const Problem<Dim>& p
 /// Planar layers, as many as an optimized sequence has: what another number of layers alone brings is not the
 /// merit of their shape.
 template <int Dim>
-std::optional<SequenceReport<Dim>> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
+std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
                                                     int count, PhaseTimer& timer) {
   if (count == setup.baseline->count()) return std::nullopt;
   try {
-    return planar_report(setup, problem, *make_uniform_layer_model(count, setup.part), timer);
+    SequenceReport<Dim> report =
+        planar_report(setup, problem, *make_uniform_layer_model(count, setup.part), timer);
+    return static_cast<SequenceNumbers&&>(report);
   } catch (const NumericalError& error) {
     warn(std::string("no block baseline_matched in summary.json: ") + error.what());
     return std::nullopt;
@@ -118,13 +120,17 @@ template <int Dim>
 FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                 const BestIterate& best, PhaseTimer& timer) {
   FinalReports<Dim> reports;
-  for (const bool binary : {false, true}) {
+  const auto report = [&](bool binary) {
     const auto state = pipeline.run(best.design(), best.beta(), binary);
-    (binary ? reports.binary : reports.optimized) = report_sequence(setup, problem, pipeline, state);
     reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
-  }
-  reports.start = start_report(setup, problem, pipeline, best.beta());
+    return report_sequence(setup, problem, pipeline, state);
+  };
+  reports.binary = report(true);
+  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few.
+  pipeline.forget_results();
   reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
+  reports.optimized = report(false);
+  reports.start = start_report(setup, problem, pipeline, best.beta());
   return reports;
 }
 

@@ -2,8 +2,10 @@
 #include "fabseq/run/setup.h"
 
 #include "fabseq/base/memory.h"
+#include "fabseq/base/mpi.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
+#include "fabseq/optimize/run_cost.h"
 #include "fabseq/part/wall_thickness.h"
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"
@@ -69,9 +71,10 @@ void Setup<Dim>::warn_about_method() const {
 template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
+  const RunSize size =
+      run_size<Dim>(config, this->part, this->node_sets, layer_count, size_of(this->world()));
   const double bytes = layer_count * sizeof(double) *
-                       (2.0 * group_count * static_cast<double>(this->part.count()) +
-                        (Dim + 1) * static_cast<double>(this->grid.all_nodes().count()));
+                       (2.0 * group_count * size.part_elements + (Dim + 1.0) / Dim * size.unknowns);
   const LayerTraits& traits = this->layers->traits();
   const bool planar = layer_count > traits.count;
   require_memory(

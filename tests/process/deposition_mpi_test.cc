@@ -48,7 +48,9 @@ TYPED_TEST(DepositionTest, WeightsFollowTheFormula) {
     const test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 5, 12.0);
     const Deposition<Dim> deposition(process.model);
-    const LaneVector weights = deposition.weights(layers, 1, 3);
+    LaneVector weights;
+    spread(deposition.weights(layers, 1, 3), process.model.nodes,
+           static_cast<int>(process.grid().owned_nodes().count()), weights);
     for (int lane = 0; lane < 3; ++lane)
       EXPECT_LT(test::relative_difference(test::whole_node_field<Dim>(process.grid(), weights.lane(lane), 1),
                                           expected_weights(process, layers, 1 + lane)),

@@ -164,7 +164,7 @@ struct Functionals {
       common += 0.5 * weights[i] * result.displacement[i] * result.displacement[i];
     for (std::size_t block = 0; block < result.blocks.size(); ++block)
       for (int lane = 0; lane < result.blocks[block].lanes; ++lane)
-        for (std::size_t i = 0; i < weights.size(); ++i)
+        for (std::size_t i = 0; i < result.increments[block].unknowns(); ++i)
           layerwise += (result.blocks[block].first + lane + 1) * std::pow(result.counted(block, i, lane), 2);
     common = sum(PETSC_COMM_WORLD, common);
     layerwise = sum(PETSC_COMM_WORLD, layerwise);
@@ -177,7 +177,7 @@ struct Functionals {
     rows[1].increments = result.increments;
     for (std::size_t block = 0; block < result.blocks.size(); ++block)
       for (int lane = 0; lane < result.blocks[block].lanes; ++lane)
-        for (std::size_t i = 0; i < weights.size(); ++i)
+        for (std::size_t i = 0; i < result.increments[block].unknowns(); ++i)
           rows[1].increments[block](i, lane) =
               2.0 * (result.blocks[block].first + lane + 1) * result.counted(block, i, lane);
     rows[2] = {rows[0].displacement, rows[1].increments, {}};

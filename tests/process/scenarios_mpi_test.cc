@@ -81,7 +81,7 @@ struct SumOverScenarios {
         total += 0.5 * factor * weights[i] * (std::pow(own.displacement[i], 2) + std::pow(own.release[i], 2));
       for (std::size_t block = 0; block < own.blocks.size(); ++block)
         for (int lane = 0; lane < own.blocks[block].lanes; ++lane)
-          for (std::size_t i = 0; i < weights.size(); ++i)
+          for (std::size_t i = 0; i < own.increments[block].unknowns(); ++i)
             total += factor * std::pow(own.counted(block, i, lane), 2);
     }
     return sum(PETSC_COMM_WORLD, total);
@@ -100,7 +100,7 @@ struct SumOverScenarios {
       adjoint.increments = own.increments;
       for (std::size_t block = 0; block < own.blocks.size(); ++block)
         for (int lane = 0; lane < own.blocks[block].lanes; ++lane)
-          for (std::size_t i = 0; i < weights.size(); ++i)
+          for (std::size_t i = 0; i < own.increments[block].unknowns(); ++i)
             adjoint.increments[block](i, lane) = 2.0 * factor * own.counted(block, i, lane);
     }
     return list;

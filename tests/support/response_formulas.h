@@ -27,7 +27,8 @@ struct Formulas {
     for (std::size_t block = 0; block < state.process.increments.size(); ++block)
       for (int lane = 0; lane < state.process.increments[block].lanes; ++lane) {
         std::vector<double> counted(state.process.displacement.size());
-        for (std::size_t i = 0; i < counted.size(); ++i) counted[i] = state.process.counted(block, i, lane);
+        for (std::size_t i = 0; i < state.process.increments[block].unknowns(); ++i)
+          counted[state.process.in_field(i, Dim)] = state.process.counted(block, i, lane);
         increments.push_back(whole_node_field<Dim>(grid, counted, Dim));
       }
     for (const auto& stage : state.layers.stage) stages.push_back(whole_part_field(part, stage));

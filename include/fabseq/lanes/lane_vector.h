@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -36,5 +37,13 @@ struct LaneVector {
     for (std::size_t i = 0; i < source.size(); ++i) (*this)(i, index) = source[i];
   }
 };
+
+/// Gives `vector` this size. Its values are left to whoever sets them: the memory of a block of layers serves
+/// the next one, too, for fresh memory costs more than what is done with it.
+void resize(LaneVector& vector, int nodes, int components, int lanes);
+/// Sets `some` to the values of these nodes.
+void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some);
+/// The other way round, with 0 at other nodes; `all` has `count` nodes.
+void spread(const LaneVector& some, std::span<const int> nodes, int count, LaneVector& all);
 
 }  // namespace fabseq

@@ -29,7 +29,7 @@ class DesignUpdate {
                const Design& design, const MmaSettings& settings);
 
   /// `design` in and out; gradients with respect to the design.
-  StepReport update(Design& design, const ProblemGradients& gradients, double move_limit);
+  StepReport update(Design& design, ProblemGradients gradients, double move_limit);
 
   /// The optimizer's memory: asymptotes and the last two designs. Saving is collective.
   void save(CheckpointState& state) const;
@@ -41,8 +41,8 @@ class DesignUpdate {
   std::size_t layer_variable_count() const { return layer_variables_.fixed ? 0 : layer_variables_.count(); }
   /// This rank's variables for MMA.
   std::vector<double> to_variables(const Design& design) const;
-  std::vector<double> gradient_of_variables(const Design& gradient, const Design& design) const;
-  void add_residuals(const ProblemGradients& gradients, const Design& design, MmaRows& kinds,
+  std::vector<double> gradient_of_variables(Design gradient, const Design& design) const;
+  void add_residuals(ProblemGradients& gradients, const Design& design, MmaRows& kinds,
                      std::vector<double>& values, std::vector<std::vector<double>>& rows) const;
   void save_vector(CheckpointState& state, const std::string& name, const std::vector<double>& values) const;
   std::vector<double> restored_vector(const CheckpointState& state, const std::string& name) const;

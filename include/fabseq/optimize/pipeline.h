@@ -69,6 +69,8 @@ class Pipeline {
   /// Gradients of several rows with respect to the design of the last run.
   std::vector<Design> gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
+  /// Gives the memory of the last run's layers back, which gradients and reports need. Not collective.
+  void forget_results();
   /// Later runs and gradients are solved to this tolerance, which is meant as the constructor's.
   void set_tolerance(double tolerance);
   double tolerance() const { return tolerance_; }
@@ -92,13 +94,15 @@ class Pipeline {
   };
   std::vector<Row> deal_out_rows(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                  const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
+  void pull_back_process(std::span<const std::unique_ptr<Response<Dim>>> responses,
+                         const PipelineState<Dim>& state, std::vector<Row>& rows);
   void add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                const PipelineState<Dim>& state, std::vector<Row>& rows);
-  void pull_back_process(const PipelineState<Dim>& state, std::vector<Row>& rows);
+                                const PipelineState<Dim>& state, Row& row);
   void take_up_densities(const PipelineState<Dim>& state, Row& row) const;
-  std::vector<TimeDerivatives> pull_back_layers(const PipelineState<Dim>& state, std::vector<Row>& rows);
-  std::vector<std::vector<double>> pull_back_sequence(std::span<const TimeDerivatives> own,
-                                                      const std::vector<Row>& rows);
+  void pull_back_shared(const PipelineState<Dim>& state, std::vector<Row>& rows);
+  void pull_back_layers(const PipelineState<Dim>& state, Row& row) const;
+  std::vector<std::vector<double>> pull_back_own(std::span<const std::unique_ptr<Response<Dim>>> responses,
+                                                 const PipelineState<Dim>& state, std::vector<Row>& rows);
   std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
   bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
 

@@ -23,7 +23,7 @@ class Deposition {
   /// The model must outlive the object. Collective.
   explicit Deposition(const ElasticModel<Dim>& model);
 
-  /// w of the layers first ... first + lanes - 1 on the owned nodes, one component.
+  /// w of the layers first ... first + lanes - 1 on the nodes of the model, one component.
   LaneVector weights(const LayerDensities& densities, int first, int lanes) const;
   /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic); 1 in the
   /// void, 0 in the substrate.

@@ -31,7 +31,7 @@ template <int Dim>
 struct ElasticModel {
   using ElementLoad = std::array<double, element_unknowns<Dim>>;
 
-  /// Part and supports must outlive the model.
+  /// Part and supports must outlive the model. Collective on the grid's communicator.
   ElasticModel(const Part<Dim>& part_, const Supports<Dim>& supports_, const MaterialSettings& material_,
                const ProcessSettings& settings_);
 
@@ -43,6 +43,7 @@ struct ElasticModel {
   std::array<ElementLoad, voigt_size<Dim>> unit_loads;  ///< of each strain component alone in a full element
   ElementLoad strain_load{};  ///< of the inherent strain in a full element; 0 where it turns with the layers
   SystemDomain domain;        ///< elements of the model; supports fixed
+  std::vector<int> nodes;     ///< those of the model's elements: offsets in Grid::owned_nodes(), ascending
   std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
   std::vector<int> part_element;   ///< the other way round; negative for elements of substrate and void

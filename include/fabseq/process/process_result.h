@@ -14,18 +14,19 @@ namespace fabseq {
 
 /// Displacements that one strain leads to, on this rank's nodes, length unit.
 struct CaseDisplacements {
-  std::vector<LaneVector>
-      increments;  ///< of the layers of this rank's group, by block: [node][component][lane]
-  std::vector<double> displacement;  ///< u, all layers' sum, [owned node][component]
-  std::vector<double> release;       ///< v, what the release adds to u; empty if that is not asked for
+  std::vector<LaneVector> increments;  ///< of the layers of this rank's group, by block, on
+                                       ///< ProcessResult::nodes: [node][component][lane]
+  std::vector<double> displacement;    ///< u, all layers' sum, [owned node][component]
+  std::vector<double> release;         ///< v, what the release adds to u; empty if that is not asked for
 };
 
 /// What a simulated process leads to, with the strain as given and with the other cases of StrainCases.
 struct ProcessResult : CaseDisplacements {
+  std::span<const int> nodes;  ///< those of the model, ElasticModel::nodes: no others have increments
   MPI_Comm all_layers = MPI_COMM_NULL;  ///< the ranks that together have the increments of all layers
   std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
   std::vector<LaneVector>
-      weights;                  ///< share of increments that counts (Deposition), [node][lane]; empty: all
+      weights;  ///< share of increments that counts (Deposition), [one of `nodes`][lane]; empty: all
   std::vector<int> iterations;  ///< of each layer's solve, all layers; of all cases the largest
   std::vector<CaseDisplacements> other_cases;
   std::vector<std::vector<double>> scenarios;  ///< combinations of the cases, StrainCases::scenarios
@@ -35,6 +36,10 @@ struct ProcessResult : CaseDisplacements {
     const LaneVector& increment = increments[block];
     if (weights.empty()) return increment(unknown, lane);
     return weights[block](unknown / increment.components, lane) * increment(unknown, lane);
+  }
+  /// Where an unknown of the increments is in fields of all owned nodes.
+  std::size_t in_field(std::size_t unknown, int components) const {
+    return static_cast<std::size_t>(nodes[unknown / components]) * components + unknown % components;
   }
   /// Adds what counts of the increments of a block to the displacement, both of one case.
   void add_counted(std::size_t block, CaseDisplacements& of) const;

@@ -62,6 +62,9 @@ class ProcessSimulation {
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
+  /// Gives the memory of the last simulation's increments back; pull_back(), reactions() and increment() need
+  /// a further one. Not collective.
+  void forget_increments();
   /// That of the last simulation, for CountedAs.
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
@@ -94,8 +97,10 @@ class ProcessSimulation {
   /// Vectors that one block leaves to the next.
   struct Room {
     std::vector<LaneVector> loads, solutions;
+    LaneVector increments;  ///< on all owned nodes
     std::vector<typename Deposition<Dim>::Missing> missing;
   };
+  int owned_nodes() const;
   void deal_out(int layers);
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
   void release_cases(const LayerDensities& densities);
@@ -104,7 +109,7 @@ class ProcessSimulation {
   void solve_adjoints(const LayerDensities& densities, std::size_t number,
                       std::span<const Functional* const> functionals, Room& room);
   void add_derivatives(const LayerDensities& densities, std::size_t number, const Functional& functional,
-                       const LaneVector* adjoint, const Room& room) const;
+                       const LaneVector* adjoint, Room& room) const;
   std::vector<double> release_motion(std::span<const double> derivative);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 

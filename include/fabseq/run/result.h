@@ -23,7 +23,7 @@ struct FinalReports {
   std::optional<SequenceReport<Dim>> start;  ///< none if its solves failed
   /// Planar, in as many layers as the binary ones that hold anything; none if the baseline has so many or if
   /// its solves failed.
-  std::optional<SequenceReport<Dim>> matched;
+  std::optional<SequenceNumbers> matched;
   std::int64_t interior_minima = 0;
 };
 
