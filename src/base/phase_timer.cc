@@ -7,6 +7,7 @@
 #include <mpi.h>
 
 #include <string>
+#include <utility>
 
 namespace fabseq {
 
@@ -23,13 +24,16 @@ PhaseTimer::PhaseTimer() {
     (void)LogEvent(name);
 }
 
-PhaseTimer::Scope::Scope(PhaseTimer& timer, Phase phase) : timer_(timer), phase_(phase), start_(MPI_Wtime()) {
+PhaseTimer::Scope::Scope(PhaseTimer& timer, Phase phase)
+    : timer_(timer), phase_(phase), start_(MPI_Wtime()), inner_before_(std::exchange(timer.inner_, 0.0)) {
   check(PetscLogStagePush(timer_.stages_[static_cast<int>(phase_)]));
 }
 
 PhaseTimer::Scope::~Scope() {
   (void)PetscLogStagePop();
-  timer_.seconds_[static_cast<int>(phase_)] += MPI_Wtime() - start_;
+  const double elapsed = MPI_Wtime() - start_;
+  timer_.seconds_[static_cast<int>(phase_)] += elapsed - timer_.inner_;
+  timer_.inner_ = inner_before_ + elapsed;
 }
 
 }  // namespace fabseq

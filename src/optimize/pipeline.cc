@@ -176,10 +176,13 @@ void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Res
 template <int Dim>
 void Pipeline<Dim>::pull_back_process(std::span<const std::unique_ptr<Response<Dim>>> responses,
                                       const PipelineState<Dim>& state, std::vector<Row>& rows) {
-  model_.groups.run([&] {
-    for (Row& row : rows)
-      if (row.shared) add_explicit_derivatives(responses, state, row);
-  });
+  {
+    const auto scope = timer_.enter(Phase::responses);
+    model_.groups.run([&] {
+      for (Row& row : rows)
+        if (row.shared) add_explicit_derivatives(responses, state, row);
+    });
+  }
   const auto scope = timer_.enter(Phase::adjoint);
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
@@ -243,6 +246,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_own(
     if (is_own(row)) own.push_back(&row);
   std::vector<std::vector<double>> gradients;
   std::vector<int> iterations(rows.size(), 0);
+  const auto scope = timer_.enter(Phase::heat);
   model_.groups.run([&] {
     for (std::size_t first = 0; first < own.size(); first += HeatSolver<Dim>::widest) {
       std::vector<TimeDerivatives> times;
@@ -250,19 +254,17 @@ std::vector<std::vector<double>> Pipeline<Dim>::pull_back_own(
       for (std::size_t k = first; k < end; ++k) {
         if (!own[k]->shared) {
           add_explicit_derivatives(responses, state, *own[k]);
-          const auto scope = timer_.enter(Phase::layers);
+          const auto of_layers = timer_.enter(Phase::layers);
           pull_back_layers(state, *own[k]);
         }
         times.push_back(std::move(own[k]->adjoint.time));
       }
-      const auto scope = timer_.enter(Phase::heat);
       for (std::vector<double>& gradient : sequence_->pull_back(times))
         gradients.push_back(std::move(gradient));
       const std::vector<int> solves = sequence_->adjoint_iterations();
       for (std::size_t k = 0; k < solves.size(); ++k) iterations[own[first + k] - rows.data()] = solves[k];
     }
   });
-  const auto scope = timer_.enter(Phase::heat);
   if (!time_->temperature.empty()) {
     model_.groups.sum(iterations);
     iterations_.heat.insert(iterations_.heat.end(), iterations.begin(), iterations.end());

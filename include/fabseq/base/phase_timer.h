@@ -20,7 +20,7 @@ class PhaseTimer {
   /// Registers the log stages and events; PETSc must be initialized.
   PhaseTimer();
 
-  /// The time between construction and destruction counts for the phase. Phases do not nest.
+  /// The time between construction and destruction counts for the phase, but for that of scopes inside.
   class Scope {
    public:
     Scope(PhaseTimer& timer, Phase phase);
@@ -30,7 +30,7 @@ class PhaseTimer {
    private:
     PhaseTimer& timer_;
     Phase phase_;
-    double start_;
+    double start_, inner_before_;
   };
   [[nodiscard]] Scope enter(Phase phase) { return Scope(*this, phase); }
 
@@ -40,6 +40,7 @@ class PhaseTimer {
 
  private:
   std::array<double, phase_count> seconds_{};
+  double inner_ = 0.0;  ///< of the scopes that have ended inside the present one
   std::array<PetscLogStage, phase_count> stages_{};
 };
 
