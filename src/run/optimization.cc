@@ -43,7 +43,7 @@ SequenceReport<Dim> planar_report(const Setup<Dim>& setup, const Problem<Dim>& p
 /// merit of their shape.
 template <int Dim>
 std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                                    int count, PhaseTimer& timer) {
+                                                int count, PhaseTimer& timer) {
   if (count == setup.baseline->count()) return std::nullopt;
   try {
     SequenceReport<Dim> report =

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of -task check shows the elements by the layers of the start design, the plate and the node sets."""
+"""The picture of -task check: elements by the layers of the start design, the plate, node sets."""
 
 import re
 import xml.etree.ElementTree as ElementTree

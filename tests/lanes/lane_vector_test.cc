@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/lanes/lane_vector.h"
 
-#include <algorithm>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 #include <vector>
 
 namespace fabseq {
@@ -39,8 +40,7 @@ TEST(LaneVector, SpreadsThemAgainWithZerosElsewhere) {
       for (int component = 0; component < 2; ++component)
         for (int lane = 0; lane < 4; ++lane) {
           const bool picked = std::find(nodes.begin(), nodes.end(), node) != nodes.end();
-          EXPECT_EQ(spread_again(node * 2 + component, lane),
-                    picked ? all(node * 2 + component, lane) : 0.0);
+          EXPECT_EQ(spread_again(node * 2 + component, lane), picked ? all(node * 2 + component, lane) : 0.0);
         }
   }
 }
