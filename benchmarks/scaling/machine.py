@@ -132,5 +132,6 @@ def memory_bytes(elastic, groups, layers, part_elements):
     """Of all ranks: the program's own estimate (run_cost), and the last level, whole on every rank."""
     unknowns, nodes = 3 * elastic.levels[0].nodes, math.prod(n + 1 for n in elastic.box)
     whole = elastic.levels[-1].nodes if elastic.ranks > 1 else 0.0
-    return (unknowns * (2500.0 * groups + 8.0 * layers) + nodes * 900.0 * groups + part_elements * layers * (16.0 * groups + 24.0)
+    return (unknowns * (2500.0 * groups + 8.0 * layers) + nodes * 900.0 * groups
+            + part_elements * layers * (16.0 * groups + 24.0)
             + elastic.ranks * groups * (8e7 + whole * 24 * 9 * SINGLE))

@@ -5,17 +5,15 @@ namespace fabseq {
 
 namespace {
 
-/// Owned nodes of the elements of all ranks, by first corners.
+/// Offsets in Grid::owned_nodes() of the nodes of these elements, offsets in Grid::owned_elements().
 template <int Dim>
-std::vector<int> nodes_of(const Grid<Dim>& grid, const std::vector<int>& first_corners) {
-  std::vector<double> touched(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  for (const int corner : first_corners)
-    for (const int offset : grid.corner_offsets()) touched[corner + offset] = 1.0;
-  std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
-  grid.exchange(1).add_to_owned(touched, owned);
+std::vector<int> nodes_of(const Grid<Dim>& grid, const std::vector<int>& elements) {
+  std::vector<char> chosen(static_cast<std::size_t>(grid.owned_elements().count()), 0);
+  for (const int element : elements) chosen[element] = 1;
+  const std::vector<char> touched = nodes_of_elements(grid, chosen);
   std::vector<int> result;
-  for (std::size_t node = 0; node < owned.size(); ++node)
-    if (owned[node] != 0.0) result.push_back(static_cast<int>(node));
+  for (std::size_t node = 0; node < touched.size(); ++node)
+    if (touched[node] != 0) result.push_back(static_cast<int>(node));
   return result;
 }
 
@@ -49,7 +47,7 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
     elements.push_back(static_cast<int>(offset));
     domain.first_corners.push_back(grid.first_corner(index));
   });
-  nodes = nodes_of(grid, domain.first_corners);
+  nodes = nodes_of(grid, elements);
   domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim);
   for (std::size_t node = 0; node < supports.held.size(); ++node)
     std::fill_n(domain.fixed.begin() + static_cast<std::ptrdiff_t>(node * Dim), Dim, supports.held[node]);

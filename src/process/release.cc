@@ -16,9 +16,9 @@ namespace {
 /// Owned nodes of the model's elements, held ones too.
 template <int Dim>
 std::vector<char> nodes_of_model(const ElasticModel<Dim>& model) {
-  std::vector<char> elements(static_cast<std::size_t>(model.part.grid().owned_elements().count()), 0);
-  for (const int element : model.elements) elements[element] = 1;
-  return nodes_of_elements(model.part.grid(), elements);
+  std::vector<char> marks(static_cast<std::size_t>(model.part.grid().owned_nodes().count()), 0);
+  for (const int node : model.nodes) marks[node] = 1;
+  return marks;
 }
 
 /// The node of all ranks with the largest measure, the lowest lexicographic number among equals.

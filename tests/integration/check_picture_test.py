@@ -43,7 +43,8 @@ class CheckPictureTest(FabseqTest):
     def picture_of(self, config, *arguments):
         texts = []
         for ranks in run_fabseq.distinct(1, 2):
-            run = self.run_program(ranks, "-config", self.write_config(config), "-task", "check", "-picture", *arguments)
+            path = self.write_config(config)
+            run = self.run_program(ranks, "-config", path, "-task", "check", "-picture", *arguments)
             self.assert_done(run)
             path = re.search("^picture: (.*)$", run.stdout, re.MULTILINE).group(1)
             self.assertEqual(path, run.path("check.svg"))
@@ -63,7 +64,8 @@ class CheckPictureTest(FabseqTest):
         self.assertEqual(picture.plate, picture.color("build plate z-"))
         self.assertTrue(near(darker(picture.color("layer 1 of the start design"), FRONT), picture.faces))
         self.assertIn(picture.color("layer 3"), picture.faces)
-        self.assertEqual(picture.dots, {picture.color("node set edge, 5 nodes"): 5, picture.color("node set top, 45 nodes"): 45})
+        self.assertEqual(picture.dots, {picture.color("node set edge, 5 nodes"): 5,
+                                        picture.color("node set top, 45 nodes"): 45})
 
     def test_plates_are_seen_from_the_front(self):
         config = plate_2d()
