@@ -144,7 +144,9 @@ class MpirunTest(RunTest):
         job = self.submit_run(*arguments)
         job.wait_for_iterations(25)
         self.slurm("scancel", "--batch", "--signal=USR1", job.number)
-        job.wait_until(lambda: job.field("Restarts") == "1", "queued again")
+        # Slurm counts the restart before the script gets to say so.
+        job.wait_until(lambda: "queued again after iteration" in job.log(), "queued again")
+        self.assertEqual(job.field("Restarts"), "1")
         done = self.newest_checkpoint(job.output)
         self.assertEqual(done, job.iterations())
         self.assertIn(f"queued again after iteration {done}", job.log())
