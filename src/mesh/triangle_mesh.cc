@@ -40,15 +40,6 @@ double signed_volume(const TriangleMesh& mesh) {
   return sum / 6.0;
 }
 
-double area(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [a, b, c] = mesh.corners(t);
-    sum += norm(cross(difference(b, a), difference(c, a)));
-  }
-  return 0.5 * sum;
-}
-
 bool is_closed(const TriangleMesh& mesh) {
   // An edge and its direction in 63 bits: lower point, higher point, whether it runs downwards.
   std::vector<std::uint64_t> edges;

@@ -34,8 +34,6 @@ TriangleMesh transformed(TriangleMesh mesh, const std::array<Point<3>, 3>& matri
 /// Volume that a closed mesh encloses: negative if it is inside out, counted as often as it is wound around.
 /// Means nothing for an open mesh.
 double signed_volume(const TriangleMesh& mesh);
-/// Sum of the areas of the triangles.
-double area(const TriangleMesh& mesh);
 /// Whether as many triangles run along every edge in one direction as in the other. Then the winding number
 /// is an integer everywhere off the surface. Points at the same position must have been joined.
 bool is_closed(const TriangleMesh& mesh);
