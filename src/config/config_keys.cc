@@ -107,13 +107,6 @@ Section<Config> all_keys() {
       .section("output", &Its::output, "Output", output_keys(), optional);
 }
 
-/// Calls visit(key) for every key of every section.
-template <class Visit>
-void for_each_key(const Visit& visit) {
-  for (const SectionKeys& section : config_sections())
-    for (const ConfigKey& key : section.keys) visit(key);
-}
-
 }  // namespace
 
 const Section<Config>& config_section() {
@@ -127,26 +120,22 @@ const std::vector<SectionKeys>& config_sections() {
 }
 
 std::string dotted_path(const ConfigKey& key) {
-  bool in_list = false;
-  for_each_key([&](const ConfigKey& other) {
-    in_list = in_list || (other.type == KeyType::sections && subsection(other) == key.section);
-  });
-  return in_list && !key.variant.empty() ? key.section + "." + key.variant + "." + key.name : subsection(key);
+  const auto lists_it = [&](const ConfigKey& other) {
+    return other.type == KeyType::sections && subsection(other) == key.section;
+  };
+  const auto in_list = [&](const SectionKeys& section) {
+    return std::any_of(section.keys.begin(), section.keys.end(), lists_it);
+  };
+  const bool by_type =
+      !key.variant.empty() && std::any_of(config_sections().begin(), config_sections().end(), in_list);
+  return by_type ? key.section + "." + key.variant + "." + key.name : subsection(key);
 }
 
-const ConfigKey* find_flat_option(std::string_view option) {
-  const ConfigKey* found = nullptr;
-  for_each_key([&](const ConfigKey& key) {
-    if (!option.empty() && key.option == option) found = &key;
-  });
-  return found;
-}
-
-std::vector<std::string> flat_options() {
-  std::vector<std::string> result;
-  for_each_key([&](const ConfigKey& key) {
-    if (!key.option.empty()) result.push_back(key.option);
-  });
+std::vector<const ConfigKey*> keys_with_option() {
+  std::vector<const ConfigKey*> result;
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& key : section.keys)
+      if (!key.option.empty()) result.push_back(&key);
   return result;
 }
 

@@ -72,11 +72,10 @@ std::string padded(const std::string& text, std::size_t width) {
 
 void write_flat_options(std::ostream& stream) {
   stream << "\nOptions for frequent keys (unit, default):\n";
-  for (const std::string& option : flat_options()) {
-    const ConfigKey& key = *find_flat_option(option);
-    const std::string unit = key.unit.empty() ? "" : key.unit + ", ";
-    stream << "  " << padded(option, 24) << padded(dotted_path(key), 42) << "(" << unit << default_text(key)
-           << ")\n";
+  for (const ConfigKey* key : keys_with_option()) {
+    const std::string unit = key->unit.empty() ? "" : key->unit + ", ";
+    stream << "  " << padded(key->option, 24) << padded(dotted_path(*key), 42) << "(" << unit
+           << default_text(*key) << ")\n";
   }
 }
 
