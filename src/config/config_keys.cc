@@ -120,15 +120,12 @@ const std::vector<SectionKeys>& config_sections() {
 }
 
 std::string dotted_path(const ConfigKey& key) {
-  const auto lists_it = [&](const ConfigKey& other) {
-    return other.type == KeyType::sections && subsection(other) == key.section;
-  };
-  const auto in_list = [&](const SectionKeys& section) {
-    return std::any_of(section.keys.begin(), section.keys.end(), lists_it);
-  };
-  const bool by_type =
-      !key.variant.empty() && std::any_of(config_sections().begin(), config_sections().end(), in_list);
-  return by_type ? key.section + "." + key.variant + "." + key.name : subsection(key);
+  if (key.variant.empty()) return subsection(key);
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& list : section.keys)
+      if (list.type == KeyType::sections && subsection(list) == key.section)
+        return key.section + "." + key.variant + "." + key.name;
+  return subsection(key);
 }
 
 std::vector<const ConfigKey*> keys_with_option() {
