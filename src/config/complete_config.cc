@@ -180,8 +180,7 @@ class Completion {
 /// Dimension of the domain, by the number of entries of domain.elements, 3 if there are none. Other faults in
 /// them are found later.
 int find_dimension(const Json& document) {
-  const Json* domain = find_member(document, "domain");
-  const Json* elements = domain != nullptr ? find_member(*domain, "elements") : nullptr;
+  const Json* elements = find_member(document, "domain", "elements");
   if (elements == nullptr) return 3;
   const bool valid = elements->is_array() && (elements->size() == 2 || elements->size() == 3);
   if (!valid) refuse("/domain/elements", shown(*elements), "a list of 2 or 3 integers >= 1");

@@ -39,16 +39,14 @@ Json read_material(MPI_Comm comm, const std::string& path) {
 }  // namespace
 
 void merge_material_file(MPI_Comm comm, Json& document, const std::string& directory) {
-  const Json* given = find_member(document, "material");
-  const Json* file = given != nullptr ? find_member(*given, "file") : nullptr;
+  const Json* file = find_member(document, "material", "file");
   if (file == nullptr) return;
   if (!file->is_string()) refuse(pointer, shown(*file), "a file name");
   const auto path = std::filesystem::path(directory) / file->get<std::string>();
   Json material = read_material(comm, path.lexically_normal().string());
   for (const char* words : {"source", "comment"}) material.erase(words);
-  Json own = *given;
-  own.erase("file");
-  for (const auto& [name, value] : own.items()) material[name] = value;
+  document["material"].erase("file");
+  material.update(document["material"]);
   document["material"] = material;
 }
 

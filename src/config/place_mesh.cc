@@ -83,8 +83,7 @@ BuildPlate plate_of(const Json& document) {
 }  // namespace
 
 std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, const std::string& directory) {
-  const Json* part = find_member(document, "part");
-  const Json* mesh = part != nullptr ? find_member(*part, "mesh") : nullptr;
+  const Json* mesh = find_member(document, "part", "mesh");
   if (mesh == nullptr) return nullptr;
   MeshFile description;
   const Json complete = complete_section(*mesh, "/part/mesh", "part.mesh", 3, directory);
