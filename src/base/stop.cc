@@ -31,8 +31,8 @@ struct NamedSignal {
 constexpr std::array<NamedSignal, 4> stop_signals = {
     {{SIGUSR1, "USR1"}, {SIGUSR2, "USR2"}, {SIGTERM, "TERM"}, {SIGINT, "INT"}}};
 
-// Reasons are numbers, so that ranks can agree on the largest: a signal, which is first_signal and its number,
-// takes precedence, then the file, then the time.
+// Reasons are numbers, so that ranks can agree on the largest: a signal, which is first_signal and its
+// number, takes precedence, then the file, then the time.
 constexpr int no_reason = 0, time_reason = 1, file_reason = 2, first_signal = 3;
 
 const Clock::time_point process_start = Clock::now();
