@@ -7,7 +7,6 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/config_rules.h"
 #include "fabseq/config/material_file.h"
 #include "fabseq/config/place_mesh.h"
 #include "fabseq/config/reslicing.h"
