@@ -7,8 +7,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/material_file.h"
-#include "fabseq/config/place_mesh.h"
+#include "fabseq/config/named_files.h"
 #include "fabseq/config/reslicing.h"
 #include "fabseq/keys/config_key.h"
 

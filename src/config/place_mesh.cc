@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/place_mesh.h"
-
 #include "fabseq/config/config_keys.h"
+#include "fabseq/config/named_files.h"
 #include "fabseq/part/part_settings.h"
 
 #include <cmath>
