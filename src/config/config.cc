@@ -2,7 +2,6 @@
 #include "fabseq/config/config.h"
 
 #include "fabseq/config/config_keys.h"
-#include "fabseq/config/config_rules.h"
 #include "fabseq/responses/response_type.h"
 
 namespace fabseq {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/config_rules.h"
-
-#include "fabseq/base/error.h"
+/// Relations between keys of different sections.
+#include "fabseq/config/config.h"
+#include "fabseq/keys/config_key.h"
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>

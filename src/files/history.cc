@@ -32,7 +32,7 @@ std::int64_t History::sync() const {
 
 void History::cut_back(std::int64_t position) const {
   std::int64_t size = 0;
-  run_on_first(directory_.comm(), [&] { size = cut_file(directory_.file(history_file), position); });
+  run_on_first(directory_.comm(), [&] { size = sync_file(directory_.file(history_file), position); });
   warn_if_short(directory_.comm(), size, position);
 }
 
