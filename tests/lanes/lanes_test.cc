@@ -112,15 +112,15 @@ TEST(LanesTest, JoinsPieces) {
 
 TEST(LanesTest, TakesPiecesOutOfRegisters) {
   const auto before = counted<native_lanes>(0), behind = counted<native_lanes>(native_lanes);
-  const auto next = straddling<1>(before, behind);
-  const auto previous = straddling<native_lanes - 1>(before, behind);
+  const auto next = lanes_from<native_lanes, 1>(before, behind);
+  const auto previous = lanes_from<native_lanes, native_lanes - 1>(before, behind);
   for (int lane = 0; lane < native_lanes; ++lane) {
     EXPECT_EQ(next[lane], lane + 1);
     EXPECT_EQ(previous[lane], lane + native_lanes - 1);
   }
-  const auto last = lanes_from<1, native_lanes - 1>(before);
+  const auto last = lanes_from<1, native_lanes - 1>(before, behind);
   EXPECT_EQ(last[0], native_lanes - 1);
-  const auto upper = lanes_from<native_lanes / 2, native_lanes / 2>(before);
+  const auto upper = lanes_from<native_lanes / 2, native_lanes / 2>(before, behind);
   for (int lane = 0; lane < native_lanes / 2; ++lane) EXPECT_EQ(upper[lane], native_lanes / 2 + lane);
 }
 
