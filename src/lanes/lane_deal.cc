@@ -32,11 +32,10 @@ LaneDeal::Buffers<Real>& LaneDeal::sized(std::span<const int> owners, int compon
     buffers.of_owner[i].rank = ranks[i];
     buffers.of_owner[i].values.resize(own_nodes_ * components * lanes(ranks[i]));
   }
-  buffers.of_holder.resize(lanes(rank_) > 0 ? holders_.size() : 0);
-  for (std::size_t i = 0; i < buffers.of_holder.size(); ++i) {
-    buffers.of_holder[i].rank = holders_[i].rank;
-    buffers.of_holder[i].values.resize(holders_[i].numbers.size() * components * lanes(rank_));
-  }
+  if (lanes(rank_) > 0)
+    make_room(buffers.of_holder, holders_, components * lanes(rank_));
+  else
+    buffers.of_holder.clear();
   return buffers;
 }
 
