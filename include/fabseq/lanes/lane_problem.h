@@ -81,7 +81,7 @@ class LaneHeatProblem {
     Matrices result;
     const ElementMatrices<Dim> element(spacing, thickness_, 0.0);
     result.conductivity = element.conductivity();
-    result.mass = lumped_ ? element.lumped_mass() : element.consistent_mass();
+    result.mass = element.mass(lumped_);
     result.conductivity_parity = ParityMatrix<Dim, 1>(result.conductivity);
     result.mass_parity = ParityMatrix<Dim, 1>(result.mass);
     // Sums of element matrices scaled by sums of their diagonals: no more than the larger of the two.
