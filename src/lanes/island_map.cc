@@ -3,7 +3,6 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/mpi_struct.h"
-#include "fabseq/grid/element_halo.h"
 #include "fabseq/lanes/local_basins.h"
 
 #include <algorithm>
