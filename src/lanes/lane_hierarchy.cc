@@ -2,7 +2,6 @@
 #include "fabseq/lanes/lane_hierarchy.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/lanes/coarse_supports.h"
 
 #include <algorithm>
 #include <limits>
