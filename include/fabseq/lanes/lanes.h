@@ -78,12 +78,11 @@ struct Lanes {
     for (int i = 0; i < parts; ++i) part[i] += other.part[i];
     return *this;
   }
-  [[gnu::always_inline]] Lanes& operator-=(const Lanes& other) {
-    for (int i = 0; i < parts; ++i) part[i] -= other.part[i];
-    return *this;
-  }
   [[gnu::always_inline]] friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
-  [[gnu::always_inline]] friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
+  [[gnu::always_inline]] friend Lanes operator-(Lanes a, const Lanes& b) {
+    for (int i = 0; i < parts; ++i) a.part[i] -= b.part[i];
+    return a;
+  }
   [[gnu::always_inline]] friend Lanes operator*(Lanes a, const Lanes& b) {
     for (int i = 0; i < parts; ++i) a.part[i] *= b.part[i];
     return a;
@@ -130,12 +129,8 @@ struct Lanes<1, Real> {
     value += other.value;
     return *this;
   }
-  Lanes& operator-=(const Lanes& other) {
-    value -= other.value;
-    return *this;
-  }
   friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
-  friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) { return {a.value - b.value}; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.value * b.value}; }
   friend Lanes operator*(const Lanes& a, Real b) { return {a.value * b}; }
   friend Lanes operator/(const Lanes& a, const Lanes& b) { return {a.value / b.value}; }
