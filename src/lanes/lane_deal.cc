@@ -9,8 +9,7 @@ namespace fabseq {
 
 LaneDeal::LaneDeal(MPI_Comm comm, std::span<const std::int64_t> numbers)
     : comm_(comm), rank_(rank_of(comm)), own_nodes_(static_cast<std::int64_t>(numbers.size())) {
-  std::vector<std::int64_t> counts(static_cast<std::size_t>(size_of(comm)));
-  MPI_Allgather(&own_nodes_, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, comm);
+  const std::vector<std::int64_t> counts = gather_all(comm, std::span(&own_nodes_, 1));
   const std::vector<std::int64_t> all = gather_all(comm, numbers);
   auto next = all.begin();
   for (int rank = 0; rank < static_cast<int>(counts.size()); ++rank) {
