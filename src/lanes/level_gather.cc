@@ -8,22 +8,14 @@
 
 namespace fabseq {
 
-namespace {
-
-/// Box of all elements of a level, or `longer` along each axis: 1 for a box of its nodes.
-template <int Dim>
-IndexBox<Dim> whole_box(const LevelShares<Dim>& shares, int longer) {
-  IndexBox<Dim> box;
-  for (int axis = 0; axis < Dim; ++axis) box.size[axis] = shares.ranges.range_starts[axis].back() + longer;
-  return box;
-}
-
-}  // namespace
-
 template <int Dim>
 LevelGather<Dim>::LevelGather(MPI_Comm comm, const LaneMesh<Dim>& stage, const LevelShares<Dim>& coarse)
     : comm_(comm) {
-  const IndexBox<Dim> all = whole_box(coarse, 0), all_nodes = whole_box(coarse, 1);
+  IndexBox<Dim> all, all_nodes;
+  for (int axis = 0; axis < Dim; ++axis) {
+    all.size[axis] = coarse.ranges.range_starts[axis].back();
+    all_nodes.size[axis] = all.size[axis] + 1;
+  }
   const std::vector<int> holders = holders_of_nodes(stage, coarse);
   using Places = std::vector<std::vector<std::int64_t>>;  // in the whole level, of each rank
   Places elements(static_cast<std::size_t>(size_of(comm))), nodes(elements.size());

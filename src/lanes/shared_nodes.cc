@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace fabseq {
 
 template <int Dim>
 SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm), rank_(rank_of(comm)) {
   std::map<std::int64_t, int> lowest_holder;
-  std::map<int, std::vector<std::int64_t>> common_nodes;
   std::vector<IndexBox<Dim>> boxes(static_cast<std::size_t>(size_of(comm)));
   static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
   MPI_Allgather(&mesh.node_box(), 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
@@ -25,23 +25,22 @@ SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm)
     });
     MPI_Sendrecv(own.data(), static_cast<int>(own.size()), MPI_CHAR, rank, 0, theirs.data(),
                  static_cast<int>(theirs.size()), MPI_CHAR, rank, 0, comm, MPI_STATUS_IGNORE);
+    Peer neighbor{rank, {}};
     common.for_each([&](const Index<Dim>& node, std::int64_t offset) {
       if (own[offset] == 0 || theirs[offset] == 0) return;
       const std::int64_t number = mesh.node_number(node);
-      common_nodes[rank].push_back(number);
+      neighbor.numbers.push_back(number);
       lowest_holder.try_emplace(number, std::min(rank, rank_));
     });
+    if (!neighbor.numbers.empty()) neighbors_.push_back(std::move(neighbor));
   }
   for (const auto& [node, holder] : lowest_holder) {
     nodes_.push_back(node);
     counted_.push_back(holder == rank_ ? 1 : 0);
   }
-  for (const auto& [rank, numbers] : common_nodes) {
-    Peer& neighbor = neighbors_.emplace_back();
-    neighbor.rank = rank;
-    for (const std::int64_t node : numbers)
-      neighbor.numbers.push_back(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
-  }
+  for (Peer& neighbor : neighbors_)
+    for (std::int64_t& number : neighbor.numbers)
+      number = std::lower_bound(nodes_.begin(), nodes_.end(), number) - nodes_.begin();
 }
 
 template <class Real>
