@@ -127,7 +127,7 @@ SolveReport Release<Dim>::solve_by_lanes(const std::vector<double>& load, std::v
   if (!lanes_)
     lanes_ = std::make_unique<LaneFreeBody<Dim>>(grid, model_.domain, model_.material.poisson,
                                                  settings_.cycle, model_.finished_stiffness());
-  SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance, lane_iterations);
+  SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance);
   if (report.converged) return report;
   std::ostringstream text;
   text << "release: " << report.iterations

@@ -183,7 +183,7 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
       for (int i = 0; i < corners; ++i)
         ghosted_load[first + offsets[i]] -=
             diffusivity_[e] * model_->element.conductivity()[i * corners + j] +
-            model_->reaction * model_->mass()[i * corners + j];
+            model_->reaction * model_->element.mass(model_->lumped)[i * corners + j];
     }
   }
   LaneVector load(static_cast<int>(fixed.size()), 1, 1);

@@ -64,11 +64,10 @@ class NodeExchange {
   VecHandle owned_, ghosted_;
 };
 
-/// A DMDA with a box stencil of width 1. `nodes`: for each axis, the number of nodes of each process along
-/// it. The caller owns the result. Collective on `comm`.
+/// A DMDA with a box stencil of width 1, whose nodes are dealt out as `nodes`. The caller owns the result.
+/// Collective on `comm`.
 template <int Dim>
-DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
-                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components);
+DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components);
 
 /// A box grid of Q4 or H8 elements, decomposed as a DMDA. The element with index i belongs to the rank that
 /// owns its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are
