@@ -32,7 +32,10 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
     : terms_(model.settings.objective), margin_(constraint_margin) {
   const ResponseContext<Dim> context = model.context();
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
-    for (const Term& term : *list) responses_.push_back(term.type->make(term, context));
+    for (const Term& term : *list) {
+      responses_.push_back(term.type->make(term, context));
+      types_.push_back(term.type->name);
+    }
   configured_ = responses_.size();
   add_largest();
   if (!largest_) add_functionals();
@@ -46,6 +49,7 @@ void Problem<Dim>::add_largest() {
     if (!values) continue;
     largest_ = {i, responses_.size()};
     responses_.push_back(std::move(values));
+    types_.push_back(types_[i]);
   }
 }
 
@@ -58,6 +62,7 @@ void Problem<Dim>::add_functionals() {
     if (!functionals || functionals->count() == 0) continue;
     squares_.push_back({i, responses_.size(), functionals->complete(), functionals->asked_for()});
     responses_.push_back(std::move(functionals));
+    types_.emplace_back("least_squares");
   }
 }
 
@@ -99,7 +104,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
       if (!std::isfinite(all[r][c]))
-        throw NumericalError(component_name(r, c) + " (" + responses_[r]->type() + ") is not finite");
+        throw NumericalError(component_name(r, c) + " (" + types_[r] + ") is not finite");
   ProblemValues result;
   const auto split = all.begin() + static_cast<std::ptrdiff_t>(terms_.size());
   result.objective.assign(all.begin(), split);
@@ -245,7 +250,7 @@ std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<dou
   std::vector<NamedValue> result;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.push_back({component_name(r, c), responses_[r]->type(), values[r][c]});
+      result.push_back({component_name(r, c), types_[r], values[r][c]});
   return result;
 }
 

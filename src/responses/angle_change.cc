@@ -59,7 +59,6 @@ class AngleChange : public Response<Dim> {
     start_ = undeformed_angle();
   }
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

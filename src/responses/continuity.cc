@@ -43,8 +43,6 @@ class Continuity : public Response<Dim> {
     elements_counted_ = static_cast<double>(sum(part_.grid().comm(), counted));
   }
 
-  std::string type() const override { return "continuity"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double total = 0.0;
     for (const double difference : differences(state)) total += difference * difference;

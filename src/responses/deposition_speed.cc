@@ -19,8 +19,6 @@ class DepositionSpeed : public Response<Dim> {
   DepositionSpeed(const ResponseContext<Dim>& context, const DepositionSpeedSettings& settings)
       : context_(context), slack_(settings.slack) {}
 
-  std::string type() const override { return "deposition_speed"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result(state.layers.count() - 1, 0.0);
     for (std::size_t j = 0; j < result.size(); ++j)

@@ -18,7 +18,6 @@ class Displacement : public Response<Dim> {
         settings_(settings),
         factor_(settings.mean ? 1.0 / static_cast<double>(set.nodes().count) : 1.0) {}
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

@@ -69,7 +69,6 @@ class DistortionLimit : public Response<Dim> {
     if (auto each = measure_->largest_of()) measure_ = std::move(each);
   }
 
-  std::string type() const override { return measure_->type(); }
   bool uses_displacements() const override { return measure_->uses_displacements(); }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

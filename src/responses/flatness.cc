@@ -14,7 +14,6 @@ class Flatness : public Response<Dim> {
   Flatness(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
       : set_(set), settings_(settings), axis_(settings.axis) {}
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

@@ -33,8 +33,6 @@ class LastLayer : public Response<Dim> {
   LastLayer(const ResponseContext<Dim>& context, const LastLayerSettings& settings)
       : grid_(context.part.grid()), least_of_all_(settings.least_volume * context.part.volume()) {}
 
-  std::string type() const override { return "last_layer"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     return {norm(lateness(state, last_whole(state.layers)))};
   }

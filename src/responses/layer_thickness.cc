@@ -29,8 +29,6 @@ class LayerThickness : public Response<Dim> {
         tolerance_(settings.tolerance),
         least_volume_(settings.least_volume) {}
 
-  std::string type() const override { return "layer_thickness"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
     std::vector<double> result;

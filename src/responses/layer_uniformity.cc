@@ -32,8 +32,6 @@ class Uniformity : public Response<Dim> {
   static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
                                              const UniformitySettings& settings);
 
-  std::string type() const override { return "layer_uniformity"; }
-
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);

@@ -28,8 +28,6 @@ class MinimumLayerVolume : public Response<Dim> {
   MinimumLayerVolume(const ResponseContext<Dim>& context, const MinimumLayerVolumeSettings& settings)
       : grid_(context.part.grid()), least_(settings.fraction * context.part.volume()) {}
 
-  std::string type() const override { return "minimum_layer_volume"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result = layer_volumes(grid_, state.layers);
     for (double& value : result) value = least_ - value;

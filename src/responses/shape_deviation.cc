@@ -26,7 +26,6 @@ class ShapeDeviation : public Response<Dim> {
     if (settings.fits("scale")) add_motion([](int axis, const Point<Dim>& x) { return x[axis]; });
   }
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

@@ -23,8 +23,6 @@ class SubpartVolume : public Response<Dim> {
         volume_fraction_(context.part.grid().element_volume() / context.part.volume()),
         tolerance_(settings.tolerance) {}
 
-  std::string type() const override { return "subpart_volume"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const SubParts& sub_parts = state.layers.sub_parts;
     if (sub_parts.count() == 0) return undefined_;  // the planar baseline

@@ -41,8 +41,6 @@ class Tilt : public Response<Dim> {
     epsilon_ = 0.25 * (std::cos(radians(from)) - std::cos(radians(to)));
   }
 
-  std::string type() const override { return "tilt"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double total = 0.0;
     for_each(state, [&](std::size_t e, int sub_part, double density) {

@@ -45,8 +45,6 @@ class ToolClearance : public Response<Dim> {
         halo_(context.part.grid(), width(context)),
         density_(halo_.gather(standing_density(context.part))) {}
 
-  std::string type() const override { return "tool_clearance"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const Field field = gather(state);
     double total = 0.0;

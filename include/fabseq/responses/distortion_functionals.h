@@ -35,7 +35,6 @@ class DistortionFunctionals : public SumOfSquares<Dim> {
   /// \param asked_for what asked_for() returns
   DistortionFunctionals(const SetDisplacement<Dim>& set, SetModes modes, double factor, bool asked_for);
 
-  std::string type() const override { return "least_squares"; }
   bool uses_displacements() const override { return true; }
   std::vector<double> values(const PipelineState<Dim>& state) const override;
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,

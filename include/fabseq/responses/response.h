@@ -83,8 +83,6 @@ class Response {
  public:
   virtual ~Response() = default;
 
-  /// Name of the type in the config. Not collective.
-  virtual std::string type() const = 0;
   /// Whether values depend on displacements, in which case its rows need the adjoints of all layers. Not
   /// collective.
   virtual bool uses_displacements() const { return false; }
