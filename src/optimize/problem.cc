@@ -128,9 +128,9 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   }
   result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {
-    const auto& values = result.constraints[i];
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(values.size()), 1.0))
-      result.worst_constraint = std::max(result.worst_constraint, row.violation(values[row.component]));
+    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
+      for (const double value : result.constraints[i])
+        result.worst_constraint = std::max(result.worst_constraint, row.violation(value));
   }
   return result;
 }
@@ -192,14 +192,14 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
-    const auto& components = values.constraints[i];
-    for (const ConstraintRow& row :
-         responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
-      result.constraint_values.push_back(row.violation(components[row.component]));
-      Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
-      for (auto* entries : {&gradient.field, &gradient.layer_variables})
-        for (double& entry : *entries) entry *= row.slope(components[row.component]);
-    }
+    const std::vector<ConstraintRow> bounds = responses_[terms_.size() + i]->rows(margin_);
+    for (std::size_t c = 0; c < values.constraints[i].size(); ++c)
+      for (const ConstraintRow& row : bounds) {
+        result.constraint_values.push_back(row.violation(values.constraints[i][c]));
+        Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + c]);
+        for (auto* entries : {&gradient.field, &gradient.layer_variables})
+          for (double& entry : *entries) entry *= row.slope(values.constraints[i][c]);
+      }
   }
   for (std::size_t row = first_largest; row < first_residual; ++row)
     result.largest.push_back(std::move(gradients[row]));

@@ -81,11 +81,7 @@ class DistortionLimit : public Response<Dim> {
     const double root = values(state)[component];
     measure_->add_derivative(component, root > 0.0 ? weight / (2.0 * root) : 0.0, state, adjoint);
   }
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int c = 0; c < components; ++c) result.push_back({c, 1.0, margin * limit_, limit_});
-    return result;
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {{1.0, margin * limit_, limit_}}; }
 
  private:
   std::unique_ptr<Response<Dim>> measure_;

@@ -53,8 +53,8 @@ class LastLayer : public Response<Dim> {
     adjoint.densities.touch_time_points()[last] -= sum(grid_.comm(), total);
   }
 
-  std::vector<ConstraintRow> rows(int /*components*/, double margin) const override {
-    return {{0, 1.0, std::max(0.0, approach - caution * (1.0 - margin))}};
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, std::max(0.0, approach - caution * (1.0 - margin))}};
   }
 
  private:

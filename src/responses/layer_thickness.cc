@@ -65,13 +65,8 @@ class LayerThickness : public Response<Dim> {
     d_time_points[component + 1] += weight / (target_ * mean);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int j = 0; j < components; ++j) {
-      result.push_back({j, 1.0, 1.0 + margin * tolerance_});
-      result.push_back({j, -1.0, 1.0 - margin * tolerance_});
-    }
-    return result;
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, 1.0 + margin * tolerance_}, {-1.0, 1.0 - margin * tolerance_}};
   }
 
  private:

@@ -72,9 +72,7 @@ class LocalThickness : public Response<Dim> {
     add_duration_derivative(state.layers, d_duration, adjoint.densities);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, limit_, margin);
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
 
  private:
   static double sign(int side) { return side == 0 ? 1.0 : -1.0; }

@@ -43,10 +43,8 @@ class MinimumLayerVolume : public Response<Dim> {
   }
 
   /// The margin refers to the least volume, since the allowed range has no width of its own.
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int j = 0; j < components; ++j) result.push_back({j, 1.0, -(1.0 - margin) * least_, least_});
-    return result;
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, -(1.0 - margin) * least_, least_}};
   }
 
  private:

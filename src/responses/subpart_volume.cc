@@ -44,11 +44,7 @@ class SubpartVolume : public Response<Dim> {
       derivative += weight * share_of_element(sub_parts);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int i = 0; i < components; ++i) result.push_back({i, 1.0, margin * tolerance_});
-    return result;
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {{1.0, margin * tolerance_}}; }
 
  private:
   /// Volume of a full element relative to a sub-part's equal share.

@@ -72,9 +72,7 @@ class Tilt : public Response<Dim> {
     });
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, limit_, margin);
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
 
  private:
   static double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }

@@ -86,8 +86,8 @@ class ToolClearance : public Response<Dim> {
     for (std::size_t e = 0; e < elements; ++e) d_time[e] += of_others[e];
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, settings_.limit, margin);
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {excess_bound(settings_.limit, margin)};
   }
 
  private:

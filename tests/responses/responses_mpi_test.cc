@@ -275,7 +275,7 @@ TYPED_TEST(ResponsesTest, NothingIsLaterThanTheLastWholeLayer) {
   const double expected = std::pow(sum(PETSC_COMM_WORLD, total), 0.125);
   EXPECT_GT(expected, 0.25);
   EXPECT_NEAR(pipeline.pipeline.values(pipeline.problem.responses(), state)[6][0], expected, 1e-9);
-  const ConstraintRow row = pipeline.problem.responses()[6]->rows(1, 1.0).at(0);
+  const ConstraintRow row = pipeline.problem.responses()[6]->rows(1.0).at(0);
   EXPECT_NEAR(row.violation(expected), expected - 0.25, 1e-12);
   expect_exact_gradients_of_both<Dim>(settings);
   // As large as the others, the last layer may end where it does.

@@ -76,10 +76,9 @@ TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
       for (const double derivative : adjoint.densities.sub_part[k])
         EXPECT_NEAR(derivative, k == i ? 0.7 * subparts / static_cast<double>(c.part().count()) : 0.0, 1e-15);
   }
-  const auto rows = response->rows(3, 0.5);
-  ASSERT_EQ(rows.size(), 3u);
-  EXPECT_NEAR(rows[2].violation(0.03), 0.02, 1e-15);
-  EXPECT_EQ(rows[2].component, 2);
+  const auto rows = response->rows(0.5);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(rows[0].violation(0.03), 0.02, 1e-15);
 }
 
 /// The baseline has no sub-parts.

@@ -52,11 +52,10 @@ struct PipelineAdjoint {
   TimeDerivatives time;          ///< explicit dependence on t and grad t; empty while zero
 };
 
-/// One inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
+/// An inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
 /// `scale`; or else the optimizer sees the logarithms of both, for components that range over orders of
 /// magnitude (docs/formulation.md 13.2).
 struct ConstraintRow {
-  int component = 0;         ///< of the response
   double sign = 1.0;         ///< 1: upper bound, -1: lower bound
   double bound = 0.0;        ///< in the unit of the component
   double scale = 1.0;        ///< in the unit of the component, > 0
@@ -91,10 +90,10 @@ class Response {
   /// Adds weight * d(value of the component) to the derivatives by each stage that the component depends on.
   virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                               PipelineAdjoint<Dim>& adjoint) const = 0;
-  /// The optimizer's rows for a constraint with this number of components. Allowed ranges are shrunk to
-  /// `margin` times their width; margin 1 gives the user's constraint. Empty for responses that are
-  /// objectives. Not collective.
-  virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
+  /// The optimizer's rows for each component of a constraint. Allowed ranges are shrunk to `margin` times
+  /// their width; margin 1 gives the user's constraint. Empty for responses that are objectives. Not
+  /// collective.
+  virtual std::vector<ConstraintRow> rows(double /*margin*/) const { return {}; }
   /// The sum of squares that the optimizer may be given in place of an objective with that scaling; nullptr
   /// if the objective is no sum of squares or is not to be handed over as one. Collective.
   virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
