@@ -14,7 +14,7 @@ struct LayerThicknessSettings {
   double tolerance = 0.1;     ///< relative to the target
   double least_volume = 0.0;  ///< relative to the mean volume; layers with less are slivers
 
-  double target_thickness() const { return target; }
+  TermFacts facts() const { return {.target_thickness = target}; }
 };
 
 /// One component per layer, d_j / target, between 1 - tolerance and 1 + tolerance. The components of layers

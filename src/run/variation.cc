@@ -33,7 +33,7 @@ std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, cons
     const Term& term = model.settings.objective[k];
     if (term.type->name != "distortion") continue;
     result.emplace_back();
-    if (term.type->is_quadratic(term))
+    if (term.type->facts(term).is_quadratic)
       result.back() = pipeline.values(problem.responses().subspan(k, 1), state)[0][0];
   }
   return result;

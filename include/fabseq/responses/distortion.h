@@ -31,18 +31,7 @@ struct DistortionSettings {
   Aggregate aggregate = Aggregate::nominal;
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
-  bool measures_release() const { return after_release; }
-  std::vector<std::string> node_sets() const {
-    std::vector<std::string> result;
-    for (const std::string& name : {nodes, to})
-      if (!name.empty()) result.push_back(name);
-    return result;
-  }
-  bool is_largest() const { return aggregate == Aggregate::worst; }
-  bool is_quadratic() const {
-    const bool of_displacement = measure != Measure::layerwise && measure != Measure::angle;
-    return of_displacement && !norm && !after_release && aggregate == Aggregate::nominal;
-  }
+  TermFacts facts() const;
   /// Checks relations of the keys. Throws InputError.
   void check(const TermPlace& place) const;
   /// Whether the best fit of shape may move this, such as "rotation".
