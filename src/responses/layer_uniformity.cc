@@ -25,12 +25,23 @@ struct UniformitySettings {
   UniformityForm form = UniformityForm::sum_of_squares;
 };
 
+/// `sum_of_squares`: sum over layers of D_j. `variance`: mean over the layers that are not empty of the
+/// squared coefficient of variation, which has no unit.
 template <int Dim>
 class Uniformity : public Response<Dim> {
  public:
-  explicit Uniformity(const ResponseContext<Dim>& context) : context_(context) {}
-  static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
-                                             const UniformitySettings& settings);
+  Uniformity(const ResponseContext<Dim>& context, const UniformitySettings& settings)
+      : context_(context), variance_(settings.form == UniformityForm::variance) {}
+
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
+    double total = 0.0;
+    for (int j = 0; j < state.layers.count(); ++j) {
+      if (!variance_) total += statistics.deviation[j];
+      if (variance_ && !is_empty(statistics, j)) total += std::pow(statistics.coefficient_of_variation(j), 2);
+    }
+    return {variance_ ? total / filled_layers(statistics) : total};
+  }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
@@ -53,49 +64,10 @@ class Uniformity : public Response<Dim> {
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
   }
 
- protected:
-  virtual Partials partials(const LayerStatistics& statistics, int layer) const = 0;
-  const ResponseContext<Dim>& context() const { return context_; }
-
  private:
-  ResponseContext<Dim> context_;
-};
-
-/// `sum_of_squares`: sum over layers of D_j.
-template <int Dim>
-class SumOfSquaredDeviations : public Uniformity<Dim> {
- public:
-  using Uniformity<Dim>::Uniformity;
-
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    double total = 0.0;
-    for (const double deviation : layer_statistics(this->context(), state.time, state.layers).deviation)
-      total += deviation;
-    return {total};
-  }
-
- protected:
-  Partials partials(const LayerStatistics&, int) const override { return {1.0, 0.0, 0.0}; }
-};
-
-/// `variance`: mean over the layers that are not empty of the squared coefficient of variation, which has no
-/// unit.
-template <int Dim>
-class Variance : public Uniformity<Dim> {
- public:
-  using Uniformity<Dim>::Uniformity;
-
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const LayerStatistics statistics = layer_statistics(this->context(), state.time, state.layers);
-    double total = 0.0;
-    for (int j = 0; j < state.layers.count(); ++j)
-      if (!is_empty(statistics, j)) total += std::pow(statistics.coefficient_of_variation(j), 2);
-    return {total / filled_layers(statistics)};
-  }
-
- protected:
-  /// F_j = D_j / (N' m_j^2 W_j).
-  Partials partials(const LayerStatistics& statistics, int layer) const override {
+  /// F_j = D_j, or D_j / (N' m_j^2 W_j).
+  Partials partials(const LayerStatistics& statistics, int layer) const {
+    if (!variance_) return {1.0, 0.0, 0.0};
     if (is_empty(statistics, layer)) return {};
     const double mean = statistics.mean[layer];
     const double weight = statistics.weight[layer];
@@ -103,10 +75,8 @@ class Variance : public Uniformity<Dim> {
     return {factor, -factor * statistics.deviation[layer] / weight,
             -2.0 * factor * statistics.deviation[layer] / mean};
   }
-
- private:
   bool is_empty(const LayerStatistics& statistics, int layer) const {
-    const double mean_volume = this->context().part.volume() / static_cast<double>(statistics.volume.size());
+    const double mean_volume = context_.part.volume() / static_cast<double>(statistics.volume.size());
     return statistics.volume[layer] <= empty_layer_fraction * mean_volume;
   }
   int filled_layers(const LayerStatistics& statistics) const {
@@ -115,14 +85,10 @@ class Variance : public Uniformity<Dim> {
       count += is_empty(statistics, static_cast<int>(j)) ? 0 : 1;
     return count;
   }
-};
 
-template <int Dim>
-std::unique_ptr<Response<Dim>> Uniformity<Dim>::make(const ResponseContext<Dim>& context,
-                                                     const UniformitySettings& settings) {
-  if (settings.form == UniformityForm::variance) return std::make_unique<Variance<Dim>>(context);
-  return std::make_unique<SumOfSquaredDeviations<Dim>>(context);
-}
+  ResponseContext<Dim> context_;
+  bool variance_;
+};
 
 const Registered<Uniformity, UniformitySettings> registered(
     {.name = "layer_uniformity",
