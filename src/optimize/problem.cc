@@ -59,9 +59,9 @@ void Problem<Dim>::add_functionals() {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (terms_[i].weight == 0.0) continue;
     auto functionals = responses_[i]->squares(terms_[i].scaling);
-    if (!functionals || functionals->count() == 0) continue;
-    squares_.push_back({i, responses_.size(), functionals->complete(), functionals->asked_for()});
-    responses_.push_back(std::move(functionals));
+    if (!functionals) continue;
+    squares_.push_back({i, responses_.size(), functionals->complete, functionals->asked_for});
+    responses_.push_back(std::move(functionals->functionals));
     types_.emplace_back("least_squares");
   }
 }

@@ -32,6 +32,34 @@ OrthonormalFunctions linear_functions(const SetDisplacement<Dim>& set) {
   return result;
 }
 
+template <int Dim>
+class DistortionFunctionals : public Response<Dim> {
+ public:
+  DistortionFunctionals(const SetDisplacement<Dim>& set, std::vector<SetFunction> modes,
+                        double root_of_factor)
+      : set_(set), modes_(std::move(modes)), root_of_factor_(root_of_factor) {}
+
+  bool uses_displacements() const override { return true; }
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const SetFunction displacement = set_.all(state);
+    std::vector<double> result;
+    for (const SetFunction& mode : modes_)
+      result.push_back(root_of_factor_ *
+                       std::inner_product(mode.begin(), mode.end(), displacement.begin(), 0.0));
+    sum_in_place(set_.comm(), result);
+    return result;
+  }
+  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const override {
+    set_.add_derivative(modes_[component], weight * root_of_factor_, state, adjoint);
+  }
+
+ private:
+  SetDisplacement<Dim> set_;
+  std::vector<SetFunction> modes_;
+  double root_of_factor_;
+};
+
 }  // namespace
 
 template <int Dim>
@@ -49,29 +77,16 @@ SetModes linear_modes(const SetDisplacement<Dim>& set, const std::vector<int>& a
 }
 
 template <int Dim>
-DistortionFunctionals<Dim>::DistortionFunctionals(const SetDisplacement<Dim>& set, SetModes modes,
-                                                  double factor, bool asked_for)
-    : set_(set), modes_(std::move(modes)), root_of_factor_(std::sqrt(factor)), asked_for_(asked_for) {}
-
-template <int Dim>
-std::vector<double> DistortionFunctionals<Dim>::values(const PipelineState<Dim>& state) const {
-  const SetFunction displacement = set_.all(state);
-  std::vector<double> result;
-  for (const SetFunction& mode : modes_.modes)
-    result.push_back(root_of_factor_ *
-                     std::inner_product(mode.begin(), mode.end(), displacement.begin(), 0.0));
-  sum_in_place(set_.comm(), result);
-  return result;
-}
-
-template <int Dim>
-void DistortionFunctionals<Dim>::add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                                                PipelineAdjoint<Dim>& adjoint) const {
-  set_.add_derivative(modes_.modes[component], weight * root_of_factor_, state, adjoint);
+std::optional<SumOfSquares<Dim>> sum_of_squares(const SetDisplacement<Dim>& set, SetModes modes,
+                                                double factor, bool asked_for) {
+  if (modes.modes.empty()) return std::nullopt;
+  const auto count = static_cast<int>(modes.modes.size());
+  return SumOfSquares<Dim>{
+      std::make_unique<DistortionFunctionals<Dim>>(set, std::move(modes.modes), std::sqrt(factor)), count,
+      modes.complete, asked_for};
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(linear_modes);
-template class DistortionFunctionals<2>;
-template class DistortionFunctionals<3>;
+FABSEQ_INSTANTIATE_FUNCTION(sum_of_squares);
 
 }  // namespace fabseq

@@ -42,8 +42,8 @@ class ShapeDeviation : public Response<Dim> {
   }
 
   /// The linear displacements that the fit leaves: uniform strain, as a rule.
-  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
-    if (!settings_.offers_squares(scaling)) return nullptr;
+  std::optional<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    if (!settings_.offers_squares(scaling)) return std::nullopt;
     OrthonormalFunctions linear = motions_;
     for (int component = 0; component < Dim; ++component)
       for (int along = 0; along < Dim; ++along)
@@ -53,9 +53,8 @@ class ShapeDeviation : public Response<Dim> {
     modes.modes.assign(linear.functions().begin() + static_cast<std::ptrdiff_t>(motions_.count()),
                        linear.functions().end());
     modes.complete = static_cast<std::int64_t>(linear.count()) == Dim * set_.nodes().count;
-    return std::make_unique<DistortionFunctionals<Dim>>(set_, std::move(modes),
-                                                        1.0 / static_cast<double>(set_.nodes().count),
-                                                        settings_.least_squares.has_value());
+    return sum_of_squares(set_, std::move(modes), 1.0 / static_cast<double>(set_.nodes().count),
+                          settings_.least_squares.has_value());
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "fabseq/responses/set_displacement.h"
 
+#include <optional>
 #include <vector>
 
 namespace fabseq {
@@ -27,31 +28,10 @@ template <int Dim>
 SetModes linear_modes(const SetDisplacement<Dim>& set, const std::vector<int>& axes, bool means);
 
 /// The components r_k = sqrt(factor) psi_k . u of a distortion J = sum_k r_k^2 + rest, with rest >= 0 and
-/// psi_k the modes.
+/// psi_k the modes; none without modes.
+/// \param factor J is `factor` times a sum of squares over the nodes
 template <int Dim>
-class DistortionFunctionals : public SumOfSquares<Dim> {
- public:
-  /// \param factor J is `factor` times a sum of squares over the nodes
-  /// \param asked_for what asked_for() returns
-  DistortionFunctionals(const SetDisplacement<Dim>& set, SetModes modes, double factor, bool asked_for);
-
-  bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override;
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override;
-
-  int count() const override { return static_cast<int>(modes_.modes.size()); }
-  bool complete() const override { return modes_.complete; }
-  bool asked_for() const override { return asked_for_; }
-
- private:
-  SetDisplacement<Dim> set_;
-  SetModes modes_;
-  double root_of_factor_;
-  bool asked_for_;
-};
-
-extern template class DistortionFunctionals<2>;
-extern template class DistortionFunctionals<3>;
+std::optional<SumOfSquares<Dim>> sum_of_squares(const SetDisplacement<Dim>& set, SetModes modes,
+                                                double factor, bool asked_for);
 
 }  // namespace fabseq

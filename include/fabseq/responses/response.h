@@ -14,6 +14,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -72,7 +73,16 @@ struct ConstraintRow {
 };
 
 template <int Dim>
-class SumOfSquares;
+class Response;
+
+/// Functionals whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
+template <int Dim>
+struct SumOfSquares {
+  std::unique_ptr<Response<Dim>> functionals;  ///< its components
+  int count = 0;                               ///< number of components, at least one
+  bool complete = false;                       ///< whether the rest is zero for all displacements
+  bool asked_for = false;  ///< whether the user asks for them even if they hold little of the value
+};
 
 /// A functional of a sequence with one or several components. All calls are collective on the grid's
 /// communicator unless they say otherwise, and values are the same on all ranks. Each layer group makes its
@@ -94,24 +104,12 @@ class Response {
   /// their width; margin 1 gives the user's constraint. Empty for responses that are objectives. Not
   /// collective.
   virtual std::vector<ConstraintRow> rows(double /*margin*/) const { return {}; }
-  /// The sum of squares that the optimizer may be given in place of an objective with that scaling; nullptr
-  /// if the objective is no sum of squares or is not to be handed over as one. Collective.
-  virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
+  /// The sum of squares that the optimizer may be given in place of an objective with that scaling; none if
+  /// the objective is no sum of squares or is not to be handed over as one. Collective.
+  virtual std::optional<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return std::nullopt; }
   /// The response whose largest component is this one's value, if that is how it is defined: the optimizer is
   /// given all of them (docs/formulation.md 9); else nullptr. Collective.
   virtual std::unique_ptr<Response<Dim>> largest_of() const { return nullptr; }
-};
-
-/// Components whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
-template <int Dim>
-class SumOfSquares : public Response<Dim> {
- public:
-  /// Number of components.
-  virtual int count() const = 0;
-  /// Whether the rest is zero for all displacements.
-  virtual bool complete() const = 0;
-  /// Whether the user asks for them even if their squares hold little of the value.
-  virtual bool asked_for() const = 0;
 };
 
 }  // namespace fabseq
