@@ -10,6 +10,7 @@ namespace fabseq {
 namespace {
 
 constexpr const char* measure_names = "displacement flatness layerwise shape angle";
+constexpr const char* aggregate_names = "nominal mean spread worst";
 
 void check_node_set(const TermPlace& place, const char* key, const std::string& name) {
   const std::string pointer = pointer_to(place.pointer, key);

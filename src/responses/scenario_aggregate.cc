@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/scenario_aggregate.h"
+#include "fabseq/responses/distortion_measures.h"
 
 #include <algorithm>
 #include <utility>
