@@ -30,20 +30,13 @@ class InherentStrain {
   InherentStrain(const MaterialSettings& material, double characteristic_length);
 
   bool turns() const { return turns_; }
-  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis].
+  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis];
+  /// empty if they are all the same, the material's.
   StrainField strains(std::span<const double> gradient, const LayerDensities& layers) const;
   /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with
   /// sub-parts, to `d_densities`. For strains that turn.
   void pull_back(std::span<const double> gradient, const LayerDensities& layers, const StrainField& d_strain,
                  std::vector<double>& d_gradient, DensityDerivatives& d_densities) const;
-
-  /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they
-  /// are all the same, the material's.
-  std::vector<double> strains(std::span<const double> gradient) const;
-  /// Adds to `d_gradient`, [part element][axis], what derivatives by the strains, [part element][Voigt],
-  /// amount to. For strains that turn.
-  void pull_back(std::span<const double> gradient, std::span<const double> d_strain,
-                 std::span<double> d_gradient) const;
 
  private:
   /// The strain of a single direction g, with regularization eps^2.
