@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/inherent_strain.h"
 
-#include <cmath>
+#include <array>
 
 namespace fabseq {
 
@@ -23,11 +23,7 @@ InherentStrain<Dim>::InherentStrain(const MaterialSettings& material, double cha
   if (!turns_) return;
   tangential_ = material.turning_strain->tangential;
   difference_ = material.turning_strain->normal - tangential_;
-  for (int c = 0; c < voigt_size<Dim>; ++c) {
-    const auto [a, b] = axes<Dim>(c);
-    scale_[c] =
-        a == b ? material.strain_scale[a] : std::sqrt(material.strain_scale[a] * material.strain_scale[b]);
-  }
+  scale_ = voigt_factors(material.strain_scale);
 }
 
 template <int Dim>

@@ -7,7 +7,6 @@
 #include "fabseq/process/process_settings.h"
 #include "fabseq/sequence/sequence.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -24,8 +23,6 @@ namespace fabseq {
 template <int Dim>
 class InherentStrain {
  public:
-  using Strain = std::array<double, voigt_size<Dim>>;
-
   /// `characteristic_length`: l_c of the regularization eps^2 = 1e-9 / l_c^2.
   InherentStrain(const MaterialSettings& material, double characteristic_length);
 
@@ -46,7 +43,7 @@ class InherentStrain {
   bool turns_;
   double tangential_ = 0.0, difference_ = 0.0;  ///< normal - tangential
   double regularization_;                       ///< eps^2
-  Strain scale_{};
+  std::vector<double> scale_;                   ///< of each Voigt component
 };
 
 }  // namespace fabseq
