@@ -38,7 +38,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
   if (model_.settings.deposition == DepositionModel::follow ||
       std::all_of(functionals.begin(), functionals.end(), of_release))
     return;
-  std::vector<double> squares(functionals.size() * layers, 0.0), own(layers);
+  std::vector<double> squares(functionals.size() * layers, 0.0);
   groups_.run([&] {
     for (std::size_t number = 0; number < result.blocks.size(); ++number) {
       const LayerBlock& block = result.blocks[number];
@@ -47,9 +47,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
       for (std::size_t k = 0; k < functionals.size(); ++k) {
         if (of_release(functionals[k])) continue;
         set_full_load(*functionals[k], result, number, load);
-        own.assign(layers, 0.0);
-        add_squares(block, load, stiffness, own);
-        for (std::size_t j = 0; j < layers; ++j) squares[k * layers + j] += own[j];
+        add_squares(block, load, stiffness, std::span(squares).subspan(k * layers, layers));
       }
     }
   });
@@ -80,7 +78,7 @@ void AdjointLoads<Dim>::set(const ProcessAdjoint& functional, std::size_t number
 
 template <int Dim>
 void AdjointLoads<Dim>::add_squares(const LayerBlock& block, const LaneVector& load,
-                                    const LaneVector& stiffness, std::vector<double>& squares) const {
+                                    const LaneVector& stiffness, std::span<double> squares) const {
   for (std::size_t i = 0; i < load.unknowns(); ++i)
     for (int lane = 0; model_.domain.fixed[i] == 0 && lane < block.lanes; ++lane)
       if (load(i, lane) != 0.0)

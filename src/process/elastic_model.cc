@@ -69,25 +69,22 @@ typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const Strai
   const double* strain = strains.of_layers.empty()
                              ? &strains.of_elements[number * voigt_size<Dim>]
                              : &strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>];
-  std::array<double, voigt_size<Dim>> own{};
-  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * strain[c];
-  return load_of(own.data());
+  return load_of(strain, factors);
 }
 
 template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::material_load(
     const StrainFactors<Dim>& factors) const {
   if (factors == no_change<Dim>() || material.turning_strain) return strain_load;
-  std::array<double, voigt_size<Dim>> own{};
-  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * material.inherent_strain[c];
-  return load_of(own.data());
+  return load_of(material.inherent_strain.data(), factors);
 }
 
 template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain) const {
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain,
+                                                                   const StrainFactors<Dim>& factors) const {
   ElementLoad result{};
   for (int c = 0; c < voigt_size<Dim>; ++c)
-    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += strain[c] * unit_loads[c][i];
+    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += factors[c] * strain[c] * unit_loads[c][i];
   return result;
 }
 

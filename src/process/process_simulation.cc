@@ -245,19 +245,19 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
                                              std::span<const Functional> functionals, Room& room) {
-  if (deposition_) {
-    const LayerBlock& block = result_.blocks[number];
-    room.missing = deposition_->missing(densities, block.first, block.lanes);
-  }
+  const LayerBlock& block = result_.blocks[number];
+  room.missing.clear();
+  for (int lane = 0; deposition_ && lane < block.lanes; ++lane)
+    room.missing.push_back(deposition_->missing(densities.stage[block.first + lane]));
   std::vector<const Functional*> solved;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    if (adjoint_loads_.any(i, result_.blocks[number]))
+    if (adjoint_loads_.any(i, block))
       solved.push_back(&functionals[i]);
     else
       add_derivatives(densities, number, functionals[i], nullptr, room);
   }
   if (solved.empty()) return;
-  set_operators(densities, result_.blocks[number], false);
+  set_operators(densities, block, false);
   const std::size_t at_once = std::min(solved.size(), solver_->sets_at_once());
   room.loads.resize(at_once);
   room.solutions.resize(at_once);

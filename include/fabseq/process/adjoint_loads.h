@@ -6,6 +6,7 @@
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_result.h"
 
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -40,7 +41,7 @@ class AdjointLoads {
  private:
   /// Adds |b_j|^2 of this rank's layers and nodes to `squares`, by layer.
   void add_squares(const LayerBlock& block, const LaneVector& load, const LaneVector& stiffness,
-                   std::vector<double>& squares) const;
+                   std::span<double> squares) const;
   /// Stiffness factors of the elements at each owned node, summed up.
   LaneVector nodal_stiffness(const LayerDensities& densities, const LayerBlock& block) const;
 

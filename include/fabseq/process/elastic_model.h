@@ -61,8 +61,6 @@ struct ElasticModel {
                         int layer) const;
   /// The same for the material's strain; 0 where it turns with the layers.
   ElementLoad material_load(const StrainFactors<Dim>& factors) const;
-  /// Load of a strain, Voigt, in a full element.
-  ElementLoad load_of(const double* strain) const;
 
   /// Stiffness factor of an element with this stage density.
   double stiffness(double stage_density) const {
@@ -82,6 +80,8 @@ struct ElasticModel {
  private:
   static constexpr int in_void = -1, in_substrate = -2;
 
+  /// Load of a strain, Voigt, with factors, in a full element.
+  ElementLoad load_of(const double* strain, const StrainFactors<Dim>& factors) const;
   /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and
   /// layer.
   static double power(double base, double exponent) {
