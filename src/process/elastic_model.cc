@@ -62,25 +62,32 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
 }
 
 template <int Dim>
+std::span<const double> ElasticModel<Dim>::strain_of(const StrainField& strains, std::size_t number,
+                                                     int layer) const {
+  constexpr std::size_t components = voigt_size<Dim>;
+  if (strains.uniform()) return material.inherent_strain;
+  if (strains.of_layers.empty())
+    return std::span(strains.of_elements).subspan(number * components, components);
+  return std::span(strains.of_layers).subspan(static_cast<std::size_t>(layer) * components, components);
+}
+
+template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
                                                                      const StrainFactors<Dim>& factors,
                                                                      std::size_t number, int layer) const {
   if (strains.uniform()) return material_load(factors);
-  const double* strain = strains.of_layers.empty()
-                             ? &strains.of_elements[number * voigt_size<Dim>]
-                             : &strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>];
-  return load_of(strain, factors);
+  return load_of(strain_of(strains, number, layer), factors);
 }
 
 template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::material_load(
     const StrainFactors<Dim>& factors) const {
   if (factors == no_change<Dim>() || material.turning_strain) return strain_load;
-  return load_of(material.inherent_strain.data(), factors);
+  return load_of(material.inherent_strain, factors);
 }
 
 template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain,
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(std::span<const double> strain,
                                                                    const StrainFactors<Dim>& factors) const {
   ElementLoad result{};
   for (int c = 0; c < voigt_size<Dim>; ++c)
