@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/distortion_measures.h"
-#include "fabseq/responses/set_functions.h"
 
 #include <array>
 #include <cmath>
@@ -29,7 +28,7 @@ class FittedPlane {
  public:
   /// Collective on the grid's communicator. Throws InputError naming the node set if it determines no plane.
   explicit FittedPlane(const SetDisplacement<Dim>& set) : set_(set) {
-    const SetExtent<Dim> extent = extent_of(set);
+    const SetExtent<Dim> extent(set);
     const auto [variance, direction] = principal_axes(extent);
     if (variance[1] - variance[0] <= least_difference * variance.back())
       throw InputError("/node_sets/" + set.nodes().name + ": its " + std::to_string(set.nodes().count) +

@@ -2,7 +2,6 @@
 #include "fabseq/responses/distortion_functionals.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/responses/set_functions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,6 +60,32 @@ class DistortionFunctionals : public Response<Dim> {
 };
 
 }  // namespace
+
+double OrthonormalFunctions::dot(const SetFunction& a, const SetFunction& b) const {
+  return sum(comm_, std::inner_product(a.begin(), a.end(), b.begin(), 0.0));
+}
+
+bool OrthonormalFunctions::add(SetFunction function, double least) {
+  for (int pass = 0; pass < 2; ++pass)  // the second against rounding
+    for (const SetFunction& other : functions_) {
+      const double part = dot(other, function);
+      for (std::size_t i = 0; i < function.size(); ++i) function[i] -= part * other[i];
+    }
+  const double norm = std::sqrt(dot(function, function));
+  if (norm <= least) return false;
+  for (double& value : function) value /= norm;
+  functions_.push_back(std::move(function));
+  return true;
+}
+
+void OrthonormalFunctions::remove_from(SetFunction& function) const {
+  std::vector<double> shares;
+  for (const SetFunction& other : functions_)
+    shares.push_back(std::inner_product(other.begin(), other.end(), function.begin(), 0.0));
+  sum_in_place(comm_, shares);
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    for (std::size_t i = 0; i < function.size(); ++i) function[i] -= shares[k] * functions_[k][i];
+}
 
 template <int Dim>
 SetModes linear_modes(const SetDisplacement<Dim>& set, const std::vector<int>& axes, bool means) {

@@ -5,7 +5,6 @@
 #include "fabseq/grid/rigid_fit.h"
 #include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/responses/distortion_measures.h"
-#include "fabseq/responses/set_functions.h"
 
 #include <cmath>
 #include <functional>
@@ -19,7 +18,7 @@ template <int Dim>
 class ShapeDeviation : public Response<Dim> {
  public:
   ShapeDeviation(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
-      : set_(set), settings_(settings), extent_(extent_of(set)), motions_(set.comm()) {
+      : set_(set), settings_(settings), extent_(set), motions_(set.comm()) {
     const int rigid = settings.fits("rotation") ? rigid_motion_count<Dim> : Dim;
     for (int k = 0; k < rigid; ++k)
       add_motion([&](int axis, const Point<Dim>& x) { return rigid_motion<Dim>(k, axis, x); });

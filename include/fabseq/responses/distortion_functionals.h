@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Distortion as a sum of squares of a few linear functionals and a rest (docs/formulation.md 9).
+/// Functions over the nodes of a set, and distortion as a sum of squares of a few of its products with such
+/// functions and a rest (docs/formulation.md 9).
 #pragma once
 
 #include "fabseq/responses/set_displacement.h"
@@ -9,6 +10,31 @@
 #include <vector>
 
 namespace fabseq {
+
+/// What orthogonalization leaves of a function counts as rounding up to this share of its size.
+constexpr double dependent_share = 1e-9;
+
+/// Functions whose products, summed over the set's nodes of all ranks, are 1 with themselves and 0 with each
+/// other.
+class OrthonormalFunctions {
+ public:
+  explicit OrthonormalFunctions(MPI_Comm comm) : comm_(comm) {}
+
+  /// Adds what a function has beyond those before it. Returns false, and adds nothing, if the root of the sum
+  /// of its squares is at most `least`. Collective.
+  bool add(SetFunction function, double least);
+  /// Takes from a function what it has in common with these. Collective.
+  void remove_from(SetFunction& function) const;
+
+  const std::vector<SetFunction>& functions() const { return functions_; }
+  std::size_t count() const { return functions_.size(); }
+
+ private:
+  double dot(const SetFunction& a, const SetFunction& b) const;
+
+  MPI_Comm comm_;
+  std::vector<SetFunction> functions_;
+};
 
 /// Displacements of a node set, orthonormal over the nodes of all ranks, that a distortion measures each by
 /// itself.
