@@ -31,10 +31,10 @@ void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result
 
 template <int Dim>
 void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessResult& result,
-                               const std::vector<const ProcessAdjoint*>& functionals) {
+                               std::span<const ProcessAdjoint> functionals) {
   const auto layers = static_cast<std::size_t>(densities.count());
   counts_.assign(functionals.size(), std::vector<char>(layers, 1));
-  const auto of_release = [](const ProcessAdjoint* functional) { return !functional->release.empty(); };
+  const auto of_release = [](const ProcessAdjoint& functional) { return !functional.release.empty(); };
   if (model_.settings.deposition == DepositionModel::follow ||
       std::all_of(functionals.begin(), functionals.end(), of_release))
     return;
@@ -46,7 +46,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
       LaneVector load(stiffness.nodes, Dim, block.lanes);
       for (std::size_t k = 0; k < functionals.size(); ++k) {
         if (of_release(functionals[k])) continue;
-        set_full_load(*functionals[k], result, number, load);
+        set_full_load(functionals[k], result, number, load);
         add_squares(block, load, stiffness, std::span(squares).subspan(k * layers, layers));
       }
     }

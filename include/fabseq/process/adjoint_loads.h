@@ -31,7 +31,7 @@ class AdjointLoads {
   /// load the supports of every layer, and where all of the increments counts. Collective on the world of the
   /// groups.
   void update(const LayerDensities& densities, const ProcessResult& result,
-              const std::vector<const ProcessAdjoint*>& functionals);
+              std::span<const ProcessAdjoint> functionals);
   /// Whether a functional, by its number, has such a layer in a block.
   bool any(std::size_t functional, const LayerBlock& block) const;
   /// Sets `load` to the load of a block, by its number; 0 in layers that are negligible. Local.
