@@ -17,7 +17,7 @@ constexpr const char* expected_work_name = "process/expected_work";
 
 bool any_measures_release(const std::vector<Term>& terms) {
   return std::any_of(terms.begin(), terms.end(),
-                     [](const Term& term) { return term.type->measures_release(term); });
+                     [](const Term& term) { return term.type->facts(term).measures_release; });
 }
 
 /// The functionals of displacements that a row consists of, as few as possible.

@@ -32,7 +32,10 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
     : terms_(model.settings.objective), margin_(constraint_margin) {
   const ResponseContext<Dim> context = model.context();
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
-    for (const Term& term : *list) responses_.push_back(term.type->make(term, context));
+    for (const Term& term : *list) {
+      responses_.push_back(term.type->make(term, context));
+      types_.push_back(term.type->name);
+    }
   configured_ = responses_.size();
   add_largest();
   if (!largest_) add_functionals();
@@ -46,6 +49,7 @@ void Problem<Dim>::add_largest() {
     if (!values) continue;
     largest_ = {i, responses_.size()};
     responses_.push_back(std::move(values));
+    types_.push_back(types_[i]);
   }
 }
 
@@ -55,9 +59,10 @@ void Problem<Dim>::add_functionals() {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (terms_[i].weight == 0.0) continue;
     auto functionals = responses_[i]->squares(terms_[i].scaling);
-    if (!functionals || functionals->count() == 0) continue;
-    squares_.push_back({i, responses_.size(), functionals->complete(), functionals->asked_for()});
-    responses_.push_back(std::move(functionals));
+    if (!functionals) continue;
+    squares_.push_back({i, responses_.size(), functionals->complete, functionals->asked_for});
+    responses_.push_back(std::move(functionals->functionals));
+    types_.emplace_back("least_squares");
   }
 }
 
@@ -99,7 +104,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
       if (!std::isfinite(all[r][c]))
-        throw NumericalError(component_name(r, c) + " (" + responses_[r]->type() + ") is not finite");
+        throw NumericalError(component_name(r, c) + " (" + types_[r] + ") is not finite");
   ProblemValues result;
   const auto split = all.begin() + static_cast<std::ptrdiff_t>(terms_.size());
   result.objective.assign(all.begin(), split);
@@ -123,9 +128,9 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   }
   result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {
-    const auto& values = result.constraints[i];
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(values.size()), 1.0))
-      result.worst_constraint = std::max(result.worst_constraint, row.violation(values[row.component]));
+    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
+      for (const double value : result.constraints[i])
+        result.worst_constraint = std::max(result.worst_constraint, row.violation(value));
   }
   return result;
 }
@@ -187,14 +192,14 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
-    const auto& components = values.constraints[i];
-    for (const ConstraintRow& row :
-         responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
-      result.constraint_values.push_back(row.violation(components[row.component]));
-      Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
-      for (auto* entries : {&gradient.field, &gradient.layer_variables})
-        for (double& entry : *entries) entry *= row.slope(components[row.component]);
-    }
+    const std::vector<ConstraintRow> bounds = responses_[terms_.size() + i]->rows(margin_);
+    for (std::size_t c = 0; c < values.constraints[i].size(); ++c)
+      for (const ConstraintRow& row : bounds) {
+        result.constraint_values.push_back(row.violation(values.constraints[i][c]));
+        Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + c]);
+        for (auto* entries : {&gradient.field, &gradient.layer_variables})
+          for (double& entry : *entries) entry *= row.slope(values.constraints[i][c]);
+      }
   }
   for (std::size_t row = first_largest; row < first_residual; ++row)
     result.largest.push_back(std::move(gradients[row]));
@@ -245,7 +250,7 @@ std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<dou
   std::vector<NamedValue> result;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.push_back({component_name(r, c), responses_[r]->type(), values[r][c]});
+      result.push_back({component_name(r, c), types_[r], values[r][c]});
   return result;
 }
 

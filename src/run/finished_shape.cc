@@ -95,7 +95,7 @@ template <int Dim>
 std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model) {
   std::optional<std::vector<char>> result;
   for (const Term& term : model.settings.objective)
-    for (const std::string& name : term.type->node_sets(term)) {
+    for (const std::string& name : term.type->facts(term).node_sets) {
       if (!result) result.emplace(model.part.touched_nodes().size(), 0);
       for (const int node : model.node_sets.at(name).owned) (*result)[node] = 1;
     }

@@ -107,7 +107,7 @@ GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pi
       const auto [response, component, weight] = rows[row][0];
       GradientError& error = check.errors.emplace_back();
       error.name = problem.component_name(response, component);
-      error.type = problem.responses_and_functionals()[response]->type();
+      error.type = problem.types()[response];
       error.variables = variables;
       error.value = values[response][component];
       error.adjoint = slope_along(model.world(), gradients[row], design, along, space);

@@ -15,11 +15,12 @@ namespace {
 
 template <int Dim>
 std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineState<Dim>& state) {
-  const LayerStatistics statistics = layer_statistics(model.context(), state.time, state.layers);
+  const auto statistics = layer_statistics(model.context(), state.time, state.layers);
   const SubParts& sub_parts = state.layers.sub_parts;
   std::vector<LayerNumbers> result;
   for (int j = 0; j < state.layers.count(); ++j) {
-    result.push_back({statistics.volume[j], statistics.thickness[j], statistics.coefficient_of_variation(j)});
+    result.push_back(
+        {statistics[j].volume, statistics[j].thickness, statistics[j].coefficient_of_variation()});
     if (sub_parts.count() == 0) continue;
     result.back().sub_part = sub_parts.of_layer[j] + 1;
     result.back().slab = sub_parts.slab[j];

@@ -47,7 +47,7 @@ template <int Dim>
 void Setup<Dim>::require_release() const {
   const auto require_for = [&](const std::string& list, const std::vector<Term>& terms) {
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      if (!terms[i].type->measures_release(terms[i])) continue;
+      if (!terms[i].type->facts(terms[i]).measures_release) continue;
       const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
       if (!reason.empty())
         refuse("/" + list + "/" + std::to_string(i) + "/after_release", "true, but " + reason,

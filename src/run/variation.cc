@@ -31,10 +31,10 @@ std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, cons
   std::vector<std::optional<double>> result;
   for (std::size_t k = 0; k < problem.objective_count(); ++k) {
     const Term& term = model.settings.objective[k];
-    const auto response = problem.responses().subspan(k, 1);
-    if (response[0]->type() != "distortion") continue;
+    if (term.type->name != "distortion") continue;
     result.emplace_back();
-    if (term.type->is_quadratic(term)) result.back() = pipeline.values(response, state)[0][0];
+    if (term.type->facts(term).is_quadratic)
+      result.back() = pipeline.values(problem.responses().subspan(k, 1), state)[0][0];
   }
   return result;
 }

@@ -61,6 +61,8 @@ class Problem {
   /// The same and after them what the optimizer gets in place of a term: the functionals of a sum of squares,
   /// the values of which it is the largest.
   std::span<const std::unique_ptr<Response<Dim>>> responses_and_functionals() const { return responses_; }
+  /// Names of their types in the config; "least_squares" of functionals.
+  const std::vector<std::string>& types() const { return types_; }
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
 
@@ -113,6 +115,7 @@ class Problem {
   std::vector<Term> terms_;
   double margin_;
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
+  std::vector<std::string> types_;                         ///< of responses_
   std::size_t configured_ = 0;                             ///< terms and constraints
   std::vector<Squares> squares_;
   std::optional<Largest> largest_;
