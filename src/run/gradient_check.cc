@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/gradient_check.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 namespace fabseq {
@@ -207,15 +207,10 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   directory.write("gradient_check.json", to_text(check.json(), 2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
   print("component             type                    variables           adjoint   best relative error");
-  for (const GradientError& error : check.errors) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(),
-                  error.type.c_str(), error.variables.c_str(), error.adjoint, error.best());
-    print(line);
-  }
-  char line[80];
-  std::snprintf(line, sizeof line, "largest: %.1e; table and plot in ", check.worst());
-  print(line + directory.path());
+  for (const GradientError& error : check.errors)
+    print(formatted("%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(), error.type.c_str(),
+                    error.variables.c_str(), error.adjoint, error.best()));
+  print(formatted("largest: %.1e; table and plot in ", check.worst()) + directory.path());
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_check_gradients);

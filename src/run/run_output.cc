@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/run_output.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -8,20 +9,9 @@
 #include "fabseq/run/records.h"
 #include "fabseq/run/result.h"
 
-#include <cstdio>
 #include <utility>
 
 namespace fabseq {
-
-namespace {
-
-std::string dump_name(int iteration) {
-  char name[32];
-  std::snprintf(name, sizeof name, "iteration_%04d", iteration);
-  return name;
-}
-
-}  // namespace
 
 template <int Dim>
 RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line,
@@ -55,8 +45,9 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
-      write_iteration_fields(setup_, directory_, dump_name(iterate.iteration), pipeline, design.field,
-                             state.process.displacement, check_build(setup_, pipeline, state).fields);
+      write_iteration_fields(setup_, directory_, formatted("iteration_%04d", iterate.iteration), pipeline,
+                             design.field, state.process.displacement,
+                             check_build(setup_, pipeline, state).fields);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
@@ -125,7 +116,8 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   try {
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
-    write_iteration_fields(setup_, directory_, dump_name(checkpoints_.iteration() + 1) + "_failed", pipeline,
+    write_iteration_fields(setup_, directory_,
+                           formatted("iteration_%04d_failed", checkpoints_.iteration() + 1), pipeline,
                            checkpoints_.design(), {}, {});
   } catch (const OutputError& second) {
     warn(second.what());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -15,9 +16,7 @@
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace fabseq {
@@ -141,15 +140,11 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
 
 template <int Dim>
 void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
-  for (const std::string& line : simulation_table(simulation.report, setup.config.unit)) print(line);
-  std::array<char, 120> text{};
-  const double stress = simulation.finished.extremes.von_mises;
+  for (const std::string& row : simulation_table(simulation.report, setup.config.unit)) print(row);
+  std::string line = formatted("largest equivalent stress %.4g", simulation.finished.extremes.von_mises);
   if (const auto& released = simulation.released)
-    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g, after the release %.4g", stress,
-                  released->extremes.von_mises);
-  else
-    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g", stress);
-  print(text.data());
+    line += formatted(", after the release %.4g", released->extremes.von_mises);
+  print(line);
   print_responses(simulation.report);
   warn_beyond_yield(simulation.report, setup.config.material);
 }

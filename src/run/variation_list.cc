@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: MIT
 /// The changes of the sensitivity table.
+#include "fabseq/base/formatted.h"
 #include "fabseq/run/variation.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace fabseq {
 
 namespace {
 
-std::string with_number(const char* format, double number) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, number);
-  return text;
-}
-
 /// "+10 %", "-10 %"
-std::string percent(double factor) { return with_number("%+.0f %%", 100.0 * (factor - 1.0)); }
+std::string percent(double factor) { return formatted("%+.0f %%", 100.0 * (factor - 1.0)); }
 
 class List {
  public:
@@ -54,14 +48,14 @@ void add_poisson(List& list, const Config& config) {
   for (const double factor : {1.0 + size_of_change, 1.0 - size_of_change}) {
     // A material may come near 0.5, at which it has no more room to give.
     const double value = std::min(factor * poisson, 0.5 * (poisson + 0.5));
-    list.add(with_number("Poisson's ratio %.3g", value)).document["material"]["poisson"] = value;
+    list.add(formatted("Poisson's ratio %.3g", value)).document["material"]["poisson"] = value;
   }
 }
 
 /// Of layers whose number follows from their thickness.
 void add_thicknesses(List& list, double thickness, int baseline_layers) {
   const auto add = [&](const char* name, double factor) {
-    Json& document = list.add(with_number(name, factor * thickness)).document;
+    Json& document = list.add(formatted(name, factor * thickness)).document;
     document["layers"]["thickness"] = factor * thickness;
     document["baseline"]["layers"] = std::max(1, static_cast<int>(std::lround(baseline_layers / factor)));
   };
