@@ -67,16 +67,6 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
   if (Json* mesh = find_member(part, "mesh")) (*mesh)["least_elements"] = 0.0;  // as on the fine grid
 }
 
-/// What "auto" stands for, lest it be another thing on the coarse grid.
-template <int Dim>
-void fix_automatic_values(const Setup<Dim>& fine, Json& document) {
-  if (find_member(document.at("layers"), "count") != nullptr)
-    document["layers"]["count"] = fine.layers->count();
-  document["baseline"]["layers"] = fine.baseline->count();
-  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
-    document["sequence"]["characteristic_length"] = fine.characteristic_length;
-}
-
 /// Shares the coarse iterations out: to this grid, and, if there are more, to the coarser ones.
 void share_out_iterations(const OptimizerSettings& settings, Json& optimizer) {
   const int share = (settings.coarse_iterations + settings.coarse_grids - 1) / settings.coarse_grids;
@@ -114,9 +104,8 @@ void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& documen
 
 template <int Dim>
 Json coarse_document(const Setup<Dim>& fine) {
-  Json document = fine.config.effective;
+  Json document = fine.document();
   coarsen_domain(fine, document);
-  fix_automatic_values(fine, document);
   share_out_iterations(fine.config.optimizer, document["optimizer"]);
   document["output"]["sensitivity"] = false;
   widen_node_sets(fine, make_config(document, "", fine.config.part.mesh), document);

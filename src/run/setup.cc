@@ -66,6 +66,17 @@ void Setup<Dim>::warn_about_method() const {
 }
 
 template <int Dim>
+Json Setup<Dim>::document() const {
+  Json document = config.effective;
+  if (find_member(document.at("layers"), "count") != nullptr)
+    document["layers"]["count"] = this->layers->count();
+  document["baseline"]["layers"] = this->baseline->count();
+  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
+    document["sequence"]["characteristic_length"] = this->characteristic_length;
+  return document;
+}
+
+template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
   const RunSize size =
