@@ -140,10 +140,6 @@ void OutputDirectory::write(const std::string& name, const std::string& text) co
   run_on_first(comm_, [&] { replace_file(file(name), text); });
 }
 
-void OutputDirectory::append_line(const std::string& name, const std::string& line) const {
-  run_on_first(comm_, [&] { append_to_file(file(name), line + "\n"); });
-}
-
 bool OutputDirectory::has(const std::string& name) const {
   std::error_code error;
   return any(comm_, rank_of(comm_) == 0 && fs::exists(file(name), error));

@@ -5,6 +5,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/files/history.h"
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/run/records.h"
 #include "fabseq/run/result.h"
@@ -21,9 +22,8 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
       directory_(make_output_directory(setup, command_line, restart && restart->in_place)),
       // Each layer group looks for itself: those that are still at work then leave it, too.
       stop_file_(setup.groups.domain(), directory_.file("stop")),
-      history_(directory_),
       clock_(timer),
-      checkpoints_(setup, directory_, history_, clock_, timer),
+      checkpoints_(setup, directory_, clock_, timer),
       terminal_(setup.world(), setup.config.optimizer.max_iterations) {
   if (restart) checkpoints_.continue_from(*restart);
 }
@@ -56,7 +56,7 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     line.temperature_range = {state.time.lowest_temperature, state.time.highest_temperature};
   line.peak_memory_bytes = peak_memory_bytes(setup_.world());
   line.tolerance = pipeline.tolerance();
-  history_.append(to_record(line));
+  append_to_history(directory_, to_record(line));
   terminal_.iteration(iterate, line.seconds.total);
 }
 

@@ -99,29 +99,28 @@ TEST(OutputDirectory, FailsOnAllRanksWhenTheDiskIsFull) {
   if (!disk.mounted()) GTEST_SKIP() << "needs the privilege to mount a tmpfs";
   const OutputDirectory directory(PETSC_COMM_WORLD, disk.path(), false);
   directory.write("summary.json", "first");
-  directory.append_line("history.jsonl", "{\"iteration\": 1}");
+  append_to_history(directory, Json::object({{"iteration", 1}}));
   const std::string large(200000, 'x');
   std::string text = error_text<OutputError>([&] { directory.write("summary.json", large); });
   EXPECT_TRUE(contains(text, "summary.json") && contains(text, "No space left")) << text;
-  text = error_text<OutputError>([&] { directory.append_line("history.jsonl", large); });
+  text = error_text<OutputError>([&] { append_to_history(directory, large); });
   EXPECT_TRUE(contains(text, "history.jsonl")) << text;
   if (is_first()) {
     EXPECT_EQ(file_text(directory.file("summary.json")), "first");
-    EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\": 1}\n");
+    EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\":1}\n");
   }
   EXPECT_EQ(listing(disk.path()), "history.jsonl lock summary.json ");
   // With room again, the run could go on.
-  EXPECT_NO_THROW(directory.append_line("history.jsonl", "{\"iteration\": 2}"));
+  EXPECT_NO_THROW(append_to_history(directory, Json::object({{"iteration", 2}})));
 }
 
 TEST(History, HoldsOneObjectALineReadableAtOnce) {
   const test::ScratchDirectory scratch;
   const OutputDirectory directory(PETSC_COMM_WORLD, scratch.path(), false);
   for (int iteration = 1; iteration <= 3; ++iteration) {
-    const History history(directory);  // a later one goes on where the first ended
     Json entry = Json::object({{"iteration", Json(iteration)}, {"objective", Json(0.1 * iteration)}});
     entry["rank"] = Json(rank_of(PETSC_COMM_WORLD));
-    history.append(entry);
+    append_to_history(directory, entry);
     if (!is_first()) continue;
     std::istringstream lines(file_text(directory.file("history.jsonl")));
     std::string line, last;
@@ -142,21 +141,20 @@ TEST(History, GoesBackToAPosition) {
   const test::ScratchDirectory scratch;
   const OutputDirectory directory(PETSC_COMM_WORLD, scratch.file("a"), false);
   const OutputDirectory other(PETSC_COMM_WORLD, scratch.file("b"), false);
-  const History history(directory), copy(other);
-  EXPECT_EQ(history.sync(), 0);
-  history.append(Json::object({{"iteration", 1}}));
-  const std::int64_t position = history.sync();
-  history.append(Json::object({{"iteration", 2}}));
-  copy.copy_from(directory.path(), position);
-  history.cut_back(position);
+  EXPECT_EQ(sync_history(directory), 0);
+  append_to_history(directory, Json::object({{"iteration", 1}}));
+  const std::int64_t position = sync_history(directory);
+  append_to_history(directory, Json::object({{"iteration", 2}}));
+  copy_history(other, directory.path(), position);
+  cut_history(directory, position);
   if (is_first()) {
     EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\":1}\n");
     EXPECT_EQ(file_text(other.file("history.jsonl")), "{\"iteration\":1}\n");
   }
   testing::internal::CaptureStderr();
-  history.cut_back(position + 1);
+  cut_history(directory, position + 1);
   EXPECT_EQ(contains(testing::internal::GetCapturedStderr(), "history.jsonl has lost lines"), is_first());
-  EXPECT_EQ(history.sync(), position);
+  EXPECT_EQ(sync_history(directory), position);
 }
 
 TEST(OutputDirectory, AContinuedRunKeepsItsFiles) {
@@ -181,7 +179,7 @@ TEST(OutputDirectory, IsNotMadeAgainOnceItHasVanished) {
   MPI_Barrier(PETSC_COMM_WORLD);
   for (const std::string& text :
        {error_text<OutputError>([&] { directory.make_folder("fields"); }),
-        error_text<OutputError>([&] { directory.append_line("history.jsonl", "{}"); })})
+        error_text<OutputError>([&] { append_to_history(directory, Json::object()); })})
     EXPECT_TRUE(contains(text, "No such file or directory")) << text;
   EXPECT_EQ(listing(scratch.path()), "");
 }

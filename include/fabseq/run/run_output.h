@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/files/history.h"
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/run/checkpoints.h"
 #include "fabseq/run/restart.h"
@@ -61,7 +60,6 @@ class RunOutput {
   PhaseTimer& timer_;
   OutputDirectory directory_;
   StopFile stop_file_;
-  History history_;
   RunClock clock_;
   Checkpoints<Dim> checkpoints_;
   Terminal terminal_;
