@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/run/deposition_report.h"
-
 #include "fabseq/process/counted_as.h"
 #include "fabseq/responses/response_type.h"
+#include "fabseq/run/sequence_report.h"
 
 namespace fabseq {
 
@@ -12,11 +11,7 @@ namespace {
 template <int Dim>
 DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>& problem,
                                      Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
-  const std::vector<double>& displacement = state.process.displacement;
-  DepositionNumbers result;
-  result.part = displacement_size(model.part, displacement);
-  if (const auto nodes = measured_nodes(model))
-    result.nodes = displacement_size(model.part, displacement, nodes);
+  DepositionNumbers result{displacement_sizes(model, state.process.displacement), {}};
   const auto terms = problem.responses().first(problem.objective_count());
   for (NamedValue& term : problem.describe(pipeline.values(terms, state)))
     if (term.type == "distortion") result.distortions.push_back(std::move(term));
@@ -28,14 +23,13 @@ DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>
 template <int Dim>
 BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
-  const bool is_nominal = model.settings.process.deposition == DepositionModel::nominal;
-  const DepositionModel other = is_nominal ? DepositionModel::follow : DepositionModel::nominal;
-  BothDepositions result;
-  (is_nominal ? result.nominal : result.follow) = deposition_numbers(model, problem, pipeline, state);
-  const CountedAs<Dim> counted(other, pipeline.process().model(), model.groups, state.layers,
+  const DepositionModel own_model = model.settings.process.deposition;
+  const bool is_nominal = own_model == DepositionModel::nominal;
+  const DepositionModel other_model = is_nominal ? DepositionModel::follow : DepositionModel::nominal;
+  DepositionNumbers own = deposition_numbers(model, problem, pipeline, state);
+  const CountedAs<Dim> counted(other_model, pipeline.process().model(), model.groups, state.layers,
                                pipeline.process().result());
-  (is_nominal ? result.follow : result.nominal) = deposition_numbers(model, problem, pipeline, state);
-  return result;
+  return {std::move(own), deposition_numbers(model, problem, pipeline, state), own_model};
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(report_depositions);

@@ -29,7 +29,7 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
 }
 
 template <int Dim>
-void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {
+void RunOutput<Dim>::baseline(SequenceReport report, const std::string& solver) {
   baseline_ = std::move(report);
   print(solver);
   if (!setup_.group_choice.explanation.empty()) print(setup_.group_choice.explanation);
@@ -89,13 +89,11 @@ void RunOutput<Dim>::write_summary(const Summary& summary) const {
 }
 
 template <int Dim>
-void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best) {
+void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports& reports, const BestIterate& best) {
   terminal_.end_progress();
   write_result(setup_, directory_, reports, *baseline_, best);
   Summary record = summary(end);
-  record.finish.emplace(Finish{
-      best, reports.optimized, reports.binary, reports.start ? &*reports.start : nullptr,
-      reports.matched ? &*reports.matched : nullptr, reports.interior_minima, setup_.layers->variables()});
+  record.finish.emplace(Finish{reports, best, setup_.layers->variables()});
   write_summary(record);
   terminal_.table(record, directory_.path());
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/run/scenario_report.h"
-
 #include "fabseq/responses/response_type.h"
+#include "fabseq/run/sequence_report.h"
 
 #include <algorithm>
 #include <numeric>

@@ -2,8 +2,6 @@
 #include "fabseq/run/sequence_report.h"
 
 #include "fabseq/responses/layer_statistics.h"
-#include "fabseq/run/deposition_report.h"
-#include "fabseq/run/scenario_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,25 +36,23 @@ int SequenceNumbers::used_layers() const {
 }
 
 template <int Dim>
-void SequenceReport<Dim>::add_fields(FieldSet<Dim>& fields, const std::string& prefix) const {
-  fields.add_elements(prefix + "time", time);
-  fields.add_elements(prefix + "layer", layer);
-  add_build_fields(fields, build_fields, prefix);
-  if (!temperature.empty()) fields.add_nodes(prefix + "temperature", temperature);
-  fields.add_nodes(prefix + "displacement", displacement, Dim);
-  if (finished && !finished->release.empty())
-    fields.add_nodes(prefix + "release_displacement", finished->release, Dim);
+void add_sequence_fields(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix) {
+  fields.add_elements(prefix + "time", report.time);
+  fields.add_elements(prefix + "layer", report.layer);
+  add_build_fields(fields, report.build_fields, prefix);
+  if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
+  fields.add_nodes(prefix + "displacement", report.displacement, Dim);
+  if (report.finished && !report.finished->release.empty())
+    fields.add_nodes(prefix + "release_displacement", report.finished->release, Dim);
 }
 
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
-                                    bool with_shape) {
-  SequenceReport<Dim> report;
+SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                               const PipelineState<Dim>& state, bool with_shape) {
+  SequenceReport report;
   report.values = pipeline.values(problem.responses(), state);
   report.responses = problem.describe(report.values);
   report.layers = layer_numbers(model, state);
-  report.displacement_size = displacement_size(model.part, state.process.displacement);
   report.depositions = report_depositions(model, problem, pipeline, state);
   report.scenarios = report_scenarios(model, problem, pipeline, state);
   if (with_shape) {
@@ -72,7 +68,7 @@ SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>&
   return report;
 }
 
-FABSEQ_INSTANTIATE_STRUCT(SequenceReport);
+FABSEQ_INSTANTIATE_FUNCTION(add_sequence_fields);
 FABSEQ_INSTANTIATE_FUNCTION(report_sequence);
 
 }  // namespace fabseq

@@ -16,8 +16,8 @@ namespace fabseq {
 
 /// Residual stress of the part as built, on the plate.
 struct StressNumbers {
-  double von_mises = 0.0;                    ///< largest equivalent stress, stress unit
-  std::optional<double> share_beyond_yield;  ///< of the part's volume; none without a yield stress
+  double von_mises = 0.0;           ///< largest equivalent stress, stress unit
+  double share_beyond_yield = 0.0;  ///< of the part's volume
 };
 
 /// Angle between the torch's axis and the plate's normal.
