@@ -60,41 +60,10 @@ std::string response_name(const std::string& component) {
 
 }  // namespace
 
-std::string progress_text(const ProgressLine& line, double mean_seconds) {
-  const int width = static_cast<int>(std::to_string(line.max_iterations).size());
-  std::string text = formatted("iteration %*d/%d", width, line.iteration, line.max_iterations);
-  if (!std::isnan(line.objective_ratio)) text += formatted("  planar/objective %.4g", line.objective_ratio);
-  if (!std::isnan(line.worst_constraint))
-    text += formatted("  worst constraint %+.2e", line.worst_constraint);
-  return text + formatted("  beta %.4g  %.3g s/iteration", line.beta, line.seconds) + "  left " +
-         duration_text(mean_seconds * (line.max_iterations - line.iteration));
-}
-
 bool stdout_is_terminal() {
   if (isatty(STDOUT_FILENO) == 0) return false;
   if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) return true;
   return launcher_has_terminal();
-}
-
-Progress::Progress(MPI_Comm comm, bool on_terminal)
-    : is_first_(rank_of(comm) == 0), on_terminal_(on_terminal) {}
-
-void Progress::print(const ProgressLine& line) {
-  // The last iterations count most: what one costs changes along the way.
-  constexpr double memory = 0.8;
-  mean_seconds_ =
-      mean_seconds_ == 0.0 ? line.seconds : memory * mean_seconds_ + (1.0 - memory) * line.seconds;
-  if (!is_first_) return;
-  const std::string text = progress_text(line, mean_seconds_);
-  // The escape clears what is left of a longer line.
-  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
-  line_open_ = on_terminal_;
-}
-
-void Progress::finish() {
-  if (!line_open_) return;
-  write_text(STDOUT_FILENO, "\n");
-  line_open_ = false;
 }
 
 void print_responses(const SequenceNumbers& numbers) {
@@ -121,6 +90,9 @@ void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& m
       stress->von_mises, *material.yield_stress, 100.0 * stress->share_beyond_yield));
 }
 
+Terminal::Terminal(MPI_Comm comm, int max_iterations, bool on_terminal)
+    : is_first_(rank_of(comm) == 0), max_iterations_(max_iterations), on_terminal_(on_terminal) {}
+
 void Terminal::baseline(const SequenceNumbers& planar) {
   planar_objective_ = planar.first_objective();
   const bool is_defined = std::isfinite(planar_objective_);  // not so for alignment of sub-parts
@@ -128,17 +100,33 @@ void Terminal::baseline(const SequenceNumbers& planar) {
         (is_defined ? formatted(", first objective term %.4e", planar_objective_) : ""));
 }
 
-void Terminal::iteration(const Iterate& iterate, double seconds) {
+std::string Terminal::progress_text(const Iterate& iterate, double seconds) const {
   const ProblemValues& values = iterate.values;
-  ProgressLine line;
-  line.iteration = iterate.iteration;
-  line.max_iterations = max_iterations_;
-  if (!values.objective.empty() && values.objective[0][0] > 0.0)
-    line.objective_ratio = planar_objective_ / values.objective[0][0];
-  if (!values.constraints.empty()) line.worst_constraint = values.worst_constraint;
-  line.beta = iterate.beta;
-  line.seconds = seconds;
-  progress_.print(line);
+  const int width = static_cast<int>(std::to_string(max_iterations_).size());
+  std::string text = formatted("iteration %*d/%d", width, iterate.iteration, max_iterations_);
+  const double objective = values.objective.empty() ? 0.0 : values.objective[0][0];
+  if (objective > 0.0 && !std::isnan(planar_objective_))
+    text += formatted("  planar/objective %.4g", planar_objective_ / objective);
+  if (!values.constraints.empty()) text += formatted("  worst constraint %+.2e", values.worst_constraint);
+  return text + formatted("  beta %.4g  %.3g s/iteration  left ", iterate.beta, seconds) +
+         duration_text(mean_seconds_ * (max_iterations_ - iterate.iteration));
+}
+
+void Terminal::iteration(const Iterate& iterate, double seconds) {
+  // The last iterations count most: what one costs changes along the way.
+  constexpr double memory = 0.8;
+  mean_seconds_ = mean_seconds_ == 0.0 ? seconds : memory * mean_seconds_ + (1.0 - memory) * seconds;
+  if (!is_first_) return;
+  const std::string text = progress_text(iterate, seconds);
+  // The escape clears what is left of a longer line.
+  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
+  line_open_ = on_terminal_;
+}
+
+void Terminal::end_progress() {
+  if (!line_open_) return;
+  write_text(STDOUT_FILENO, "\n");
+  line_open_ = false;
 }
 
 void Terminal::table(const Summary& summary, const std::string& directory) const {

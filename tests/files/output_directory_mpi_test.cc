@@ -204,29 +204,40 @@ TEST(Verdict, LowestFailingRankSpeaksForAll) {
             "anything else");
 }
 
-TEST(Progress, SaysWhereTheRunIs) {
-  ProgressLine line;
-  line.iteration = 7;
-  line.max_iterations = 400;
-  line.beta = 100.0;
-  line.seconds = 2.5;
-  EXPECT_EQ(progress_text(line, 10.0), "iteration   7/400  beta 100  2.5 s/iteration  left 1:05:30");
-  line.objective_ratio = 5.8;
-  line.worst_constraint = -0.02;
-  EXPECT_EQ(progress_text(line, 0.0),
-            "iteration   7/400  planar/objective 5.8  worst constraint -2.00e-02  beta 100  2.5 s/iteration  "
-            "left 0:00:00");
+/// What is printed of planar layers with an objective of 29 and of an iteration after them.
+std::string progress_text(const Iterate& iterate) {
+  Terminal terminal(PETSC_COMM_WORLD, 400, false);
+  SequenceNumbers planar;
+  planar.responses = {{"objective_0", "distortion", 29.0}};
+  testing::internal::CaptureStdout();
+  terminal.baseline(planar);
+  terminal.iteration(iterate, 10.0);
+  return testing::internal::GetCapturedStdout();
 }
 
-TEST(Progress, RewritesItsLineOnATerminalAndAppendsToALog) {
-  ProgressLine line;
-  line.max_iterations = 2;
-  line.seconds = 1.0;
+TEST(Terminal, SaysWhereTheRunIs) {
+  Iterate iterate;
+  iterate.iteration = 7;
+  iterate.beta = 100.0;
+  const std::string baseline = "planar baseline: 0 layers, first objective term 2.9000e+01\n";
+  const std::string begin = baseline + "iteration   7/400",
+                    end = "  beta 100  10 s/iteration  left 1:05:30\n";
+  EXPECT_EQ(progress_text(iterate), is_first() ? begin + end : "");
+  iterate.values.objective = {{5.0}};
+  iterate.values.constraints = {{0.3}};
+  iterate.values.worst_constraint = -0.02;
+  EXPECT_EQ(progress_text(iterate),
+            is_first() ? begin + "  planar/objective 5.8  worst constraint -2.00e-02" + end : "");
+}
+
+TEST(Terminal, RewritesItsLineAndAppendsToALog) {
+  Iterate iterate;
   for (const bool on_terminal : {false, true}) {
     testing::internal::CaptureStdout();
     {
-      Progress progress(PETSC_COMM_WORLD, on_terminal);
-      for (line.iteration = 1; line.iteration <= 2; ++line.iteration) progress.print(line);
+      Terminal terminal(PETSC_COMM_WORLD, 2, on_terminal);
+      for (iterate.iteration = 1; iterate.iteration <= 2; ++iterate.iteration)
+        terminal.iteration(iterate, 1.0);
     }
     const std::string text = testing::internal::GetCapturedStdout();
     const std::string first = "iteration 1/2  beta 0  1 s/iteration  left 0:00:01";
