@@ -169,10 +169,8 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =
       fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
-  FieldSet<Dim> fields{&fine.grid, {}};
-  fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
-  file.template write_fields<Dim>(fields);
+  file.template write_field<Dim>(fine.grid, {"design", false, 1, design});
   if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
     file.write_array(variables.name,
                      read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",

@@ -28,9 +28,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
                     const Design& gradient, bool has_field) {
   if (has_field) {
     const std::vector<double> field = setup.design_field(gradient.field);
-    FieldSet<Dim> fields{&setup.grid, {}};
-    fields.add(setup.design_support.on_nodes(), name + "/design", field);
-    file.template write_fields<Dim>(fields);
+    file.template write_field<Dim>(setup.grid, {name + "/design", setup.design_support.on_nodes(), 1, field});
   }
   write_layer_variables(file, setup.layers->variables(), name + "/", gradient);
 }
