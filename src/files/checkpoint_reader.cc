@@ -4,7 +4,6 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/checkpoint.h"

@@ -4,14 +4,12 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
-#include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 
 #include <algorithm>
 #include <array>
 #include <fcntl.h>
 #include <filesystem>
-#include <memory>
 #include <string_view>
 #include <system_error>
 

@@ -4,7 +4,6 @@
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/run/records.h"
-#include "fabseq/sequence/given_sequence.h"
 
 #include <utility>
 

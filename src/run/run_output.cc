@@ -7,8 +7,6 @@
 #include "fabseq/base/session.h"
 #include "fabseq/files/history.h"
 #include "fabseq/machine/interior_extrema.h"
-#include "fabseq/run/records.h"
-#include "fabseq/run/result.h"
 
 #include <utility>
 

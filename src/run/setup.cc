@@ -12,8 +12,6 @@
 #include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/preconditioner.h"
 
-#include <algorithm>
-
 namespace fabseq {
 
 template <int Dim>

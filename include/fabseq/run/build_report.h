@@ -63,8 +63,7 @@ template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                         const PipelineState<Dim>& state);
 
-/// The same with build time, wire and stress: report of a pipeline's last run, of its binary layers whatever
-/// layers it ran with (docs/formulation.md 13.1). `used_layers`: those with more than a trace of the volume.
+/// The same with build time, wire and stress. `used_layers`: those with more than a trace of the volume.
 /// Collective.
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,

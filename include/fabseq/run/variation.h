@@ -9,7 +9,6 @@
 #include "fabseq/sequence/sequence.h"
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
