@@ -3,8 +3,6 @@
 
 import dataclasses
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm

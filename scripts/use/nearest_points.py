@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The nearest of a set of points, for many places at once."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints

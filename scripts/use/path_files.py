@@ -3,9 +3,9 @@
 
 import json
 
-from command_line import RunError, write_rows  # noqa: F401 (before any package)
-
 import numpy as np
+
+from command_line import write_rows
 
 COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed")
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}

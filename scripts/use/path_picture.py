@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A picture of the paths of some layers, in the part."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
