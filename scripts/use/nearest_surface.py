@@ -19,20 +19,28 @@ READERS = {".stl": vtkSTLReader, ".obj": vtkOBJReader, ".ply": vtkPLYReader}
 
 
 class Surface:
-    """Triangles, or in 2D edges: `corners` (cell, corner, axis), Which side of a cell is outside is not
-    known: normals may point to either."""
+    """Triangles, or in 2D edges: `corners` (cell, corner, axis), `sizes` twice the areas, or lengths. Which
+    side of a cell is outside is not known: normals may point to either."""
 
     def __init__(self, corners):
         edges = corners[:, 1:] - corners[:, :1]
         normals = edges[:, 0, ::-1] * (1.0, -1.0) if corners.shape[2] == 2 else np.cross(edges[:, 0], edges[:, 1])
         sizes = np.linalg.norm(normals, axis=1)
-        corners, self.normals = corners[sizes > 0], normals[sizes > 0] / sizes[sizes > 0, None]
+        corners, self.sizes = corners[sizes > 0], sizes[sizes > 0]
+        self.normals = normals[sizes > 0] / self.sizes[:, None]
         self.dimension, self.corners = corners.shape[2], corners
         points = np.pad(corners, ((0, 0), (0, 0), (0, 3 - self.dimension))).reshape(-1, 3)
         self.data = poly_data(points, np.arange(len(points)).reshape(corners.shape[:2]))
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.data)
         self.locator.BuildLocator()
+
+    def sample(self, count, random):
+        """Points (count, axis), evenly over the area."""
+        cells = random.choice(len(self.sizes), count, p=self.sizes / self.sizes.sum())
+        weights = random.exponential(size=(count, self.corners.shape[1]))  # normalized: even over a triangle
+        weights /= weights.sum(axis=1, keepdims=True)
+        return np.einsum("pc,pcx->px", weights, self.corners[cells])
 
     def nearest(self, points):
         """For each of the points (n, axis): the nearest point of the surface, the normal there, and the
