@@ -12,10 +12,8 @@ edge and of the whole part, both of binary layers.
 
 import json
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, parse, parser_of, run_command, run_script  # before any package
 from drawing import OPTIMIZED, PLANAR, save, tidy
 
