@@ -227,6 +227,13 @@ def rigid_motions(points):
     return np.array(motions)
 
 
+def without_rigid_motion(displacements, points):
+    """What is left of displacements of points, (n, axis) both, after the best rigid fit."""
+    motions = rigid_motions(points - points.mean(axis=0)).reshape(-1, points.size).T
+    fit = motions @ np.linalg.lstsq(motions, displacements.ravel(), rcond=1e-9)[0]
+    return displacements - fit.reshape(points.shape)
+
+
 def contains(shape, points, slack):
     """Which of `points` (n, dimension) a shape of a config holds. Raises NotImplementedError for polygons."""
     kind, value = next((k, v) for k, v in shape.items() if k != "samples")
