@@ -4,9 +4,9 @@
 import math
 from html import escape
 
-from check_words import check_figures
+from check_words import check_figures, result_of
 from read_run import factor, number
-from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, result_of, run_name,
+from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, run_name,
                           states_of, thickness_span, unit_of, verdict, violation)
 
 
