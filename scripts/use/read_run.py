@@ -14,6 +14,9 @@ import numpy as np
 from command_line import RunError
 
 
+NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
+
+
 class Run:
     """An output directory with the result of `-task optimize`, with `simulations` also of `-task simulate`.
     Raises RunError if there is none.
@@ -184,6 +187,12 @@ def flat(value, path=""):
             yield from flat(entry, f"{path}.{key}" if path else str(key))
     else:
         yield path, value
+
+
+def differing_keys(runs):
+    """In the order of their `settings`; a key that only some of them have counts, too."""
+    keys = dict.fromkeys(key for run in runs for key in run.settings)
+    return [key for key in keys if len({repr(run.settings.get(key)) for run in runs}) > 1]
 
 
 def entry_names(entries):
