@@ -3,7 +3,6 @@
 /// The smooth steps of curved and of multi-planar layers (docs/formulation.md 3.1, 3.2).
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
