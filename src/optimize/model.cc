@@ -61,7 +61,6 @@ DesignLayout<Dim> Model<Dim>::design_layout() const {
           }};
 }
 
-template class Model<2>;
-template class Model<3>;
+FABSEQ_INSTANTIATE_CLASS(Model);
 
 }  // namespace fabseq

@@ -291,7 +291,6 @@ std::vector<std::vector<double>> Pipeline<Dim>::sum_up_layer_variables(const std
   return result;
 }
 
-template class Pipeline<2>;
-template class Pipeline<3>;
+FABSEQ_INSTANTIATE_CLASS(Pipeline);
 
 }  // namespace fabseq

@@ -249,7 +249,6 @@ std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<dou
   return result;
 }
 
-template class Problem<2>;
-template class Problem<3>;
+FABSEQ_INSTANTIATE_CLASS(Problem);
 
 }  // namespace fabseq

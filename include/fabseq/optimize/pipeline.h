@@ -14,7 +14,6 @@
 
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -121,8 +120,5 @@ class Pipeline {
   std::size_t layer_variables_ = 0;  ///< of the last run's design
   SolverIterations iterations_;
 };
-
-extern template class Pipeline<2>;
-extern template class Pipeline<3>;
 
 }  // namespace fabseq

@@ -119,7 +119,4 @@ class Problem {
   std::vector<double> first_values_;
 };
 
-extern template class Problem<2>;
-extern template class Problem<3>;
-
 }  // namespace fabseq
