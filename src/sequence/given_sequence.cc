@@ -73,10 +73,8 @@ template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
-  double outside = 0.0;
-  for (const double t : result.time)
-    if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;
-  if (any(part.grid().comm(), outside != 0.0))
+  const auto outside = [](double t) { return !(t >= 0.0 && t <= 1.0); };
+  if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
   return result;
