@@ -214,11 +214,7 @@ std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<
     network.distance.push_back(start[node] != 0 ? 0.0 : far_away);
     if (start[node] != 0) network.links[node] = 0U;
   }
-  network.gather = [&grid](const std::vector<double>& owned) {
-    std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-    grid.exchange(1).to_ghosted(owned, ghosted);
-    return ghosted;
-  };
+  network.gather = [&grid](const std::vector<double>& owned) { return grid.exchange(1).ghosted(owned); };
   return sweep_until_settled(grid.comm(), network);
 }
 

@@ -58,8 +58,7 @@ std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span
   const Grid<Dim>& grid = part.grid();
   const auto& corners = part.first_corners();
   const int lanes = adjoints.lanes;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes);
-  grid.exchange(lanes).to_ghosted(adjoints.values, ghosted);
+  const std::vector<double> ghosted = grid.exchange(lanes).ghosted(adjoints.values);
   std::vector<std::vector<double>> result(lanes, std::vector<double>(corners.size()));
   std::vector<double> sums(lanes);
   for (std::size_t e = 0; e < corners.size(); ++e) {
@@ -142,7 +141,6 @@ const PseudoTime<Dim>& HeatSequence<Dim>::update(std::span<const double> design)
 /// T is 1 at the fixed nodes plus a correction that vanishes there: K_ff T_f = -K_fd 1.
 template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
-  const Grid<Dim>& grid = part_.grid();
   const LaneVector load = prescribed_load();
   LaneVector correction = load;
   run_in_groups(across_, [&] {
@@ -162,8 +160,7 @@ void HeatSequence<Dim>::solve_temperature() {
   }
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
-  ghosted_temperature_.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(time_.temperature, ghosted_temperature_);
+  ghosted_temperature_ = part_.grid().exchange(1).ghosted(time_.temperature);
 }
 
 /// Load -K 1_d, where 1_d is 1 at the fixed nodes. Only elements with a fixed node contribute.
@@ -173,9 +170,8 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
   const Grid<Dim>& grid = part_.grid();
   const auto& offsets = grid.corner_offsets();
   const std::vector<double> fixed(model_->domain.fixed.begin(), model_->domain.fixed.end());
-  std::vector<double> ghosted_fixed(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  const std::vector<double> ghosted_fixed = grid.exchange(1).ghosted(fixed);
   std::vector<double> ghosted_load(ghosted_fixed.size(), 0.0);
-  grid.exchange(1).to_ghosted(fixed, ghosted_fixed);
   for (std::size_t e = 0; e < diffusivity_.size(); ++e) {
     const int first = model_->domain.first_corners[e];
     for (int j = 0; j < corners; ++j) {
@@ -204,13 +200,14 @@ void HeatSequence<Dim>::derive_time() {
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  const bool was_inside = !(time_.lowest_temperature < -temperature_tolerance) &&
-                          !(time_.highest_temperature > 1.0 + temperature_tolerance);
+  const auto leaves_range = [this] {
+    return time_.lowest_temperature < -temperature_tolerance ||
+           time_.highest_temperature > 1.0 + temperature_tolerance;
+  };
+  const bool left_before = leaves_range();
   time_.lowest_temperature = min(grid.comm(), lowest);
   time_.highest_temperature = max(grid.comm(), highest);
-  const bool inside = time_.lowest_temperature >= -temperature_tolerance &&
-                      time_.highest_temperature <= 1.0 + temperature_tolerance;
-  if (!inside && was_inside) {
+  if (leaves_range() && !left_before) {
     std::ostringstream text;
     text << "the virtual temperature leaves [0, 1]: " << time_.lowest_temperature << " to "
          << time_.highest_temperature;

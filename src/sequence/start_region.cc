@@ -44,8 +44,7 @@ std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& sh
 template <int Dim>
 std::vector<char> elements_with_corners(const Part<Dim>& part, const std::vector<char>& nodes, int least) {
   const Grid<Dim>& grid = part.grid();
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(std::vector<double>(nodes.begin(), nodes.end()), ghosted);
+  const auto ghosted = grid.exchange(1).ghosted(std::vector<double>(nodes.begin(), nodes.end()));
   std::vector<char> result;
   for (const int first : part.first_corners()) {
     int count = 0;
