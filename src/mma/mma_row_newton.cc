@@ -35,8 +35,7 @@ void MmaRowNewton::set_residuals(const MmaRowPoint& point) {
   const int one = 1;
   const double minus = -1.0, plus = 1.0;
   std::copy(right_.begin(), right_.end(), row_.begin());
-  if (m > 0)
-    dsymv_("L", &m, &minus, matrix_.data(), &stride_, point.lambda.data(), &one, &plus, row_.data(), &one);
+  dsymv_("L", &m, &minus, matrix_.data(), &stride_, point.lambda.data(), &one, &plus, row_.data(), &one);
   for (std::size_t i = 0; i < m_; ++i) {
     row_[i] += point.slack[i] - rows_.a[i] * point.z - point.y[i];
     elastic_[i] = rows_.c[i] + rows_.d[i] * point.y[i] - point.mu[i] - point.lambda[i];

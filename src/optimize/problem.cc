@@ -23,8 +23,6 @@ constexpr double worthwhile_share = 0.5;
 /// displacements.
 constexpr double negligible_share = 1e-12;
 
-double normalized(double normalize, double value) { return value > 0.0 ? normalize / value : 1.0; }
-
 }  // namespace
 
 template <int Dim>
@@ -86,10 +84,11 @@ double Problem<Dim>::current_value(std::size_t term, double value) const {
 template <int Dim>
 std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<double>>& objective) const {
   std::vector<double> factors;
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    factors.push_back(normalized(terms_[i].normalize, terms_[i].scaling == TermScaling::current
-                                                          ? current_value(i, objective[i][0])
-                                                          : first_values_[i]));
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const double value =
+        terms_[i].scaling == TermScaling::current ? current_value(i, objective[i][0]) : first_values_[i];
+    factors.push_back(value > 0.0 ? terms_[i].normalize / value : 1.0);
+  }
   return factors;
 }
 
@@ -136,22 +135,21 @@ template <int Dim>
 GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
                                         const std::vector<double>& factors) const {
   GradientRow row;
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    // What has no rest would cost an adjoint of rounding.
+    const bool has_rest = std::none_of(squares_.begin(), squares_.end(), [i](const Squares& squares) {
+      return squares.complete && squares.term == i;
+    });
+    if (has_rest && !(largest_ && largest_->term == i))
+      row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  }
   for (const Squares& squares : squares_) {
-    const double weight = row[squares.term].weight;
+    if (squares.complete) continue;
+    const double weight = terms_[squares.term].weight * factors[squares.term];
     for (const int k : residuals_of(squares, values))
       row.push_back(
           {static_cast<int>(squares.response), k, -2.0 * weight * values.functionals[squares.term][k]});
   }
-  // What has no rest would cost an adjoint of rounding.
-  std::erase_if(row, [&](const WeightedComponent& part) {
-    if (largest_ && static_cast<std::size_t>(part.response) == largest_->term) return true;
-    return std::any_of(squares_.begin(), squares_.end(), [&](const Squares& squares) {
-      const auto response = static_cast<std::size_t>(part.response);
-      return squares.complete && (response == squares.term || response == squares.response);
-    });
-  });
   return row;
 }
 
@@ -169,17 +167,16 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
       rows.push_back({{static_cast<int>(terms_.size() + i), static_cast<int>(c), 1.0}});
   }
   ProblemGradients result;
-  const std::size_t first_largest = rows.size();
+  std::size_t next_row = rows.size();
   for (std::size_t c = 0; c < values.scenarios.size(); ++c) {
     const double scale = terms_[largest_->term].weight * factors[largest_->term];
-    result.largest_values.push_back(scale * values.scenarios[c]);
+    result.largest.push_back({scale * values.scenarios[c], {}});
     rows.push_back({{static_cast<int>(largest_->response), static_cast<int>(c), scale}});
   }
-  const std::size_t first_residual = rows.size();
   for (const Squares& squares : squares_) {
     const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
     for (const int k : residuals_of(squares, values)) {
-      result.residual_values.push_back(scale * values.functionals[squares.term][k]);
+      result.residuals.push_back({scale * values.functionals[squares.term][k], {}});
       rows.push_back({{static_cast<int>(squares.response), k, scale}});
     }
   }
@@ -190,16 +187,15 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
     const auto& components = values.constraints[i];
     for (const ConstraintRow& row :
          responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
-      result.constraint_values.push_back(row.violation(components[row.component]));
-      Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
+      const double value = components[row.component];
+      result.constraints.push_back({row.violation(value), gradients[first_row[i] + row.component]});
+      Design& gradient = result.constraints.back().gradient;
       for (auto* entries : {&gradient.field, &gradient.layer_variables})
-        for (double& entry : *entries) entry *= row.slope(components[row.component]);
+        for (double& entry : *entries) entry *= row.slope(value);
     }
   }
-  for (std::size_t row = first_largest; row < first_residual; ++row)
-    result.largest.push_back(std::move(gradients[row]));
-  for (std::size_t row = first_residual; row < rows.size(); ++row)
-    result.residuals.push_back(std::move(gradients[row]));
+  for (auto* list : {&result.largest, &result.residuals})
+    for (ProblemRow& row : *list) row.gradient = std::move(gradients[next_row++]);
   return result;
 }
 

@@ -14,17 +14,18 @@
 
 namespace fabseq {
 
+/// A function of the design, by its value and its gradient.
+struct ProblemRow {
+  double value = 0.0;
+  Design gradient;
+};
+
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  /// Gradient of the scaled objective less the residuals' squares and the largest of `largest_values`.
-  Design objective;
-  std::vector<double> constraint_values;  ///< f_i <= 0, one per row
-  std::vector<Design> constraints;        ///< gradient of each row
-  std::vector<double>
-      residual_values;            ///< s r_k of what counts: their squares are part of the scaled objective
-  std::vector<Design> residuals;  ///< gradient of each
-  std::vector<double> largest_values;  ///< the largest of them is part of the scaled objective
-  std::vector<Design> largest;         ///< gradient of each
+  Design objective;  ///< gradient of the scaled objective less the residuals' squares and the largest
+  std::vector<ProblemRow> constraints;  ///< f_i <= 0
+  std::vector<ProblemRow> residuals;    ///< s r_k of what counts: their squares are part of the objective
+  std::vector<ProblemRow> largest;      ///< the largest of them is part of the scaled objective
 };
 
 /// Values of all responses at a design; the same on all ranks.
