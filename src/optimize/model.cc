@@ -8,12 +8,6 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-std::optional<StartRegion> start_region(const Part<Dim>& part, const SequenceSettings& settings) {
-  if (settings.type != SequenceType::direct) return std::nullopt;
-  return make_start_region(part, settings);
-}
-
-template <int Dim>
 DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
                                        const std::optional<StartRegion>& start) {
   switch (settings.type) {
@@ -42,7 +36,9 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       grid(*placed_.grid),
       part(*placed_.part),
       supports(part, settings.part),
-      start(start_region(part, settings.sequence)),
+      start(settings.sequence.type == SequenceType::direct
+                ? std::optional(make_start_region(part, settings.sequence))
+                : std::nullopt),
       design_support(make_design_support(part, settings.sequence, start)),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
