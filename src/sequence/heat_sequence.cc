@@ -24,14 +24,6 @@ bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
   return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
 }
 
-/// Number of rows that a block of right-hand sides takes: at most `most`, and few enough for PETSc's indices
-/// to count the values at all nodes of the grid.
-template <int Dim>
-std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
-  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();
-  return std::clamp<std::int64_t>(limit, 1, most);
-}
-
 /// K_0 T of each part element, [part element][corner], where K_0 is the conductivity matrix for unit
 /// diffusivity. `temperature`: T on the ghosted node box. Local.
 template <int Dim>
@@ -169,6 +161,8 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
   constexpr int corners = corner_count<Dim>;
   const Grid<Dim>& grid = part_.grid();
   const auto& offsets = grid.corner_offsets();
+  const ElementMatrices<Dim>& element = model_->element;
+  const auto& mass = model_->lumped ? element.lumped_mass() : element.consistent_mass();
   const std::vector<double> fixed(model_->domain.fixed.begin(), model_->domain.fixed.end());
   const std::vector<double> ghosted_fixed = grid.exchange(1).ghosted(fixed);
   std::vector<double> ghosted_load(ghosted_fixed.size(), 0.0);
@@ -177,9 +171,8 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
     for (int j = 0; j < corners; ++j) {
       if (ghosted_fixed[first + offsets[j]] == 0.0) continue;
       for (int i = 0; i < corners; ++i)
-        ghosted_load[first + offsets[i]] -=
-            diffusivity_[e] * model_->element.conductivity()[i * corners + j] +
-            model_->reaction * model_->mass()[i * corners + j];
+        ghosted_load[first + offsets[i]] -= diffusivity_[e] * element.conductivity()[i * corners + j] +
+                                            model_->reaction * mass[i * corners + j];
     }
   }
   LaneVector load(static_cast<int>(fixed.size()), 1, 1);
@@ -217,7 +210,9 @@ void HeatSequence<Dim>::derive_time() {
 
 template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
-  const std::size_t together = rows_at_once(part_.grid(), lanes_);
+  // PETSc's indices must be able to count the values at all nodes of the grid.
+  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / part_.grid().all_nodes().count();
+  const std::size_t together = std::clamp<std::int64_t>(limit, 1, lanes_);
   adjoint_iterations_.clear();
   const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;
