@@ -16,10 +16,7 @@ namespace fabseq {
 namespace {
 
 LaneCycle lane_cycle(const SolverSettings& settings) {
-  LaneCycle cycle;
-  cycle.kind = settings.cycle;
-  cycle.degree = settings.smoother_degree;
-  return cycle;
+  return {.kind = settings.cycle, .degree = settings.smoother_degree};
 }
 
 /// `prefix`: of the PETSc options.

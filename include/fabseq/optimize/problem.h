@@ -56,12 +56,10 @@ class Problem {
   Problem(const Model<Dim>& model, double constraint_margin);
 
   /// What the config lists.
-  std::span<const std::unique_ptr<Response<Dim>>> responses() const {
-    return std::span(responses_).first(configured_);
-  }
+  Responses<Dim> responses() const { return std::span(responses_).first(configured_); }
   /// The same and after them what the optimizer gets in place of a term: the functionals of a sum of squares,
   /// the values of which it is the largest.
-  std::span<const std::unique_ptr<Response<Dim>>> responses_and_functionals() const { return responses_; }
+  Responses<Dim> responses_and_functionals() const { return responses_; }
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
 
