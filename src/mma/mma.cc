@@ -160,7 +160,7 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
   assert(gradients.size() == values.size() && rows.a.size() == values.size());
   check_numbers(comm_, x, values, lower, upper);
   std::vector<double> shared(values.begin(), values.end());
-  MPI_Bcast(shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, 0, comm_);
+  broadcast(comm_, shared);
 
   for (std::size_t j = 0; j < n; ++j) x[j] = std::clamp(x[j], lower[j], upper[j]);
   move_asymptotes(x, lower, upper);

@@ -146,10 +146,8 @@ void HeatSequence<Dim>::solve_temperature() {
   });
   solver_->give_back_memory();
   time_.temperature = std::move(correction.values);
-  if (size_of(across_) > 1) {
-    MPI_Bcast(time_.temperature.data(), static_cast<int>(time_.temperature.size()), MPI_DOUBLE, 0, across_);
-    MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
-  }
+  broadcast(across_, time_.temperature);
+  MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
   ghosted_temperature_ = part_.grid().exchange(1).ghosted(time_.temperature);
