@@ -147,12 +147,6 @@ std::unique_ptr<const LayerModel<Dim>> make_layer_model(const LayerSettings& lay
   return std::make_unique<const CurvedLayerModel<Dim>>(layers, projection, curved_count(layers, part), part);
 }
 
-template <int Dim>
-std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model(int count, const Part<Dim>& part) {
-  return std::make_unique<const CurvedLayerModel<Dim>>(LayerSettings{}, ProjectionSettings{}, count, part);
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(make_layer_model);
-FABSEQ_INSTANTIATE_FUNCTION(make_uniform_layer_model);
 
 }  // namespace fabseq

@@ -42,7 +42,7 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       design_support(make_design_support(part, settings.sequence, start)),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
-      baseline(make_uniform_layer_model(baseline_count(settings.baseline, *layers, part), part)),
+      baseline(make_layer_model({.count = baseline_count(settings.baseline, *layers, part)}, {}, part)),
       lanes(resolved_lanes(world, settings.solver,
                            run_size(settings, part, node_sets, layers->count(), size_of(world)),
                            groups.count())),

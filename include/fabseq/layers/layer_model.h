@@ -80,8 +80,5 @@ template <int Dim>
 std::unique_ptr<const LayerModel<Dim>> make_layer_model(const LayerSettings& layers,
                                                         const ProjectionSettings& projection,
                                                         const Part<Dim>& part);
-/// So many layers between isosurfaces at uniform times.
-template <int Dim>
-std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model(int count, const Part<Dim>& part);
 
 }  // namespace fabseq
