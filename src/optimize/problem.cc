@@ -42,7 +42,7 @@ void Problem<Dim>::add_largest() {
     if (terms_[i].weight == 0.0) continue;
     auto values = responses_[i]->largest_of();
     if (!values) continue;
-    largest_ = {i, responses_.size()};
+    largest_ = i;
     responses_.push_back(std::move(values));
   }
 }
@@ -106,7 +106,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.constraints.assign(split, end);
   result.functionals.resize(terms_.size());
   for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
-  if (largest_) result.scenarios = all[largest_->response];
+  if (largest_) result.scenarios = all[configured_];
   if (first_values_.empty())
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
 
@@ -140,8 +140,7 @@ GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
     const bool has_rest = std::none_of(squares_.begin(), squares_.end(), [i](const Squares& squares) {
       return squares.complete && squares.term == i;
     });
-    if (has_rest && !(largest_ && largest_->term == i))
-      row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+    if (has_rest && largest_ != i) row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
   }
   for (const Squares& squares : squares_) {
     if (squares.complete) continue;
@@ -169,9 +168,9 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
   ProblemGradients result;
   std::size_t next_row = rows.size();
   for (std::size_t c = 0; c < values.scenarios.size(); ++c) {
-    const double scale = terms_[largest_->term].weight * factors[largest_->term];
+    const double scale = terms_[*largest_].weight * factors[*largest_];
     result.largest.push_back({scale * values.scenarios[c], {}});
-    rows.push_back({{static_cast<int>(largest_->response), static_cast<int>(c), scale}});
+    rows.push_back({{static_cast<int>(configured_), static_cast<int>(c), scale}});
   }
   for (const Squares& squares : squares_) {
     const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
@@ -231,8 +230,8 @@ std::string Problem<Dim>::component_name(std::size_t response, std::size_t compo
   for (const Squares& squares : squares_)
     if (squares.response == response)
       return "objective_" + std::to_string(squares.term) + "_functional_" + std::to_string(component);
-  if (largest_ && largest_->response == response)
-    return "objective_" + std::to_string(largest_->term) + "_scenario_" + std::to_string(component);
+  if (largest_ && response == configured_)
+    return "objective_" + std::to_string(*largest_) + "_scenario_" + std::to_string(component);
   return "constraint_" + std::to_string(response - terms_.size()) + "_" + std::to_string(component);
 }
 

@@ -96,12 +96,6 @@ class Problem {
     bool always = false;       ///< residuals whatever their share of the term
   };
 
-  /// The term that is the largest of several values.
-  struct Largest {
-    std::size_t term = 0;      ///< index in terms_
-    std::size_t response = 0;  ///< of the values, index in responses_
-  };
-
   void add_largest();
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
@@ -114,7 +108,8 @@ class Problem {
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
   std::size_t configured_ = 0;                             ///< terms and constraints
   std::vector<Squares> squares_;
-  std::optional<Largest> largest_;
+  std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response
+                                        ///< after the configured ones, and there are no functionals
   std::vector<double> first_values_;
 };
 
