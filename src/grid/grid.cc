@@ -116,6 +116,13 @@ void NodeExchange<Dim>::to_ghosted(std::span<const double> owned, std::span<doub
 }
 
 template <int Dim>
+std::vector<double> NodeExchange<Dim>::ghosted(std::span<const double> owned) const {
+  std::vector<double> result(static_cast<std::size_t>(local_size(ghosted_)));
+  to_ghosted(owned, result);
+  return result;
+}
+
+template <int Dim>
 void NodeExchange<Dim>::add_to_owned(std::span<const double> ghosted, std::span<double> owned) const {
   assert(static_cast<PetscInt>(owned.size()) == local_size(owned_));
   assert(static_cast<PetscInt>(ghosted.size()) == local_size(ghosted_));

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -24,26 +25,6 @@ constexpr double conservative_factor = 1e3;
 constexpr int conservative_attempts = 5;
 constexpr double still = 1e-7;         // fraction of the range: smaller steps have no direction
 constexpr double least_width = 1e-12;  // fraction of the range: a variable with less room stays
-
-void require(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
-void check_sizes(std::size_t n, std::span<const double> x, std::span<const double> objective_gradient,
-                 std::span<const double> values, std::span<const std::vector<double>> gradients,
-                 std::span<const double> lower, std::span<const double> upper, const MmaRows& rows) {
-  const std::size_t m = values.size();
-  require(x.size() == n && objective_gradient.size() == n && lower.size() == n && upper.size() == n,
-          "Mma::update: vectors must have an entry for each of this rank's variables");
-  require(gradients.size() == m && rows.a.size() == m && rows.c.size() == m && rows.d.size() == m,
-          "Mma::update: gradients, a, c and d must have an entry a row");
-  for (std::size_t i = 0; i < m; ++i)
-    require(rows.a[i] >= 0.0 && rows.c[i] >= 0.0 && rows.d[i] >= 0.0 && rows.c[i] + rows.d[i] > 0.0 &&
-                (rows.a[i] == 0.0 || rows.a0 > 0.0),
-            "Mma::update: a, c, d must not be negative, c + d must be positive, and so must a0 where a is");
-  require(std::all_of(gradients.begin(), gradients.end(), [n](const auto& row) { return row.size() == n; }),
-          "Mma::update: each gradient must have an entry for each of this rank's variables");
-}
 
 // The same verdict on all ranks; gradients are checked by the subproblem, which reads them anyway.
 void check_numbers(MPI_Comm comm, std::span<const double> x, std::span<const double> values,
@@ -95,9 +76,7 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
     kept.push_back(i);
     kept_gradients.push_back(all[i]);
     kept_values.push_back(values[i]);
-    kept_rows.a.push_back(rows.a[i]);
-    kept_rows.c.push_back(rows.c[i]);
-    kept_rows.d.push_back(rows.d[i]);
+    kept_rows.add(1, rows.a[i], rows.c[i], rows.d[i]);
   }
   std::vector<double> step =
       solve_kept_rows(comm, box, objective_gradient, kept_gradients, kept_values, kept_rows, report);
@@ -109,27 +88,10 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
 
 }  // namespace
 
-MmaRows MmaRows::constraints(int m) {
-  const auto count = static_cast<std::size_t>(m);
-  MmaRows rows;
-  rows.a.assign(count, 0.0);
-  rows.c.assign(count, 1000.0);
-  rows.d.assign(count, 1.0);
-  return rows;
-}
-
-void MmaRows::add_residuals(int count) {
-  const std::size_t all = a.size() + 2 * static_cast<std::size_t>(count);
-  a.resize(all, 0.0);
-  c.resize(all, 0.0);
-  d.resize(all, 2.0);
-}
-
-void MmaRows::add_largest_of(int count) {
-  const std::size_t all = a.size() + static_cast<std::size_t>(count);
-  a.resize(all, 1.0);
-  c.resize(all, 1000.0);
-  d.resize(all, 1.0);
+void MmaRows::add(std::size_t count, double row_a, double row_c, double row_d) {
+  a.insert(a.end(), count, row_a);
+  c.insert(c.end(), count, row_c);
+  d.insert(d.end(), count, row_d);
 }
 
 Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(comm), settings_(settings) {
@@ -139,9 +101,10 @@ Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(
 
 void Mma::restore(MmaState state) {
   const std::size_t n = state_.low.size();
-  require(state.low.size() == n && state.upp.size() == n && state.previous.size() == n &&
-              state.before_previous.size() == n,
-          "Mma::restore: the state must have an entry for each of this rank's variables");
+  if (state.low.size() != n || state.upp.size() != n || state.previous.size() != n ||
+      state.before_previous.size() != n)
+    throw std::invalid_argument(
+        "Mma::restore: the state must have an entry for each of this rank's variables");
   state_ = std::move(state);
 }
 
@@ -193,10 +156,11 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
                       std::span<const double> lower, std::span<const double> upper, double move_limit,
                       const MmaRows& rows) {
   const std::size_t n = state_.low.size();
-  check_sizes(n, x, objective_gradient, values, gradients, lower, upper, rows);
+  assert(x.size() == n && objective_gradient.size() == n && lower.size() == n && upper.size() == n);
+  assert(gradients.size() == values.size() && rows.a.size() == values.size());
   check_numbers(comm_, x, values, lower, upper);
   std::vector<double> shared(values.begin(), values.end());
-  MPI_Bcast(shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, 0, comm_);
+  broadcast(comm_, shared);
 
   for (std::size_t j = 0; j < n; ++j) x[j] = std::clamp(x[j], lower[j], upper[j]);
   move_asymptotes(x, lower, upper);

@@ -47,7 +47,7 @@ std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const P
   if (count == setup.baseline->count()) return std::nullopt;
   try {
     SequenceReport report =
-        planar_report(setup, problem, *make_uniform_layer_model(count, setup.part), timer);
+        planar_report(setup, problem, *make_layer_model({.count = count}, {}, setup.part), timer);
     return static_cast<SequenceNumbers&&>(report);
   } catch (const NumericalError& error) {
     warn(std::string("no block baseline_matched in summary.json: ") + error.what());

@@ -207,15 +207,17 @@ TYPED_TEST(DistortionFunctionalsTest, ResidualsAndRestMakeUpTheObjective) {
   EXPECT_TRUE(values.functionals[3].empty());
   std::vector<double> total = found.objective.field;
   double squares = 0.0;
-  for (std::size_t k = 0; k < found.residuals.size(); ++k) {
-    squares += found.residual_values[k] * found.residual_values[k];
+  for (const ProblemRow& residual : found.residuals) {
+    squares += residual.value * residual.value;
     for (std::size_t e = 0; e < total.size(); ++e)
-      total[e] += 2.0 * found.residual_values[k] * found.residuals[k].field[e];
+      total[e] += 2.0 * residual.value * residual.gradient.field[e];
   }
   EXPECT_LT(squares, values.scaled[0] + values.scaled[1] + values.scaled[2]);
   EXPECT_GT(squares, 0.5 * (values.scaled[0] + values.scaled[1]));
   EXPECT_LT(test::relative_difference(total, expected.objective.field), 1e-8);
-  EXPECT_EQ(found.constraint_values, expected.constraint_values);
+  ASSERT_EQ(found.constraints.size(), expected.constraints.size());
+  for (std::size_t row = 0; row < found.constraints.size(); ++row)
+    EXPECT_EQ(found.constraints[row].value, expected.constraints[row].value);
   EXPECT_NEAR(values.merit, plain_values.merit, 1e-12 * std::abs(values.merit));
 }
 

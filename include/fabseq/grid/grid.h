@@ -55,6 +55,8 @@ class NodeExchange {
 
   /// Copies owned values, and the neighbours' values in the ghosted box, to `ghosted`.
   void to_ghosted(std::span<const double> owned, std::span<double> ghosted) const;
+  /// The same, to memory of their own.
+  std::vector<double> ghosted(std::span<const double> owned) const;
   /// Sums the values that the element loops of all ranks collected on `ghosted` at the owners of the nodes.
   /// `owned` is overwritten.
   void add_to_owned(std::span<const double> ghosted, std::span<double> owned) const;
