@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -25,6 +24,26 @@ constexpr double conservative_factor = 1e3;
 constexpr int conservative_attempts = 5;
 constexpr double still = 1e-7;         // fraction of the range: smaller steps have no direction
 constexpr double least_width = 1e-12;  // fraction of the range: a variable with less room stays
+
+void require(bool condition, const char* message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+void check_sizes(std::size_t n, std::span<const double> x, std::span<const double> objective_gradient,
+                 std::span<const double> values, std::span<const std::vector<double>> gradients,
+                 std::span<const double> lower, std::span<const double> upper, const MmaRows& rows) {
+  const std::size_t m = values.size();
+  require(x.size() == n && objective_gradient.size() == n && lower.size() == n && upper.size() == n,
+          "Mma::update: vectors must have an entry for each of this rank's variables");
+  require(gradients.size() == m && rows.a.size() == m && rows.c.size() == m && rows.d.size() == m,
+          "Mma::update: gradients, a, c and d must have an entry a row");
+  for (std::size_t i = 0; i < m; ++i)
+    require(rows.a[i] >= 0.0 && rows.c[i] >= 0.0 && rows.d[i] >= 0.0 && rows.c[i] + rows.d[i] > 0.0 &&
+                (rows.a[i] == 0.0 || rows.a0 > 0.0),
+            "Mma::update: a, c, d must not be negative, c + d must be positive, and so must a0 where a is");
+  require(std::all_of(gradients.begin(), gradients.end(), [n](const auto& row) { return row.size() == n; }),
+          "Mma::update: each gradient must have an entry for each of this rank's variables");
+}
 
 // The same verdict on all ranks; gradients are checked by the subproblem, which reads them anyway.
 void check_numbers(MPI_Comm comm, std::span<const double> x, std::span<const double> values,
@@ -101,10 +120,9 @@ Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(
 
 void Mma::restore(MmaState state) {
   const std::size_t n = state_.low.size();
-  if (state.low.size() != n || state.upp.size() != n || state.previous.size() != n ||
-      state.before_previous.size() != n)
-    throw std::invalid_argument(
-        "Mma::restore: the state must have an entry for each of this rank's variables");
+  require(state.low.size() == n && state.upp.size() == n && state.previous.size() == n &&
+              state.before_previous.size() == n,
+          "Mma::restore: the state must have an entry for each of this rank's variables");
   state_ = std::move(state);
 }
 
@@ -156,8 +174,7 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
                       std::span<const double> lower, std::span<const double> upper, double move_limit,
                       const MmaRows& rows) {
   const std::size_t n = state_.low.size();
-  assert(x.size() == n && objective_gradient.size() == n && lower.size() == n && upper.size() == n);
-  assert(gradients.size() == values.size() && rows.a.size() == values.size());
+  check_sizes(n, x, objective_gradient, values, gradients, lower, upper, rows);
   check_numbers(comm_, x, values, lower, upper);
   std::vector<double> shared(values.begin(), values.end());
   broadcast(comm_, shared);

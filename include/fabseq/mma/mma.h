@@ -18,7 +18,7 @@ struct MmaBox;
 /// of z.
 struct MmaRows {
   double a0 = 1.0;
-  std::vector<double> a, c, d;  ///< one entry per row, not negative; c + d > 0
+  std::vector<double> a, c, d;  ///< one entry per row
 
   /// Adds so many rows with these coefficients.
   void add(std::size_t count, double row_a, double row_c, double row_d);
