@@ -10,7 +10,6 @@
 
 #include "lane_case.h"
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -222,23 +221,21 @@ void run(const HardCase& hard, const Settings& settings) {
   auto& [lane_case, solver] = system;
   const LaneArray load = lane_case.load();
   LaneArray rest = load, solution, exact;
-  const auto start = std::chrono::steady_clock::now();
+  const double start = MPI_Wtime();
   solver.set_up();
-  const auto outcomes = solver.solve(rest, solution, LaneCase::lanes, settings.stop);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  auto outcomes = solver.solve(rest, solution, LaneCase::lanes, settings.stop);
+  const double seconds = MPI_Wtime() - start;
   rest = load;
   solver.solve(rest, exact, LaneCase::lanes, tight);
   const bool converged = std::ranges::all_of(outcomes, &fabseq::LaneOutcome::converged);
-  std::vector<int> iterations;
-  for (const auto& outcome : outcomes) iterations.push_back(outcome.iterations);
-  std::sort(iterations.begin(), iterations.end());
+  std::ranges::sort(outcomes, {}, &fabseq::LaneOutcome::iterations);
   const auto error = relative_differences(solver, solution, exact);
   const double filled = lane_case.filled();
   if (fabseq::rank_of(PETSC_COMM_WORLD) != 0) return;
   std::printf("| %-12s | %-40s | %3.0f %% | %3d | %3d | %7.1e | %6.3f |%s\n", hard.name.c_str(),
-              hard.what.c_str(), 100.0 * filled, iterations.back(), iterations[LaneCase::lanes / 2],
-              *std::max_element(error.begin(), error.end()), seconds.count() / LaneCase::lanes,
-              converged ? "" : " not converged");
+              hard.what.c_str(), 100.0 * filled, outcomes.back().iterations,
+              outcomes[LaneCase::lanes / 2].iterations, *std::max_element(error.begin(), error.end()),
+              seconds / LaneCase::lanes, converged ? "" : " not converged");
   std::fflush(stdout);
 }
 

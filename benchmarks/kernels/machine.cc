@@ -36,26 +36,23 @@ class Triad {
 
 /// Multiplications with addition that do not wait for each other: enough chains to fill the pipes, few enough
 /// to stay in registers.
-class FusedMultiplyAdd {
- public:
-  static constexpr int chains = 12 * native_lanes / 8;
-  static constexpr int steps = 4'000'000;
-  static constexpr double flops = 2.0 * 8 * chains * steps;
+constexpr int chains = 12 * native_lanes / 8;
+constexpr int steps = 4'000'000;
+constexpr double chained_flops = 2.0 * 8 * chains * steps;
 
-  void operator()() const {
-    double one = 1.0, small = 1e-9;
-    benchmark::DoNotOptimize(one);
-    benchmark::DoNotOptimize(small);
-    const Vector factor = Vector::broadcast(one), term = Vector::broadcast(small);
-    std::array<Vector, chains> sums;
-    sums.fill(Vector::zero());
-    for (int step = 0; step < steps; ++step)
+void multiply_and_add() {
+  double one = 1.0, small = 1e-9;
+  benchmark::DoNotOptimize(one);
+  benchmark::DoNotOptimize(small);
+  const Vector factor = Vector::broadcast(one), term = Vector::broadcast(small);
+  std::array<Vector, chains> sums;
+  sums.fill(Vector::zero());
+  for (int step = 0; step < steps; ++step)
 #pragma GCC unroll 12
-      for (int chain = 0; chain < chains; ++chain) sums[chain] = sums[chain] * factor + term;
-    for (int chain = 1; chain < chains; ++chain) sums[0] += sums[chain];
-    benchmark::DoNotOptimize(sums[0][0]);
-  }
-};
+    for (int chain = 0; chain < chains; ++chain) sums[chain] = sums[chain] * factor + term;
+  for (int chain = 1; chain < chains; ++chain) sums[0] += sums[chain];
+  benchmark::DoNotOptimize(sums[0][0]);
+}
 
 template <class Call>
 double best_seconds(int passes, Call&& call) {
@@ -74,8 +71,7 @@ double best_seconds(int passes, Call&& call) {
 
 MachineLimits measure_limits() {
   Triad triad;
-  return {Triad::bytes / best_seconds(5, triad),
-          FusedMultiplyAdd::flops / best_seconds(3, FusedMultiplyAdd())};
+  return {Triad::bytes / best_seconds(5, triad), chained_flops / best_seconds(3, multiply_and_add)};
 }
 
 void add_machine() {
@@ -83,9 +79,8 @@ void add_machine() {
     Triad triad;
     measure(state, {.bytes = Triad::bytes}, triad);
   });
-  add("machine/fma", 3, [](benchmark::State& state) {
-    measure(state, {.flops = FusedMultiplyAdd::flops}, FusedMultiplyAdd());
-  });
+  add("machine/fma", 3,
+      [](benchmark::State& state) { measure(state, {.flops = chained_flops}, multiply_and_add); });
 }
 
 }  // namespace benchmarks

@@ -76,41 +76,6 @@ void add_on_box(const std::string& name, int calls, int elements, const Work& wo
   });
 }
 
-void add_smoothers(int elements) {
-  const auto smooth = [](int degree, bool from_zero) {
-    return [=](Box& box) {
-      box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), degree, from_zero);
-    };
-  };
-  add_on_box("smoother/one_step", 12, elements, {step_words, step_flops}, smooth(1, false));
-  // Before the coarse correction: the old step is x itself, which is there.
-  add_on_box("smoother/degree_2_from_zero", 12, elements,
-             {first_words + step_words, first_flops + step_flops + 2.0}, smooth(2, true));
-  // After it: two sweeps; the step is written by the first and read by the second.
-  add_on_box("smoother/degree_2", 8, elements, {2.0 * step_words + 2.0, 2.0 * step_flops + 2.0, 2.0},
-             smooth(2, false));
-}
-
-void add_residual(int elements) {
-  // K x and x . K x; the product can be had in passing.
-  add_on_box("operator/single_precision", 12, elements, {0.0, 2.0}, [](Box& box) {
-    benchmark::DoNotOptimize(box.matrix.apply(box.solution.data(), box.extra.data())[0]);
-  });
-  add_on_box("residual", 12, elements, {1.0, 1.0}, [](Box& box) {
-    box.matrix.residual_part(box.right.data(), box.solution.data(), box.extra.data());
-  });
-}
-
-/// Flops are few and not counted.
-void add_transfers(int elements) {
-  add_on_box("transfer/prolong", 20, elements, {2.0, 0.0, 0.0, 1.0}, [](Box& box) {
-    box.level.transfer.prolong_add<3, lanes>(box.coarse.data(), box.solution.data());
-  });
-  add_on_box("transfer/restrict", 20, elements, {1.0, 0.0, 0.0, 2.0}, [](Box& box) {
-    box.level.transfer.restrict_add<3, lanes>(box.right.data(), box.coarse.data());
-  });
-}
-
 /// The last level of 80 x 40 x 80 elements by itself: a hierarchy of one level solves directly. The factor of
 /// every lane passes twice.
 void add_coarse_solve() {
@@ -126,7 +91,7 @@ void add_coarse_solve() {
     Vector solution(right.size());
     const fabseq::BandNumbering<3> numbering(part.hierarchy().level(0).mesh, 3);
     const auto unknowns = static_cast<double>(right.size());
-    const double band = unknowns * (numbering.bandwidth() + 1);
+    const double band = unknowns * (numbering.bandwidth + 1);
     measure(state, {unknowns, 2.0 * sizeof(double) * band, 4.0 * band},
             [&] { multigrid.apply(right.data(), solution.data()); });
   });
@@ -135,9 +100,35 @@ void add_coarse_solve() {
 }  // namespace
 
 void add_multigrid(int elements) {
-  add_residual(elements);
-  add_smoothers(elements);
-  add_transfers(elements);
+  // K x and x . K x; the product can be had in passing.
+  add_on_box("operator/single_precision", 12, elements, {0.0, 2.0}, [](Box& box) {
+    benchmark::DoNotOptimize(box.matrix.apply(box.solution.data(), box.extra.data())[0]);
+  });
+  add_on_box("residual", 12, elements, {1.0, 1.0}, [](Box& box) {
+    box.matrix.residual_part(box.right.data(), box.solution.data(), box.extra.data());
+  });
+
+  const auto smooth = [](int degree, bool from_zero) {
+    return [=](Box& box) {
+      box.matrix.smooth(box.right.data(), box.solution.data(), box.extra.data(), degree, from_zero);
+    };
+  };
+  add_on_box("smoother/one_step", 12, elements, {step_words, step_flops}, smooth(1, false));
+  // Before the coarse correction: the old step is x itself, which is there.
+  add_on_box("smoother/degree_2_from_zero", 12, elements,
+             {first_words + step_words, first_flops + step_flops + 2.0}, smooth(2, true));
+  // After it: two sweeps; the step is written by the first and read by the second.
+  add_on_box("smoother/degree_2", 8, elements, {2.0 * step_words + 2.0, 2.0 * step_flops + 2.0, 2.0},
+             smooth(2, false));
+
+  // Flops of the transfers are few and not counted.
+  add_on_box("transfer/prolong", 20, elements, {2.0, 0.0, 0.0, 1.0}, [](Box& box) {
+    box.level.transfer.prolong_add<3, lanes>(box.coarse.data(), box.solution.data());
+  });
+  add_on_box("transfer/restrict", 20, elements, {1.0, 0.0, 0.0, 2.0}, [](Box& box) {
+    box.level.transfer.restrict_add<3, lanes>(box.right.data(), box.coarse.data());
+  });
+
   add_coarse_solve();
 }
 

@@ -83,28 +83,16 @@ def read_log(path):
 def model_counts(tallies, elastic, heat):
     result = {phase: Counter() for phase in PHASES}
 
-    def add(phase, times, number, size, what="message"):
-        result[phase][what + "s"] += times * number
-        result[phase][what + "_bytes"] += times * size
-
     for tally in tallies:
-        for (phase, level, size), times in tally.halos.items():
-            counts = (heat if phase == "heat" else elastic).levels[level]
-            add(phase, times, counts.halo_messages, counts.halo_nodes * size)
-        for (phase, size), times in tally.exchanges.items():
-            add(phase, times, elastic.exchange_messages(), elastic.exchange_nodes() * size)
-        for (phase, size), times in tally.rings.items():
-            add(phase, times, elastic.exchange_messages(), elastic.ring_elements() * size)
-        for (phase, level, kind, size), times in tally.gathers.items():
-            counts = getattr((heat if phase == "heat" else elastic).levels[level], "gathered_" + kind)
-            add(phase, times, counts.messages, counts.entries * size)
-        for (phase, owners, size), times in tally.deals.items():
-            messages, volume = (heat if phase == "heat" else elastic).dealt(owners, size)[:2]
-            add(phase, times, messages, volume)
+        for (phase, what, *size), times in tally.traffic.items():
+            traffic = getattr(heat if phase == "heat" else elastic, what)(*size)
+            result[phase]["messages"] += times * traffic.messages
+            result[phase]["message_bytes"] += times * traffic.bytes
         for (phase, _, comm, size), times in tally.collectives.items():
             system = heat if phase == "heat" else elastic
             share = system.levels[comm].ranks / system.ranks if isinstance(comm, int) else 1.0
-            add(phase, times * share / len(tallies), 1, size, "collective")
+            result[phase]["collectives"] += times * share / len(tallies)
+            result[phase]["collective_bytes"] += times * share / len(tallies) * size
     return result
 
 

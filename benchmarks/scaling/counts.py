@@ -3,7 +3,7 @@
 collective calls.
 
 A "halo" is a sum over shared nodes (SharedNodes::sum), an "exchange" PETSc's halo of the nodes of the whole
-box, a "ring" a copy of the elements around the rank's own: one message to each neighbour. A "gather" takes
+box, or a copy of the elements around the rank's own: one message to each neighbour. A "gather" takes
 values to the ranks that hold the next level, or back (LevelGather); a "deal" takes lanes to those that solve
 them on the last level, or back (LaneDeal). Collectives are over the ranks of a group ("domain"), those of
 them that hold a level (its number), a rank and its copies ("across"), or all ("world").
@@ -37,16 +37,9 @@ class Tally:
 
     def __init__(self):
         self.work = defaultdict(lambda: np.zeros(2))  # phase: a rank's kernels
-        self.halos = Counter()                        # (phase, level, bytes per node): how often
-        self.exchanges = Counter()                    # (phase, bytes per node)
-        self.gathers = Counter()                      # (phase, level, "nodes" or "elements", bytes per each)
-        self.deals = Counter()                        # (phase, owners of the lanes, bytes per node and lane)
-        self.rings = Counter()                        # (phase, bytes per element)
+        self.traffic = Counter()                      # (phase, function of System, its arguments): how often
         self.collectives = Counter()                  # (phase, kind, comm, bytes per rank)
         self.serial = Counter()                       # (phase, what): units on one rank
-
-    def collective(self, phase, kind, comm, size, times=1):
-        self.collectives[phase, kind, comm, size] += times
 
 
 def width_of(lanes):
@@ -66,18 +59,18 @@ class LaneSolver:
 
     def collective(self, kind, comm, size, times=1):
         if comm == "across" or self.parallel:
-            self.tally.collective(self.phase, kind, comm, size, times)
+            self.tally.collectives[self.phase, kind, comm, size] += times
 
     def reduce(self, size, times=1):
         self.collective("allreduce", "domain", size, times)
 
     def halo(self, level, size, times=1):
         if self.levels[level].ranks > 1:
-            self.tally.halos[self.phase, level, size] += times
+            self.tally.traffic[self.phase, "halo", level, size] += times
 
-    def exchange(self, components, times=1):
+    def exchange(self, values, times=1, kind="nodes"):
         if self.parallel:
-            self.tally.exchanges[self.phase, components * DOUBLE] += times
+            self.tally.traffic[self.phase, "exchange", kind, values * DOUBLE] += times
 
     def serial(self, what, units):
         self.tally.serial[self.phase, what] += units
@@ -94,8 +87,8 @@ class LaneSolver:
             self.reduce(round(of_elements * coarse.elements), times if of_elements else 0)
             return
         for kind, size, ways in (("nodes", of_nodes, 2), ("elements", of_elements, 1)):
-            if size and coarse.gathered_nodes.messages:
-                self.tally.gathers[self.phase, fine + 1, kind, size] += ways * times
+            if size:
+                self.tally.traffic[self.phase, "gather", fine + 1, kind, size] += ways * times
         if of_nodes:
             self.halo(fine + 1, of_nodes, times)
 
@@ -115,8 +108,7 @@ class LaneSolver:
         if not problem.own_operators or len(self.levels) == 1:
             return
         self.reduce(2 * width * DOUBLE)  # extremes of the stiffness
-        if self.parallel:
-            self.tally.rings[self.phase, DOUBLE] += 2 * width  # of the stiffness, of what elements are in
+        self.exchange(1, 2 * width, "elements")  # of the stiffness, of what elements are in
         for _ in "basins", "saddles", "islands":
             self.collective("alltoall", "domain", 4 * self.system.ranks)
             self.collective("alltoallv", "domain", 0)  # of the graphs: what check.py leaves out, too
@@ -141,7 +133,7 @@ class LaneSolver:
             self.transfer_down(level, value * SINGLE, 0, visits)
             self.work(visit(problem, self.levels[level], self.levels[level + 1], width), visits, width)
         if self.levels[-1].lanes_dealt:
-            self.tally.deals[self.phase, owners, problem.components * SINGLE] += 2 * visits
+            self.tally.traffic[self.phase, "deal", owners, problem.components * SINGLE] += 2 * visits
         if problem.own_operators:
             self.serial("direct", visits * most_lanes(owners))
         else:
@@ -212,18 +204,18 @@ def count_rest(plan, tally, ranks, groups, rows):
     if ranks > 1:  # values: distortion, uniformity, thickness; derivatives of this group's rows
         times = 2 + (0 in rows)
         for size, count in (8, 1 + times), (24 * layers, times), (8 * layers, times), (24, sum(row > 0 for row in rows)):
-            tally.collective("responses", "allreduce", "domain", size, count)
+            tally.collectives["responses", "allreduce", "domain", size] += count
     if groups > 1:
-        tally.collective("responses", "bcast", "across", 8, 2)
-        tally.collective("responses", "bcast", "across", 8 * layers)
-        tally.collective("responses", "allreduce", "across", 8)
-        tally.collective("layers", "reduce", "across", round(plan.part_elements / ranks) * DOUBLE)
+        tally.collectives["responses", "bcast", "across", 8] += 2
+        tally.collectives["responses", "bcast", "across", 8 * layers] += 1
+        tally.collectives["responses", "allreduce", "across", 8] += 1
+        tally.collectives["layers", "reduce", "across", round(plan.part_elements / ranks) * DOUBLE] += 1
     if ranks > 1 or groups > 1:
         for kind, size, count in (("allreduce", 4, 1), ("allreduce", 8, 2),
                                   ("bcast", m * DOUBLE, 1), ("allreduce", m * DOUBLE, 1),
                                   ("bcast", (2 * m + 1) * DOUBLE, iteration.newton_steps),
                                   ("allreduce", ((m + 1) * (m + 2) // 2 + 2 * m) * DOUBLE, iteration.newton_steps + 1)):
-            tally.collective("optimizer", kind, "world", size, count)
+            tally.collectives["optimizer", kind, "world", size] += count
 
 
 def count_iteration(plan, elastic, heat, groups):

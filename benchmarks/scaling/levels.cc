@@ -18,6 +18,11 @@ using Shares = fabseq::LevelShares<3>;
 
 double count_of(const Index<3>& box) { return static_cast<double>(fabseq::IndexBox<3>{{}, box}.count()); }
 
+/// Nodes of so many elements, where no more is known.
+double nodes_of(double elements) {
+  return elements > 0.0 ? std::pow(std::pow(elements, 1.0 / 3.0) + 1.0, 3) : 0.0;
+}
+
 /// Mesh of a process, where the level's elements are known.
 LaneMesh<3> mesh_of(const LaneMesh<3>& whole, const Shares& shares, int process) {
   const auto box = shares.elements_of(process);
@@ -60,12 +65,12 @@ void deal_out(Level& level, const Shares& shares) {
 
 /// The same where only the filled share of the box is known: the part fills it evenly, and a rank's share of
 /// it is a compact one.
-void estimate(Level& level, const Index<3>& processes, double fill) {
+void estimate(Level& level, const Index<3>& processes) {
   const double ranks = count_of(processes);
   double nodes = 1.0, with_halo = 1.0, squares = 1.0, holders = 1.0, pairs = 1.0, around = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double count = processes[axis], extent = level.box[axis], sides = std::min(count - 1.0, 2.0);
-    const double edge = fill == 1.0 ? extent / count : std::pow(level.elements / ranks, 1.0 / 3.0);
+    const double edge = level.fill == 1.0 ? extent / count : std::pow(level.elements / ranks, 1.0 / 3.0);
     nodes *= edge + 1.0;
     with_halo *= edge + 1.0 + sides;
     // A node with h holders is sent h (h - 1) times; h is a product over the axes.
@@ -77,31 +82,28 @@ void estimate(Level& level, const Index<3>& processes, double fill) {
   level.own_elements = level.elements / ranks;
   level.own_nodes = nodes;
   level.halo_messages = pairs - ranks;
-  level.halo_nodes = (squares - holders) * fill;
+  level.halo_nodes = (squares - holders) * level.fill;
   level.own_neighbors = around - 1.0;
   level.own_halo_nodes = with_halo - nodes;
 }
 
 /// Adds up what processes of one level send to those of the next.
-class GatherCount {
- public:
-  explicit GatherCount(const Shares& coarse) : coarse_(coarse), received_(coarse.ranks.size()) {}
+struct GatherCount {
+  explicit GatherCount(const Shares& coarse) : holders(coarse.ranks), received(holders.size()) {}
   void add(int from_rank, int process, double entries) {
-    if (entries <= 0.0 || coarse_.ranks[process] == from_rank) return;
-    auto& [messages, sum, own_messages, own_entries] = received_[process];
+    if (entries <= 0.0 || holders[process] == from_rank) return;
+    auto& [messages, sum, own_messages, own_entries] = received[process];
     ++own_messages;
     own_entries += entries;
-    ++all_.messages;
-    all_.entries += entries;
-    all_.own_messages = std::max(all_.own_messages, own_messages);
-    all_.own_entries = std::max(all_.own_entries, own_entries);
+    ++all.messages;
+    all.entries += entries;
+    all.own_messages = std::max(all.own_messages, own_messages);
+    all.own_entries = std::max(all.own_entries, own_entries);
   }
-  const Gather& result() const { return all_; }
 
- private:
-  const Shares& coarse_;
-  std::vector<Gather> received_;
-  Gather all_;
+  const std::vector<int>& holders;
+  std::vector<Gather> received;
+  Gather all{};
 };
 
 LaneMesh<3> stage_of(const Level& fine, const Shares& shares, int process) {
@@ -109,75 +111,15 @@ LaneMesh<3> stage_of(const Level& fine, const Shares& shares, int process) {
                              shares.elements_of(process).coarsened(fine.factors), fine.factors);
 }
 
-}  // namespace
-
-System::System(const fabseq::Grid<3>& grid, const fabseq::SystemDomain& domain)
-    : hierarchy_(std::make_unique<Hierarchy>(grid, domain)) {
-  for (int index = 0; index < hierarchy_->count(); ++index) {
-    const auto& level = hierarchy_->level(index);
-    add(level.elements, level.factors, static_cast<double>(level.mesh.elements()),
-        static_cast<double>(level.mesh.nodes()), &level.mesh);
-  }
-}
-
-System::System(Index<3> box, double fill) : fill_(fill) {
-  const bool full = fill == 1.0;
-  double elements = fill * count_of(box);
-  for (Index<3> factors{}; factors != Index<3>{1, 1, 1};) {
-    factors = Hierarchy::choose_factors(box, {1.0, 1.0, 1.0}, std::llround(elements));
-    add(box, factors, elements,
-        full ? count_of({box[0] + 1, box[1] + 1, box[2] + 1})
-             : std::pow(std::pow(elements, 1.0 / 3.0) + 1.0, 3),
-        nullptr);
-    for (int& extent : box) extent = (extent + 1) / 2;
-    elements = full ? count_of(box) : elements / 8.0;
-  }
-}
-
-std::vector<Level> System::on(const Decomposition& ranges) const {
-  Shares shares = Shares::finest(ranges);
-  if (shares.count() == 1) return whole_;
-  std::vector<Level> levels{whole_.front()};
-  hold(levels.back(), shares);
-  const std::size_t count = std::max<std::size_t>(2, whole_.size());  // a small finest level has a copy
-  for (std::size_t index = 1; index < count; ++index) {
-    const Level& fine = levels.back();
-    Shares coarse = shares.coarsened(fine.factors, std::llround(fine.elements));
-    Level level = whole_[std::min(index, whole_.size() - 1)];
-    level.lanes_dealt = index + 1 == count;
-    if (level.lanes_dealt)
-      deal_lanes(level, fine, shares);
-    else if (!shares.stay_in_place(coarse, fine.factors))
-      gather(level, fine, shares, coarse);
-    if (!level.lanes_dealt) hold(level, coarse);
-    shares = std::move(coarse);
-    levels.push_back(level);
-  }
-  return levels;
-}
-
-void System::add(const Index<3>& box, const Index<3>& factors, double elements, double nodes,
-                 const LaneMesh<3>* mesh) {
-  Level& level = whole_.emplace_back();
-  level.box = box;
-  level.factors = factors;
-  level.mesh = mesh;
-  level.elements = level.own_elements = elements;
-  level.nodes = level.own_nodes = nodes;
-}
-void System::hold(Level& level, const Shares& shares) const {
+void hold(Level& level, const Shares& shares) {
   level.ranks = shares.count();
   if (level.mesh != nullptr)
     deal_out(level, shares);
   else
-    estimate(level, shares.ranges.processes, fill_);
+    estimate(level, shares.ranges.processes);
 }
 
-double System::nodes_of(double elements) const {
-  return elements > 0.0 ? std::pow(std::pow(fill_ * elements, 1.0 / 3.0) + 1.0, 3) : 0.0;
-}
-
-void System::gather(Level& level, const Level& fine, const Shares& shares, const Shares& coarse) const {
+void gather(Level& level, const Level& fine, const Shares& shares, const Shares& coarse) {
   GatherCount nodes(coarse), elements(coarse);
   for (int process = 0; process < shares.count(); ++process) {
     std::map<int, double> of_elements, of_nodes;
@@ -190,38 +132,85 @@ void System::gather(Level& level, const Level& fine, const Shares& shares, const
         for (const int holder : fabseq::LevelGather<3>::holders_of_nodes(stage, coarse)) ++of_nodes[holder];
     } else {
       const auto parents = shares.elements_of(process).coarsened(fine.factors);
-      Index<3> last = parents.start;
-      for (int axis = 0; axis < 3; ++axis) last[axis] += parents.size[axis] - 1;
       const Index<3> low = coarse.ranges.position_of_element(parents.start);
-      const Index<3> high = coarse.ranges.position_of_element(last);
+      const Index<3> high = coarse.ranges.position_of_element(parents.index(parents.count() - 1));
       const fabseq::IndexBox<3> touched{low,
                                         {high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1}};
       touched.for_each([&](const Index<3>& position, std::int64_t) {
         const auto box = coarse.ranges.elements_of(position);
         const auto common = static_cast<double>(box.common_with(parents).count());
-        of_elements[coarse.ranges.rank_at(position)] = fill_ * common;
-        of_nodes[coarse.ranges.rank_at(position)] = nodes_of(common);
+        of_elements[coarse.ranges.rank_at(position)] = fine.fill * common;
+        of_nodes[coarse.ranges.rank_at(position)] = nodes_of(fine.fill * common);
       });
     }
     for (const auto& [holder, count] : of_elements) elements.add(shares.ranks[process], holder, count);
     for (const auto& [holder, count] : of_nodes) nodes.add(shares.ranks[process], holder, count);
   }
-  level.gathered_nodes = nodes.result();
-  level.gathered_elements = elements.result();
+  level.gathered_nodes = nodes.all;
+  level.gathered_elements = elements.all;
 }
 
-void System::deal_lanes(Level& level, const Level& fine, const Shares& shares) const {
-  for (int process = 0; process < shares.count(); ++process) {
-    const auto nodes =
-        fine.mesh != nullptr
-            ? stage_of(fine, shares, process).nodes()
-            : std::llround(
-                  nodes_of(static_cast<double>(shares.elements_of(process).coarsened(fine.factors).count())));
-    if (nodes > 0) level.holders.emplace_back(shares.ranks[process], nodes);
-  }
+void deal_lanes(Level& level, const Level& fine, const Shares& shares) {
   level.own_nodes = 0.0;
-  for (const auto& [rank, nodes] : level.holders)
+  for (int process = 0; process < shares.count(); ++process) {
+    const auto parents = shares.elements_of(process).coarsened(fine.factors);
+    const auto nodes = fine.mesh != nullptr
+                           ? stage_of(fine, shares, process).nodes()
+                           : std::llround(nodes_of(fine.fill * static_cast<double>(parents.count())));
+    if (nodes > 0) level.holders.emplace_back(shares.ranks[process], nodes);
     level.own_nodes = std::max(level.own_nodes, static_cast<double>(nodes));
+  }
+}
+
+}  // namespace
+
+std::vector<Level> whole_levels(const Hierarchy& hierarchy) {
+  std::vector<Level> whole;
+  for (int index = 0; index < hierarchy.count(); ++index) {
+    const auto& level = hierarchy.level(index);
+    whole.push_back({.box = level.elements,
+                     .factors = level.factors,
+                     .mesh = &level.mesh,
+                     .elements = static_cast<double>(level.mesh.elements()),
+                     .nodes = static_cast<double>(level.mesh.nodes())});
+  }
+  return whole;
+}
+
+std::vector<Level> whole_levels(Index<3> box, double fill) {
+  std::vector<Level> whole;
+  const bool full = fill == 1.0;
+  double elements = fill * count_of(box);
+  for (Index<3> factors{}; factors != Index<3>{1, 1, 1};) {
+    factors = Hierarchy::choose_factors(box, {1.0, 1.0, 1.0}, std::llround(elements));
+    const double nodes = full ? count_of({box[0] + 1, box[1] + 1, box[2] + 1}) : nodes_of(elements);
+    whole.push_back({.box = box, .factors = factors, .fill = fill, .elements = elements, .nodes = nodes});
+    for (int& extent : box) extent = (extent + 1) / 2;
+    elements = full ? count_of(box) : elements / 8.0;
+  }
+  return whole;
+}
+
+std::vector<Level> levels_on(const std::vector<Level>& whole, const Decomposition& ranges) {
+  Shares shares = Shares::finest(ranges);
+  if (shares.count() == 1) return whole;
+  std::vector<Level> levels{whole.front()};
+  hold(levels.back(), shares);
+  const std::size_t count = std::max<std::size_t>(2, whole.size());  // a small finest level has a copy
+  for (std::size_t index = 1; index < count; ++index) {
+    const Level& fine = levels.back();
+    Shares coarse = shares.coarsened(fine.factors, std::llround(fine.elements));
+    Level level = whole[std::min(index, whole.size() - 1)];
+    level.lanes_dealt = index + 1 == count;
+    if (level.lanes_dealt)
+      deal_lanes(level, fine, shares);
+    else if (!shares.stay_in_place(coarse, fine.factors))
+      gather(level, fine, shares, coarse);
+    if (!level.lanes_dealt) hold(level, coarse);
+    shares = std::move(coarse);
+    levels.push_back(level);
+  }
+  return levels;
 }
 
 }  // namespace scaling

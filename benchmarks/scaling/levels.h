@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -25,14 +24,15 @@ struct Level {
   fabseq::Index<3> box{};                     ///< elements along each axis
   fabseq::Index<3> factors{};                 ///< to the next level
   const fabseq::LaneMesh<3>* mesh = nullptr;  ///< of the whole level, if its elements are known
+  double fill = 1.0;                          ///< share of the finest level's box, if they are not
   double elements = 0.0, nodes = 0.0;
-  double own_elements = 0.0, own_nodes = 0.0;
+  double own_elements = elements, own_nodes = nodes;
   int ranks = 1;                                 ///< that hold it
   double halo_messages = 0.0, halo_nodes = 0.0;  ///< of a sum over shared nodes
   double own_neighbors = 0.0, own_halo_nodes = 0.0;
-  Gather gathered_nodes, gathered_elements;  ///< from the level above
-  std::vector<std::pair<int, std::int64_t>>
-      holders;  ///< of the level above a dealt one: ranks, nodes they send
+  Gather gathered_nodes{}, gathered_elements{};  ///< from the level above
+  /// Of the level above a dealt one: ranks, nodes they send.
+  std::vector<std::pair<int, std::int64_t>> holders{};
   bool lanes_dealt = false;
 };
 
@@ -40,31 +40,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Level, box, elements, nodes, own_elements, ow
                                    halo_nodes, own_neighbors, own_halo_nodes, gathered_nodes,
                                    gathered_elements, holders, lanes_dealt)
 
-/// The levels of a system as one rank alone has them, and as others would.
-class System {
- public:
-  /// The system of a part whose elements are known.
-  System(const fabseq::Grid<3>& grid, const fabseq::SystemDomain& domain);
-  /// The system of a part that fills this share of the box evenly.
-  System(fabseq::Index<3> box, double fill);
-
-  /// Its levels on ranks that hold the finest one like this.
-  std::vector<Level> on(const fabseq::Decomposition<3>& ranges) const;
-
- private:
-  using Shares = fabseq::LevelShares<3>;
-
-  void add(const fabseq::Index<3>& box, const fabseq::Index<3>& factors, double elements, double nodes,
-           const fabseq::LaneMesh<3>* mesh);
-  void hold(Level& level, const Shares& shares) const;
-  void gather(Level& level, const Level& fine, const Shares& shares, const Shares& coarse) const;
-  void deal_lanes(Level& level, const Level& fine, const Shares& shares) const;
-  /// Nodes of so many elements of the box, where no more is known.
-  double nodes_of(double elements) const;
-
-  std::unique_ptr<fabseq::LaneHierarchy<3>> hierarchy_;
-  double fill_ = 1.0;
-  std::vector<Level> whole_;
-};
+/// Levels as one rank alone has them, of a part whose elements are known. `hierarchy` must outlive them.
+std::vector<Level> whole_levels(const fabseq::LaneHierarchy<3>& hierarchy);
+/// The same of a part that fills this share of the box evenly.
+std::vector<Level> whole_levels(fabseq::Index<3> box, double fill);
+/// The same levels on ranks that hold the finest one like this.
+std::vector<Level> levels_on(const std::vector<Level>& whole, const fabseq::Decomposition<3>& ranges);
 
 }  // namespace scaling

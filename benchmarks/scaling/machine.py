@@ -56,9 +56,13 @@ class Clock:
         working += sum(24 * coarse.own_nodes * 9 * SINGLE for coarse in elastic.levels[1:])
         self.bandwidth = machine.bandwidth(self.cores, working)
 
-    def message(self, neighbors, size):
-        """An exchange with all neighbours at once; `size` bytes in all."""
-        seconds = self.machine.latency + self.machine.overhead * max(0, neighbors - 1) + 2 * size / self.bandwidth
+    def message(self, traffic):
+        """Messages of the busiest rank, all at once."""
+        if not traffic.messages:
+            return 0.0
+        size = traffic.own_bytes
+        seconds = (self.machine.latency + self.machine.overhead * max(0, traffic.own_messages - 1)
+                   + 2 * size / self.bandwidth)
         if self.ranks > self.machine.cores_per_node:
             seconds += OFF_NODE * size * self.machine.cores_per_node / self.machine.network
         return seconds
@@ -103,23 +107,15 @@ class Clock:
         def total(counter, seconds):
             return sum(times * seconds(*key[1:]) for key, times in counter.items() if key[0] == phase)
 
-        def halo(level, size):
-            return self.message(system.levels[level].own_neighbors, system.levels[level].own_halo_nodes * size)
-
-        def gather(level, kind, size):
-            counts = getattr(system.levels[level], "gathered_" + kind)
-            return self.message(counts.own_messages, counts.own_entries * size)
-
-        def deal(owners, size):
-            messages, _, most, volume = system.dealt(owners, size)
-            return self.message(most, volume) if messages else 0.0
+        def messages(*what):
+            return sum(times * self.message(getattr(system, key[1])(*key[2:]))
+                       for key, times in tally.traffic.items() if key[:1 + len(what)] == (phase, *what))
 
         compute = max(tally.work[phase] / np.array([self.machine.flops, self.bandwidth]))
         return {"compute": compute + (self.optimizer() if phase == "optimizer" else 0.0),
                 "serial": total(tally.serial, lambda what: self.serial(system, phase, what)),
-                "messages": total(tally.halos, halo) + total(tally.exchanges + tally.rings, lambda size: self.message(
-                    system.own_neighbors(), system.own_exchange_nodes() * size))
-                + total(tally.gathers, gather) + total(tally.deals, deal),
+                "messages": messages("halo") + (messages("exchange", "nodes") + messages("exchange", "elements"))
+                + messages("gather") + messages("deal"),
                 "collectives": total(tally.collectives, lambda *what: self.collective(system, *what))}
 
     def seconds(self, tallies):

@@ -39,10 +39,7 @@ struct Counter {
   std::map<MPI_Request, std::pair<int, long>> persistent;  ///< sends: ranks, bytes
 };
 
-Counter& counter() {
-  static Counter instance;
-  return instance;
-}
+Counter counter;
 
 int size_of(MPI_Comm comm) {
   int size = 1;
@@ -57,8 +54,7 @@ long bytes_of(long count, MPI_Datatype type) {
 }
 
 void count(const char* kind, int ranks, long bytes) {
-  Counter& all = counter();
-  ++all.iterations.back()[{all.stage_names[all.stages.back()], kind, ranks, bytes}];
+  ++counter.iterations.back()[{counter.stage_names[counter.stages.back()], kind, ranks, bytes}];
 }
 
 void count_collective(const char* kind, long items, MPI_Datatype type, MPI_Comm comm) {
@@ -70,8 +66,8 @@ void count_message(int to, long items, MPI_Datatype type, MPI_Comm comm) {
 }
 
 void count_start(MPI_Request request) {
-  const auto found = counter().persistent.find(request);
-  if (found != counter().persistent.end()) count("message", found->second.first, found->second.second);
+  const auto found = counter.persistent.find(request);
+  if (found != counter.persistent.end()) count("message", found->second.first, found->second.second);
 }
 
 void write() {
@@ -82,7 +78,7 @@ void write() {
   std::ofstream file(std::string(directory) + "/" + std::to_string(rank) + ".csv");
   file << "iteration,stage,kind,ranks,bytes,count\n";
   int iteration = 0;
-  for (const Counts& counts : counter().iterations) {
+  for (const Counts& counts : counter.iterations) {
     ++iteration;
     for (const auto& [key, value] : counts) {
       const auto& [stage, kind, ranks, bytes] = key;
@@ -105,21 +101,20 @@ extern "C" {
 int PetscLogStageRegister(const char name[], int* stage) {
   static auto* const original = next<int(const char*, int*)>("PetscLogStageRegister");
   const int status = original(name, stage);
-  if (status == 0) counter().stage_names[*stage] = name;
+  if (status == 0) counter.stage_names[*stage] = name;
   return status;
 }
 
 int PetscLogStagePush(int stage) {
   static auto* const original = next<int(int)>("PetscLogStagePush");
-  Counter& all = counter();
-  all.stages.push_back(stage);
-  if (all.stage_names[stage] == "fabseq output") all.iterations.emplace_back();
+  counter.stages.push_back(stage);
+  if (counter.stage_names[stage] == "fabseq output") counter.iterations.emplace_back();
   return original(stage);
 }
 
 int PetscLogStagePop() {
   static auto* const original = next<int()>("PetscLogStagePop");
-  if (counter().stages.size() > 1) counter().stages.pop_back();
+  if (counter.stages.size() > 1) counter.stages.pop_back();
   return original();
 }
 
@@ -153,12 +148,12 @@ int MPI_Send_init(const void* data, int n, MPI_Datatype type, int to, int tag, M
                   MPI_Request* request) {
   const int status = PMPI_Send_init(data, n, type, to, tag, comm, request);
   if (status == MPI_SUCCESS && to != MPI_PROC_NULL)
-    counter().persistent[*request] = {size_of(comm), bytes_of(n, type)};
+    counter.persistent[*request] = {size_of(comm), bytes_of(n, type)};
   return status;
 }
 
 int MPI_Request_free(MPI_Request* request) {
-  counter().persistent.erase(*request);
+  counter.persistent.erase(*request);
   return PMPI_Request_free(request);
 }
 

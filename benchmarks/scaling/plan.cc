@@ -29,7 +29,6 @@
 namespace {
 
 using fabseq::Index;
-using scaling::System;
 using Json = nlohmann::json;
 
 constexpr std::integer_sequence<int, 1, 2, 4, 8> widths;
@@ -47,14 +46,15 @@ Json describe(const fabseq::LaneCycle& cycle, std::integer_sequence<int, Widths.
 
 /// On each number of ranks.
 Json systems(const Json& all_ranks, const Index<3>& box, const fabseq::ElementWeights<3>& weights,
-             const System& elasticity, const System& heat) {
+             const std::vector<scaling::Level>& elasticity, const std::vector<scaling::Level>& heat) {
   Json result = Json::array();
   for (const int ranks : all_ranks) {
     result.push_back(nullptr);
     if (fabseq::fitting_process_grids<3>(ranks, box).empty()) continue;
     const auto ranges = fabseq::choose_decomposition<3>(PETSC_COMM_SELF, ranks, box, weights);
-    result.back() = {
-        {"grid", ranges.processes}, {"elasticity", elasticity.on(ranges)}, {"heat", heat.on(ranges)}};
+    result.back() = {{"grid", ranges.processes},
+                     {"elasticity", scaling::levels_on(elasticity, ranges)},
+                     {"heat", scaling::levels_on(heat, ranges)}};
   }
   return result;
 }
@@ -78,19 +78,21 @@ Json answer_for_config(const Json& question) {
   const fabseq::Setup<3> setup(PETSC_COMM_WORLD, config);
   const fabseq::ElasticModel<3> elastic(setup.part, setup.supports, config.material, config.process);
   const fabseq::HeatModel<3> heat(setup.part, config.sequence);
+  const fabseq::LaneHierarchy<3> of_elastic(setup.grid, elastic.domain), of_heat(setup.grid, heat.domain);
   const auto whole = setup.grid.all_elements();
   const auto weights = fabseq::element_weights<3>(PETSC_COMM_SELF, setup.grid.domain(), config.part)(whole);
   return {{"part_elements", setup.part.count()},
           {"systems", systems(
                           question["ranks"], whole.size, [&](const auto&) { return weights; },
-                          System(setup.grid, elastic.domain), System(setup.grid, heat.domain))}};
+                          scaling::whole_levels(of_elastic), scaling::whole_levels(of_heat))}};
 }
 
 Json answer_for_share(const Json& question) {
   const Index<3> box = question["box"];
   const double fill = question["fill"];
   return {{"part_elements", fill * static_cast<double>(fabseq::IndexBox<3>{{}, box}.count())},
-          {"systems", systems(question["ranks"], box, {}, System(box, fill), System(box, 1.0))}};
+          {"systems", systems(question["ranks"], box, {}, scaling::whole_levels(box, fill),
+                              scaling::whole_levels(box, 1.0))}};
 }
 
 }  // namespace

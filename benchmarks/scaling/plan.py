@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import program_run
 
@@ -39,44 +40,49 @@ def level_of(answer):
                               for name, value in answer.items()})
 
 
+class Traffic(NamedTuple):
+    """What the ranks of a group send at once: in all, and what the rank sends or gets that has most of it."""
+    messages: float
+    bytes: float
+    own_messages: float
+    own_bytes: float
+
+
 class System:
-    """A problem's levels, as plan.cc has them. PETSc's process grid exchanges nodes of the whole box."""
+    """A problem's levels, as plan.cc has them. What the kinds of traffic are is said in counts.py; `size` is
+    bytes per node or element."""
 
     def __init__(self, problem, levels, grid):
         self.problem, self.levels, self.grid = problem, levels, grid
         self.ranks, self.box = math.prod(grid), levels[0].box
 
-    def sides(self):
-        """Sides of a rank in the middle, along each axis, that it shares."""
-        return [min(p - 1, 2) for p in self.grid]
+    def halo(self, level, size):
+        counts = self.levels[level]
+        return Traffic(counts.halo_messages, counts.halo_nodes * size, counts.own_neighbors, counts.own_halo_nodes * size)
 
-    def exchange_messages(self):
-        return math.prod(3 * p - 2 for p in self.grid) - self.ranks
-
-    def exchange_nodes(self):
-        """Of all ranks, to the ghosted boxes or back."""
-        return math.prod(n + 1 + 2 * (p - 1) for n, p in zip(self.box, self.grid)) - math.prod(n + 1 for n in self.box)
-
-    def ring_elements(self):
-        """Of all ranks, to the elements around their own."""
-        return math.prod(n + 2 * (p - 1) for n, p in zip(self.box, self.grid)) - math.prod(self.box)
-
-    def own_neighbors(self):
-        return math.prod(1 + s for s in self.sides()) - 1
-
-    def own_exchange_nodes(self):
+    def exchange(self, kind, size):
+        """Of "nodes" or "elements"."""
+        extents = [n + (kind == "nodes") for n in self.box]
+        entries = math.prod(n + 2 * (p - 1) for n, p in zip(extents, self.grid)) - math.prod(extents)
         own = [n / p for n, p in zip(self.box, self.grid)]
-        return math.prod(n + s for n, s in zip(own, self.sides())) - math.prod(own)
+        sides = [min(p - 1, 2) for p in self.grid]  # of a rank in the middle, along each axis, that it shares
+        own_entries = math.prod(n + s for n, s in zip(own, sides)) - math.prod(own)
+        return Traffic(math.prod(3 * p - 2 for p in self.grid) - self.ranks, entries * size,
+                       math.prod(1 + s for s in sides) - 1, own_entries * size)
 
-    def dealt(self, owners, size):
-        """Messages and bytes of a deal, one way, in all, and the most of both that a rank gets or sends."""
+    def gather(self, level, kind, size):
+        counts = getattr(self.levels[level], "gathered_" + kind)
+        return Traffic(counts.messages, counts.entries * size, counts.own_messages, counts.own_entries * size)
+
+    def deal(self, owners, size):
+        """`owners` of the lanes; `size`: bytes per node and lane."""
         lanes, holders = Counter(owners), self.levels[-1].holders
         sent = [(owner, holder, nodes * count * size) for owner, count in lanes.items()
                 for holder, nodes in holders if holder != owner]
         busiest = [[size for message in sent if message[end] == rank for size in message[2:]]
                    for end in (0, 1) for rank in {message[end] for message in sent}]
-        return (len(sent), sum(size for _, _, size in sent),
-                max(map(len, busiest), default=0), max(map(sum, busiest), default=0))
+        return Traffic(len(sent), sum(size for _, _, size in sent),
+                       max(map(len, busiest), default=0), max(map(sum, busiest), default=0))
 
     def own_box_nodes(self):
         return math.prod(n + 1 for n in self.box) / self.ranks

@@ -10,23 +10,12 @@ Fills scripts/dev/fabseq.1.in with options (`fabseq -help`, `fabseq -help_markdo
 docs/reference.md: exit status 1 and a diff if the page differs; --write writes it.
 """
 
-import argparse
-import difflib
 import re
-import subprocess
-import sys
 import textwrap
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from made_of_help import ROOT, keep_up_to_date, output_of
+
 FLAT_OPTION = re.compile(r"- `(?P<key>[^`]+)`(?:, only for `(?P<variant>[^`]+)`)?: (?P<text>.*); option `(?P<option>[^`]+)`\.")
-
-
-def output_of(program, option):
-    done = subprocess.run([program, option], stdout=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        sys.exit(f"man_page.py: {program} {option} ended with status {done.returncode}")
-    return done.stdout
 
 
 def escaped(text):
@@ -106,22 +95,5 @@ def page(program):
     return re.sub("@([A-Z_]+)@", lambda match: fields[match[1]], text)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true")
-    parser.add_argument("program", nargs="?", default=ROOT / "build/release/fabseq")
-    parser.add_argument("page", nargs="?", type=Path, default=ROOT / "docs/fabseq.1")
-    arguments = parser.parse_args()
-    text = page(arguments.program)
-    if arguments.write:
-        arguments.page.write_text(text, encoding="utf-8")
-        return
-    there = arguments.page.read_text(encoding="utf-8") if arguments.page.exists() else ""
-    if there != text:
-        sys.stdout.writelines(difflib.unified_diff(
-            there.splitlines(True), text.splitlines(True), str(arguments.page), "as it should be"))
-        sys.exit(f"man_page.py: {arguments.page} is out of date; scripts/dev/man_page.py --write mends it")
-
-
 if __name__ == "__main__":
-    main()
+    keep_up_to_date(__doc__, ROOT / "docs/fabseq.1", lambda program, _: page(program))

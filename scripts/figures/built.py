@@ -16,8 +16,7 @@ deposition model.
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_script
 from read_run import Run, duration, read_json
 from reproduce import Cases, run

@@ -7,10 +7,7 @@ scripts/figures/reproduce.py writes both. What stands outside the marks stays as
 import fcntl
 import math
 import os
-import sys
 import textwrap
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
 
 from command_line import RunError
 from read_run import Run, duration, read_json

@@ -12,10 +12,8 @@ edge and of the whole part, both of binary layers.
 
 import json
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, parse, parser_of, run_command, run_script  # before any package
 from drawing import OPTIMIZED, PLANAR, save, tidy
 
@@ -40,34 +38,24 @@ def main():
     figures = {}
     for grid in arguments.grids:
         for count in arguments.layers:
-            planar = simulated(arguments, grid, count)
+            # One planar run has both models; of an optimization it is the binary layers of the best design.
+            planar = summary(arguments, "planar", grid, count, "-task", "simulate", "-set", 'sequence={"type": "planar"}')
             for model in MODELS:
+                optimized = summary(arguments, model, grid, count, "-deposition", model, "-restart", "auto")
                 figures["planar", model, grid, count] = numbers(planar, model)
-                figures["optimized", model, grid, count] = numbers(optimized(arguments, grid, count, model), model)
+                figures["optimized", model, grid, count] = numbers(optimized["binary"], model)
     print_table(arguments, figures)
     draw(arguments, figures)
 
 
-def simulated(arguments, grid, count):
-    """Block of the planar sequence; one run has both models."""
-    directory = os.path.join(arguments.output, f"planar_{grid.replace(',', 'x')}_{count}")
+def summary(arguments, name, grid, count, *options):
+    """summary.json of a run, which is made unless it is done."""
+    directory = os.path.join(arguments.output, f"{name}_{grid.replace(',', 'x')}_{count}")
     if not os.path.exists(os.path.join(directory, "summary.json")):
-        run(arguments, directory, grid, count, "-task", "simulate", "-set", 'sequence={"type": "planar"}')
+        target = [{"type": "layer_thickness", "target": HEIGHT / count, "tolerance": 0.1}]
+        run_command(["mpirun", "-np", arguments.ranks, arguments.program, "-config", CONFIG, "-elements", grid, "-layers", count,
+                     "-set", "constraints=" + json.dumps(target), *options, "-output", directory], capture=False)
     return read_json(directory, "summary.json")
-
-
-def optimized(arguments, grid, count, model):
-    """Block of the binary layers of the best design."""
-    directory = os.path.join(arguments.output, f"{model}_{grid.replace(',', 'x')}_{count}")
-    if not os.path.exists(os.path.join(directory, "summary.json")):
-        run(arguments, directory, grid, count, "-deposition", model, "-restart", "auto")
-    return read_json(directory, "summary.json")["binary"]
-
-
-def run(arguments, directory, grid, count, *options):
-    target = [{"type": "layer_thickness", "target": HEIGHT / count, "tolerance": 0.1}]
-    run_command(["mpirun", "-np", arguments.ranks, arguments.program, "-config", CONFIG, "-elements", grid, "-layers", count,
-                 "-set", "constraints=" + json.dumps(target), *options, "-output", directory], capture=False)
 
 
 def numbers(block, model):

@@ -11,11 +11,8 @@ the STL file (binary) the axis of the foot is at x = y = 0, and the three bodies
 """
 
 import argparse
-import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 import command_line  # noqa: F401 (before any package)
 
 import h5py

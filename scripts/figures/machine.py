@@ -11,11 +11,7 @@ that the optimizer kept. A length is the root of the first distortion. Local thi
 the target, between its 1st and its 99th percentile, and the range of all of it.
 """
 
-import os
-import sys
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import run_script  # before any package
 
 import numpy as np

@@ -13,15 +13,13 @@ displacement, flatness and shape.
 
 import json
 import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script  # before any package
 
 import numpy as np
 
-from read_run import Run, node_positions, read_fields
+from read_run import Run, node_positions, read_fields, rigid_motions
 
 
 def main():
@@ -90,16 +88,9 @@ def length(run, nodes, displacement):
 
 def fitted_motions(arms, fit):
     """Columns: rigid motions, and a uniform scale, of nodes at so much from their centre."""
-    count, dimension = arms.shape
-    columns = [np.tile(np.eye(dimension)[axis], (count, 1)) for axis in range(dimension)] if "translation" in fit else []
-    for a in range(dimension if "rotation" in fit else 0):
-        for b in range(a):
-            turned = np.zeros_like(arms)
-            turned[:, a], turned[:, b] = -arms[:, b], arms[:, a]
-            columns.append(turned)
-    if "scale" in fit:
-        columns.append(arms)
-    return np.stack([column.ravel() for column in columns], axis=1)
+    motions, dimension = rigid_motions(arms), arms.shape[1]
+    columns = {"translation": motions[:dimension], "rotation": motions[dimension:], "scale": arms[None]}
+    return np.concatenate([columns[kind] for kind in columns if kind in fit]).reshape(-1, arms.size).T
 
 
 if __name__ == "__main__":

@@ -19,8 +19,7 @@ import os
 import shutil
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script  # before any package
 
 import case_table

@@ -10,11 +10,8 @@ the script draws in memory (virtual_display.py).
 """
 
 import io
-import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "use"))
-
+import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import parser_of, run_script  # before any package
 
 import numpy as np

@@ -20,11 +20,6 @@ def torch(run, state, check):
     return run.summary.get(state, {}).get("checks", {}).get(check) or {}
 
 
-def beyond_yield(run, state):
-    """Which share of the part is stressed beyond the yield stress; None without one."""
-    return run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
-
-
 def failing_elements(run, group):
     """Elements of the layers of that prefix in result.h5 that begin in the air, that the torch does not reach
     or at which it would tilt by more than its limit."""
@@ -49,7 +44,7 @@ def planar_words(run):
 
 def hanging_words(run):
     """Of the layers that the run is about: how many begin in the air, or none where that is news."""
-    state = state_of(run)
+    state = result_of(run)
     if hanging(run, state):
         return f"{in_the_air(run, state)}{', in the optimized layers' * (state == 'binary')}."
     if hanging(run, state) == 0 and (state == "simulated" or hanging(run, "baseline")):
@@ -71,7 +66,7 @@ def near(run, at):
 
 def reach_words(run):
     """Of the layers that the run is about, where there is a torch."""
-    state = state_of(run)
+    state = result_of(run)
     count = torch(run, state, "blocked").get("elements")
     if count:
         return f"{out_of_reach(run, state)}{', in the optimized layers' * (state == 'binary')}."
@@ -89,7 +84,7 @@ def out_of_reach(run, state):
 
 
 def tilt_words(run):
-    state = state_of(run)
+    state = result_of(run)
     found = torch(run, state, "tilt")
     if not found.get("beyond"):
         return ""
@@ -104,7 +99,8 @@ def most_tilt(run=None):
 
 
 def stress_words(run):
-    share, with_planar = (beyond_yield(run, state) for state in (state_of(run), "baseline"))
+    share, with_planar = (run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
+                          for state in (result_of(run), "baseline"))
     if share is None:
         return ""
     limit = yield_words(run)
@@ -120,7 +116,8 @@ def yield_words(run=None):
     return "the yield stress" if stress == "none" else f"the yield stress {stress:g}"
 
 
-def state_of(run):
+def result_of(run):
+    """The state that the run is about."""
     return "simulated" if "simulated" in run.summary else "binary"
 
 

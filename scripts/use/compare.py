@@ -24,11 +24,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
-from read_run import Run, flat, read_json
+from read_run import NOT_COMPARED, Run, differing_keys, flat, read_json
 
 BLOCKS = {"optimized": ("smooth layers", OPTIMIZED), "binary": ("binary layers", INK),
           "baseline": ("planar layers", PLANAR)}
-NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
 SPAN_FOR_LOG = 20.0
 
 
@@ -52,12 +51,6 @@ class Result:
         layers = [layer for layer in self.run.layers(block) if layer["cv"] is not None]
         volume = sum(layer["volume"] for layer in layers)
         return sum(layer["volume"] * layer["cv"] for layer in layers) / volume if volume else None
-
-
-def differing_keys(results):
-    """In the order of the configs; a key that only some of them have counts, too."""
-    keys = list(dict.fromkeys(key for result in results for key in result.settings))
-    return [key for key in keys if len({repr(result.settings.get(key)) for result in results}) > 1]
 
 
 def row_of(result, keys):

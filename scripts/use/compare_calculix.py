@@ -22,7 +22,7 @@ from command_line import RunError, parser_of, run_script  # before any package
 import numpy as np
 
 from layer_model import LayerModel
-from read_run import nodes_of, number, rigid_motions
+from read_run import nodes_of, number, without_rigid_motion
 
 
 def main():
@@ -95,12 +95,6 @@ def read_displacements(path, count):
             if len(words) == 4 and words[0].isdigit() and int(words[0]) <= count:
                 values[int(words[0]) - 1] = [float(word) for word in words[1:]]
     return values
-
-
-def without_rigid_motion(displacement, points):
-    """What is left after the best rigid fit."""
-    motions = rigid_motions(points - points.mean(axis=0)).reshape(-1, points.size).T
-    return displacement - (motions @ np.linalg.lstsq(motions, displacement.ravel(), rcond=None)[0]).reshape(points.shape)
 
 
 if __name__ == "__main__":

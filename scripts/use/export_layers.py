@@ -22,9 +22,9 @@ import os
 from command_line import RunError, parser_of, run_script, write_json  # before any package
 
 import numpy as np
-from vtkmodules.vtkFiltersCore import vtkFeatureEdges
 
 from layer_bodies import GROUPS, LayeredPart, Placement
+from layer_paths import boundary
 from part_body import drawn_surface
 from surface_files import surface_of, write_surface
 
@@ -90,20 +90,8 @@ def export_surface(part, placement, layer, faces, path, formats):
         write_surface(data, f"{path}.{form}")
     a, b, c = np.moveaxis(points[corners], 1, 0)
     return {"files": [f"{os.path.basename(path)}.{form}" for form in formats], "triangles": len(corners),
-            "open_edges": open_edges(data), "area": 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),
+            "open_edges": len(boundary(data)), "area": 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),
             "bounds": [points.min(axis=0).tolist(), points.max(axis=0).tolist()]}
-
-
-def open_edges(data):
-    """Number of edges with one triangle only."""
-    edges = vtkFeatureEdges()
-    edges.SetInputData(data)
-    edges.BoundaryEdgesOn()
-    edges.FeatureEdgesOff()
-    edges.NonManifoldEdgesOff()
-    edges.ManifoldEdgesOff()
-    edges.Update()
-    return edges.GetOutput().GetNumberOfCells()
 
 
 def distance_from_mesh(part, faces, placement):

@@ -101,8 +101,7 @@ def export(part, passes, width, output, options):
                  irbcam_targets(passes, placement.unit, options.speed, RETRACT * width * scale))
     volume = float(part.body.volumes().sum() * scale**3)
     total = {key: sum(layer[key] for layer in layers) for key in ("starts", "waypoints", "length", "travel", "wire")}
-    return {**common, "starts": total["starts"], "waypoints": total["waypoints"], "length": total["length"],
-            "travel": total["travel"], "wire": total["wire"], "volume": volume, "layers": layers}
+    return {**common, **total, "volume": volume, "layers": layers}
 
 
 def target_height(part, passes):

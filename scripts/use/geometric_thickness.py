@@ -22,13 +22,14 @@ from command_line import RunError, parser_of, run_script, write_json  # before a
 
 import h5py
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import reference
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkStaticCellLocator
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 
+from nearest_surface import Surface
 from read_run import read_json
+from report_views import element_slopes
+from vtk_data import DOUBLE, corners_of, filtered, points_of
 
 FARTHEST = 1.3  # of the target
 MOST_DRAWS = 50  # rounds of drawing again; a layer that then has too few points is reported with those
@@ -96,49 +97,14 @@ def measure_layers(time, time_points, farthest, points, seed):
 def draw_distances(lower, upper, farthest, points, random):
     """Distances of points of one surface from the other, and how many points were drawn again."""
     kept, drawn_again = np.array([]), 0
-    for _ in range(MOST_DRAWS if lower.exists and upper.exists else 0):
-        distances = upper.distances(lower.sample(points - len(kept), random))
+    for _ in range(MOST_DRAWS if lower and upper else 0):
+        _, _, distances = upper.nearest(lower.sample(points - len(kept), random))
         near = distances <= farthest
         kept = np.append(kept, distances[near])
         drawn_again += int((~near).sum())
         if len(kept) == points:
             break
     return kept, drawn_again
-
-
-class Surface:
-    """Triangles or, in 2D, lines."""
-
-    def __init__(self, contour):
-        self.exists = contour.GetNumberOfCells() > 0
-        if not self.exists:
-            return
-        corners = 3 if contour.GetNumberOfPolys() else 2
-        cells = contour.GetPolys() if corners == 3 else contour.GetLines()
-        points = vtk_to_numpy(contour.GetPoints().GetData()).astype(float)
-        self.corners = points[vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, corners)]
-        edges = self.corners[:, 1:] - self.corners[:, :1]
-        self.sizes = np.linalg.norm(edges[:, 0] if corners == 2 else np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        self.exists = self.sizes.sum() > 0
-        self.locator = vtkStaticCellLocator()
-        self.locator.SetDataSet(contour)
-        self.locator.BuildLocator()
-
-    def sample(self, count, random):
-        """Points (count, 3), evenly over the area."""
-        cells = random.choice(len(self.sizes), count, p=self.sizes / self.sizes.sum())
-        weights = random.exponential(size=(count, self.corners.shape[1]))  # normalized: even over a triangle
-        weights /= weights.sum(axis=1, keepdims=True)
-        return np.einsum("pc,pcx->px", weights, self.corners[cells])
-
-    def distances(self, points):
-        """Of points from the nearest one of this surface."""
-        nearest, cell, part, square = [0.0, 0.0, 0.0], reference(0), reference(0), reference(0.0)
-        result = np.empty(len(points))
-        for i, point in enumerate(points):
-            self.locator.FindClosestPoint(point, nearest, cell, part, square)
-            result[i] = square.get()
-        return np.sqrt(result)
 
 
 class NodalTime:
@@ -157,23 +123,22 @@ class NodalTime:
             vtk_array.SetName(name)
             data.SetScalars(vtk_array)
         part = vtkThreshold()
-        part.SetInputData(image)
         part.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_CELLS, "built")
-        part.SetUpperThreshold(0.5)
-        part.SetThresholdFunction(vtkThreshold.THRESHOLD_UPPER)
-        part.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
-        part.Update()
-        self.part = part.GetOutput()
+        self.part = filtered(image, part, UpperThreshold=0.5, ThresholdFunction=vtkThreshold.THRESHOLD_UPPER,
+                             OutputPointsPrecision=DOUBLE)
+        self.dimension = len(counts)
         self.smallest, self.largest = self.part.GetPointData().GetScalars().GetRange()
 
     def isosurface(self, level):
+        """Triangles or, in 2D, lines; None without any that has an area or a length."""
         contour = vtkContourFilter()
-        contour.SetInputData(self.part)
         contour.SetValue(0, level)
-        contour.ComputeScalarsOff()
-        contour.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
-        contour.Update()
-        return Surface(contour.GetOutput())
+        found = filtered(self.part, contour, ComputeScalars=False, OutputPointsPrecision=DOUBLE)
+        cells = found.GetPolys() if self.dimension == 3 else found.GetLines()
+        if cells.GetNumberOfCells() == 0:
+            return None
+        surface = Surface(points_of(found)[corners_of(cells, self.dimension), :self.dimension])
+        return surface if len(surface.sizes) else None
 
 
 def read_times(directory, config, count):
@@ -210,7 +175,7 @@ def times_of_nodes(time, built):
     continued from its centre with the slope towards its neighbours in the part. Right for linear fields, on
     the part's surface, too."""
     time = np.where(built, time, 0.0)
-    slopes = [half_slopes(time, built, axis) for axis in range(time.ndim)]
+    slopes = [0.5 * slope for slope in element_slopes(time, built, [1.0] * time.ndim)]
     shape = [n + 1 for n in time.shape]
     total, elements = np.zeros(shape), np.zeros(shape)
     for corner in np.ndindex(*(2,) * time.ndim):
@@ -219,17 +184,6 @@ def times_of_nodes(time, built):
         total[place] += np.where(built, there, 0.0)
         elements[place] += built
     return total / np.maximum(elements, 1)
-
-
-def half_slopes(time, built, axis):
-    """Half of the mean difference to the neighbours that there are along an axis; 0 without any."""
-    time, built = np.moveaxis(time, axis, 0), np.moveaxis(built, axis, 0)
-    steps, pairs = np.diff(time, axis=0), built[1:] & built[:-1]
-    total, neighbours = np.zeros(time.shape), np.zeros(time.shape)
-    for place in (slice(0, -1), slice(1, None)):
-        total[place] += np.where(pairs, steps, 0.0)
-        neighbours[place] += pairs
-    return np.moveaxis(0.5 * total / np.maximum(neighbours, 1), 0, axis)
 
 
 def table(record):

@@ -31,6 +31,7 @@ from report_views import element_edges
 
 OTHER_LAYERS = 2  # before and after that of the nearest waypoint, which an element may belong to
 AXIS = ("axis_x", "axis_y", "axis_z")
+COLUMNS = ("layers", "passes", "heights", "spacings", "axes")  # of waypoints, which may be missing
 
 
 def main():
@@ -74,13 +75,13 @@ class Waypoints:
         self.points = placement.to_config(numbers(path, header, rows, ["x", "y", "z"]))
         if "layer" not in header and "order" not in header:
             raise RunError(f"{path}: the first line names neither a column layer nor order; needed: one of them")
-        order = self.column(path, header, rows, "order", np.arange(len(rows)))
-        self.layers = self.column(path, header, rows, "layer", None)
-        self.passes = self.column(path, header, rows, "pass", None)
-        heights = self.column(path, header, rows, "height", None)
-        spacings = self.column(path, header, rows, "spacing", None)
-        self.heights = None if heights is None else heights / placement.scale
-        self.spacings = None if spacings is None else spacings / placement.scale
+
+        def column(name, unit=1.0):
+            return numbers(path, header, rows, [name])[:, 0] / unit if name in header else None
+
+        self.layers, self.passes = column("layer"), column("pass")
+        self.heights, self.spacings = column("height", placement.scale), column("spacing", placement.scale)
+        self.times = (np.arange(len(rows)) + 0.5) / len(rows)
         self.axes = None
         if all(name in header for name in AXIS):
             axes = numbers(path, header, rows, list(AXIS)) @ np.linalg.inv(placement.inverse).T
@@ -89,19 +90,15 @@ class Waypoints:
             if self.axes is None or self.heights is None:
                 raise RunError(f"--at: found {at:g}; allowed: 0.5, or {path} with the columns {', '.join(AXIS)}, height")
             self.points = self.points + ((0.5 - at) * self.heights)[:, None] * self.axes
-        self.sort(np.argsort(order, kind="stable"))
+        if "order" in header:
+            self.take(np.argsort(column("order"), kind="stable"), "points", *COLUMNS)
         if self.layers is not None:
             self.layers = np.unique(self.layers, return_inverse=True)[1] + 1
-        self.times = (np.arange(len(order)) + 0.5) / len(order)
 
-    @staticmethod
-    def column(path, header, rows, name, otherwise):
-        return numbers(path, header, rows, [name])[:, 0] if name in header else otherwise
-
-    def sort(self, order):
-        for name in ("points", "layers", "passes", "heights", "spacings", "axes"):
+    def take(self, chosen, *names):
+        for name in names:
             values = getattr(self, name)
-            setattr(self, name, None if values is None else values[order])
+            setattr(self, name, None if values is None else values[chosen])
 
     def filled(self, step):
         """With waypoints at such steps, at most, between those of a pass."""
@@ -116,9 +113,7 @@ class Waypoints:
         share = (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) / count[first]
         second = np.minimum(first + 1, len(count) - 1)
         self.points = self.points[first] + share[:, None] * (self.points[second] - self.points[first])
-        for name in ("layers", "passes", "heights", "spacings", "axes", "times"):
-            values = getattr(self, name)
-            setattr(self, name, None if values is None else values[first])
+        self.take(first, "times", *COLUMNS)
 
 
 def sequence(waypoints, config):

@@ -92,15 +92,15 @@ class LayeredPart:
             stamps = self.config["layers"]["timestamps"]
             stamps = np.arange(1, len(groups)) / len(groups) if stamps == "auto" else stamps
             for stamp, rows in zip(stamps, groups[1:]):
-                self.cut(rows[0], "time", stamp, SNAPPED / len(layers), body.label > 0)
+                self.cut(rows[0], body.fields["time"] - stamp, SNAPPED / len(layers), body.label > 0)
         for rows in groups:
             for before, layer in itertools.pairwise(rows):
-                self.cut(layer, layer, before.upper, SNAPPED * (layer.upper - layer.lower), body.label == before.number)
+                self.cut(layer, layer.values(body) - before.upper, SNAPPED * (layer.upper - layer.lower),
+                         body.label == before.number)
         self.layers = {layer.number: layer for layer in layers if (body.label == layer.number).any()}
 
-    def cut(self, layer, values, level, snapped, chosen):
-        """Gives what lies beyond the level to a layer."""
-        values = (self.body.fields["time"] if values == "time" else values.values(self.body)) - level
+    def cut(self, layer, values, snapped, chosen):
+        """Gives what lies where values of the points are positive to a layer."""
         before = self.body.label.copy()
         numbers = np.unique(before[chosen])
         values[np.abs(values) < snapped] = 0.0

@@ -3,16 +3,13 @@
 
 import dataclasses
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkClipPolyData, vtkContourFilter, vtkFeatureEdges, vtkStripper
 from vtkmodules.vtkFiltersModeling import vtkAdaptiveSubdivisionFilter
 
 from nearest_points import nearest
-from render_part import poly_data
+from vtk_data import DOUBLE, add_array, corners_of, filtered, points_of, poly_data
 
 LEVEL = 0.25           # of the way through a layer: where its paths lie; thin ends of a layer reach no higher
 LEAST_SLOPE = 0.3      # of the median: the layer is thought no thicker where its values hardly rise
@@ -49,26 +46,17 @@ class PathSurface:
         body.label = body.side(values).astype(int)
         faces, own, other = body.triangles()
         used, corners = np.unique(faces[(own == 0) & (other == 1)], return_inverse=True)
-        self.data = self.finer(poly_data(body.points[used], corners.reshape(-1, 3)),
-                               layer.slope(body, np.arange(len(body.points)))[used])
-        self.points = arrays(self.data)
-        self.corners = vtk_to_numpy(self.data.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+        coarse = poly_data(body.points[used], corners.reshape(-1, 3))
+        add_array(coarse, "slope", layer.slope(body, np.arange(len(body.points)))[used])
+        self.data = filtered(coarse, vtkAdaptiveSubdivisionFilter(), MaximumEdgeLength=LONGEST_EDGE * width,
+                             MaximumTriangleArea=width**2, MaximumNumberOfPasses=20, OutputPointsPrecision=DOUBLE)
+        self.points = points_of(self.data)
+        self.corners = corners_of(self.data.GetPolys(), 3)
         self.slope = vtk_to_numpy(self.data.GetPointData().GetArray("slope"))
         a, b, c = np.moveaxis(self.points[self.corners], 1, 0)
         normals = 0.5 * np.cross(b - a, c - a)
         self.areas = np.linalg.norm(normals, axis=1)
         self.normals = normals / np.where(self.areas > 0, self.areas, 1.0)[:, None]
-
-    def finer(self, data, slope):
-        add_array(data, "slope", slope)
-        finer = vtkAdaptiveSubdivisionFilter()
-        finer.SetInputData(data)
-        finer.SetMaximumEdgeLength(LONGEST_EDGE * self.width)
-        finer.SetMaximumTriangleArea(self.width**2)
-        finer.SetMaximumNumberOfPasses(20)
-        finer.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
-        finer.Update()
-        return finer.GetOutput()
 
     def spots(self):
         """Places (n, 3) of equal quarters of the triangles, and their areas."""
@@ -108,7 +96,7 @@ class PathSurface:
 
     def hatch(self, rest, angle):
         across = self.across(angle)
-        place = arrays(rest) @ across
+        place = points_of(rest) @ across
         low, high = place.min(), place.max()
         if high - low < NARROWEST * self.width:
             return []
@@ -150,51 +138,27 @@ def in_pieces(body, edge):
     return places, np.repeat(volumes / count, count)
 
 
-def add_array(data, name, values):
-    array = numpy_to_vtk(np.ascontiguousarray(values, float), deep=True)
-    array.SetName(name)
-    data.GetPointData().AddArray(array)
-
-
-def arrays(data):
-    return vtk_to_numpy(data.GetPoints().GetData()).astype(float)
-
-
 def length(points):
     return np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
 
 
 def boundary(data):
     """Edges with one triangle only, (n, end, axis)."""
-    edges = vtkFeatureEdges()
-    edges.SetInputData(data)
-    edges.FeatureEdgesOff()
-    edges.NonManifoldEdgesOff()
-    edges.ManifoldEdgesOff()
-    edges.Update()
-    found = edges.GetOutput()
-    if found.GetNumberOfLines() == 0:
-        return np.empty((0, 2, 3))
-    return arrays(found)[vtk_to_numpy(found.GetLines().GetConnectivityArray()).reshape(-1, 2)]
+    found = filtered(data, vtkFeatureEdges(), FeatureEdges=False, NonManifoldEdges=False, ManifoldEdges=False)
+    return points_of(found)[corners_of(found.GetLines(), 2)] if found.GetNumberOfLines() else np.empty((0, 2, 3))
 
 
 def contours(data, name, levels):
     """Lines on which an array has one of the levels, and whether they are closed."""
     data.GetPointData().SetActiveScalars(name)
     contour = vtkContourFilter()
-    contour.SetInputData(data)
-    contour.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
     for number, level in enumerate(levels):
         contour.SetValue(number, level)
-    joined = vtkStripper()
-    joined.SetInputConnection(contour.GetOutputPort())
-    joined.JoinContiguousSegmentsOn()
-    joined.SetMaximumLength(1_000_000)
-    joined.Update()
-    found = joined.GetOutput()
+    found = filtered(filtered(data, contour, OutputPointsPrecision=DOUBLE), vtkStripper(), JoinContiguousSegments=True,
+                     MaximumLength=1_000_000)
     if found.GetNumberOfLines() == 0:
         return []
-    points, lines = arrays(found), found.GetLines()
+    points, lines = points_of(found), found.GetLines()
     starts, numbers = (vtk_to_numpy(array) for array in (lines.GetOffsetsArray(), lines.GetConnectivityArray()))
     cells = [numbers[low:high] for low, high in zip(starts[:-1], starts[1:])]
     return [(points[cell], bool(cell[0] == cell[-1])) for cell in cells]
@@ -203,9 +167,4 @@ def contours(data, name, levels):
 def clipped(data, name, level):
     """The part of a surface where an array is above a level."""
     data.GetPointData().SetActiveScalars(name)
-    clip = vtkClipPolyData()
-    clip.SetInputData(data)
-    clip.SetValue(level)
-    clip.SetOutputPointsPrecision(vtkAlgorithm.DOUBLE_PRECISION)
-    clip.Update()
-    return clip.GetOutput()
+    return filtered(data, vtkClipPolyData(), Value=level, OutputPointsPrecision=DOUBLE)

@@ -7,9 +7,9 @@ import csv
 from command_line import RunError  # before any package
 
 import numpy as np
-from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from nearest_surface import READERS, read_poly_data
+from vtk_data import points_of
 
 AXES = "xyz"
 MOST_NAMED = 20  # points in one message
@@ -22,7 +22,7 @@ def read_measurement(path, dimension):
         data = read_poly_data(READERS[".ply"], path)
         if data.GetNumberOfPoints() == 0:
             raise RunError(f"{path}: holds no points")
-        return vtk_to_numpy(data.GetPoints().GetData()).astype(float)[:, :dimension], None
+        return points_of(data)[:, :dimension], None
     header, rows = read_table(path)
     measured = ["u" + axis for axis in AXES[:dimension]]
     is_scan = not any(name in header for name in measured)

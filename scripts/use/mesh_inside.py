@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Which points of a grid lie inside a mesh whose bodies may overlap, and where edges of a grid leave it."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 from vtkmodules.vtkCommonCore import mutable
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from part_body import at_points, body_of, continued, drawn_surface
 from read_run import Run, node_positions, nodes_of, origin_of
-from render_part import poly_data
 from report_views import element_edges
 from surface_files import finer
+from vtk_data import poly_data
 
 ON_PLATE = 1e-3   # of an element's edge: points so near to the plate stand on it
 ROOM = 1.5        # of the largest displacement, around the part as drawn

@@ -1,33 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The nearest of a set of points, for many places at once."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkStaticPointLocator
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkStaticPointLocator
 from vtkmodules.vtkFiltersPoints import vtkPointInterpolator, vtkVoronoiKernel
 
-
-def cloud(points):
-    """Points (n, 3) as VTK takes them."""
-    data, vertices = vtkPolyData(), vtkPoints()
-    vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, float), deep=True))
-    data.SetPoints(vertices)
-    return data
+from vtk_data import add_array, filtered, poly_data
 
 
 def nearest(points, places):
     """For each of the places (m, 3) the number of the nearest of the points (n, 3), and its distance."""
-    source, interpolator, locator = cloud(points), vtkPointInterpolator(), vtkStaticPointLocator()
-    numbers = numpy_to_vtk(np.arange(len(points), dtype=float), deep=True)
-    numbers.SetName("number")
-    source.GetPointData().AddArray(numbers)
-    interpolator.SetSourceData(source)
-    interpolator.SetInputData(cloud(places))
-    interpolator.SetLocator(locator)
-    interpolator.SetKernel(vtkVoronoiKernel())
-    interpolator.Update()
-    found = vtk_to_numpy(interpolator.GetOutput().GetPointData().GetArray("number")).astype(int)
+    source = poly_data(points)
+    add_array(source, "number", np.arange(len(points), dtype=float))
+    result = filtered(poly_data(places), vtkPointInterpolator(), SourceData=source, Locator=vtkStaticPointLocator(),
+                      Kernel=vtkVoronoiKernel())
+    found = vtk_to_numpy(result.GetPointData().GetArray("number")).astype(int)
     return found, np.linalg.norm(points[found] - places, axis=1)

@@ -7,30 +7,40 @@ import os
 from command_line import RunError  # before any package
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import reference, vtkObject, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
+from vtkmodules.vtkCommonCore import reference, vtkObject
+from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 from vtkmodules.vtkFiltersCore import vtkTriangleFilter
 from vtkmodules.vtkIOGeometry import vtkOBJReader, vtkSTLReader
 from vtkmodules.vtkIOPLY import vtkPLYReader
+
+from vtk_data import corners_of, filtered, points_of, poly_data
 
 READERS = {".stl": vtkSTLReader, ".obj": vtkOBJReader, ".ply": vtkPLYReader}
 
 
 class Surface:
-    """Triangles, or in 2D edges: `corners` (cell, corner, axis). Which side of a cell is outside is not
-    known: normals may point to either."""
+    """Triangles, or in 2D edges: `corners` (cell, corner, axis), `sizes` twice the areas, or lengths. Which
+    side of a cell is outside is not known: normals may point to either."""
 
     def __init__(self, corners):
         edges = corners[:, 1:] - corners[:, :1]
         normals = edges[:, 0, ::-1] * (1.0, -1.0) if corners.shape[2] == 2 else np.cross(edges[:, 0], edges[:, 1])
         sizes = np.linalg.norm(normals, axis=1)
-        corners, self.normals = corners[sizes > 0], normals[sizes > 0] / sizes[sizes > 0, None]
+        corners, self.sizes = corners[sizes > 0], sizes[sizes > 0]
+        self.normals = normals[sizes > 0] / self.sizes[:, None]
         self.dimension, self.corners = corners.shape[2], corners
-        self.data = poly_data(np.pad(corners, ((0, 0), (0, 0), (0, 3 - self.dimension))))
+        points = np.pad(corners, ((0, 0), (0, 0), (0, 3 - self.dimension))).reshape(-1, 3)
+        self.data = poly_data(points, np.arange(len(points)).reshape(corners.shape[:2]))
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.data)
         self.locator.BuildLocator()
+
+    def sample(self, count, random):
+        """Points (count, axis), evenly over the area."""
+        cells = random.choice(len(self.sizes), count, p=self.sizes / self.sizes.sum())
+        weights = random.exponential(size=(count, self.corners.shape[1]))  # normalized: even over a triangle
+        weights /= weights.sum(axis=1, keepdims=True)
+        return np.einsum("pc,pcx->px", weights, self.corners[cells])
 
     def nearest(self, points):
         """For each of the points (n, axis): the nearest point of the surface, the normal there, and the
@@ -44,34 +54,15 @@ class Surface:
         return found, self.normals[cells], np.linalg.norm(points - found, axis=1)
 
 
-def poly_data(corners):
-    """Triangles or edges (cell, corner, 3) as VTK takes them."""
-    count, corner_count, _ = corners.shape
-    points, cells, data = vtkPoints(), vtkCellArray(), vtkPolyData()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(corners.reshape(-1, 3)), deep=True))
-    numbers = np.arange(count * corner_count).reshape(count, corner_count)
-    cells.SetCells(count, numpy_to_vtkIdTypeArray(np.insert(numbers, 0, corner_count, axis=1).ravel(), deep=True))
-    data.SetPoints(points)
-    (data.SetPolys if corner_count == 3 else data.SetLines)(cells)
-    return data
-
-
 def mesh_surface(path, placement):
     """The surface in a mesh file, placed by a 3x4 matrix; None of a format that VTK does not read (3MF)."""
     reader_type = READERS.get(os.path.splitext(path)[1].lower())
     if reader_type is None:
         return None
-    data = read_poly_data(reader_type, path)
-    triangles = vtkTriangleFilter()
-    triangles.SetInputData(data)
-    triangles.PassLinesOff()
-    triangles.PassVertsOff()
-    triangles.Update()
-    data = triangles.GetOutput()
+    data = filtered(read_poly_data(reader_type, path), vtkTriangleFilter(), PassLines=False, PassVerts=False)
     if data.GetNumberOfPolys() == 0:
         raise RunError(f"{path}: holds no triangles")
-    points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
-    corners = points[vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)]
+    corners = points_of(data)[corners_of(data.GetPolys(), 3)]
     placement = np.array(placement)
     return Surface(corners @ placement[:, :3].T + placement[:, 3])
 

@@ -35,7 +35,7 @@ from command_line import PROGRAM, RunError, parse, parser_of, run_program, run_s
 import numpy as np
 
 import orient_results
-from read_run import node_positions, read_config, read_fields, read_json, rigid_motions, surface_nodes_of
+from read_run import node_positions, read_config, read_fields, read_json, surface_nodes_of, without_rigid_motion
 from virtual_display import ensure_display
 
 WITHOUT_START = "planar", "file"  # types of sequences
@@ -201,9 +201,7 @@ def block_of(directory):
 
 def deviation(positions, displacements):
     """Of the surface after a best rigid fit."""
-    motions = rigid_motions(positions - positions.mean(0)).reshape(6, -1).T
-    rest = displacements.ravel() - motions @ np.linalg.lstsq(motions, displacements.ravel(), rcond=1e-9)[0]
-    squares = np.sum(rest.reshape(-1, 3)**2, axis=1)
+    squares = np.sum(without_rigid_motion(displacements, positions)**2, axis=1)
     return {"rms": math.sqrt(squares.mean()), "largest": math.sqrt(squares.max())}
 
 

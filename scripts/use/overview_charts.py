@@ -51,11 +51,7 @@ def plot_violation(axes, run):
 
 
 def finish_over_iterations(axes, iterations, title, note=""):
-    axes.set_xlabel("iteration")
-    axes.set_xlim(iterations[0] - 0.5, max(iterations[-1], iterations[0] + 1) + 0.5)
-    axes.xaxis.set_major_locator(ticker.MaxNLocator(6, integer=True))
-    axes.grid(axis="y")
-    heading(axes, title, note)
+    finish(axes, "iteration", (iterations[0] - 0.5, max(iterations[-1], iterations[0] + 1) + 0.5), 6, title, note)
 
 
 def plot_layers(axes, run, block="optimized"):
@@ -96,13 +92,11 @@ def in_unit(title, run):
 
 
 def finish_over_layers(axes, total, title, note):
-    axes.set_xlabel("layer")
-    axes.set_xlim(0.3, total + 0.7)
-    axes.xaxis.set_major_locator(ticker.MaxNLocator(8, integer=True))
+    finish(axes, "layer", (0.3, total + 0.7), 8, title, note)
+
+
+def finish(axes, over, limits, most_ticks, title, note):
+    axes.set(xlabel=over, xlim=limits, title=title)
+    axes.xaxis.set_major_locator(ticker.MaxNLocator(most_ticks, integer=True))
     axes.grid(axis="y")
-    heading(axes, title, note)
-
-
-def heading(axes, title, note=""):
-    axes.set_title(title)
     axes.text(1.0, 1.0, note, transform=axes.transAxes, ha="right", va="bottom", fontsize=10, color=SOFT_INK)

@@ -3,9 +3,9 @@
 
 import json
 
-from command_line import RunError, write_rows  # noqa: F401 (before any package)
-
 import numpy as np
+
+from command_line import write_rows
 
 COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed")
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
@@ -45,7 +45,7 @@ def compas_points(passes, rows):
         across = np.cross(one.axes, along)
         across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
         first = np.cross(one.axes, across)
-        for number, row in enumerate(rows_of_pass(rows, len(one.points))):
+        for number, row in zip(range(len(one.points)), rows):
             point = rounded(one.points[number])
             result[str(len(result))] = {
                 "point": point, "layer_height": round(float(one.heights[number]), 7), "mesh_normal": rounded(across[number]),
@@ -55,10 +55,6 @@ def compas_points(passes, rows):
                 "closest_support_pt": None, "distance_to_support": None, "is_feasible": True,
                 "attributes": {"layer": row[1], "pass": row[2], "kind": row[3], "feed": round(row[-1], 7)}}
     return result
-
-
-def rows_of_pass(rows, count):
-    return [next(rows) for _ in range(count)]
 
 
 def irbcam_targets(passes, unit, speed, retract):

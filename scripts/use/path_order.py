@@ -3,8 +3,6 @@
 
 import itertools
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 
 SWEEPS, STRETCH = 8, 30  # of the search for shorter travels; lines that it turns around at once

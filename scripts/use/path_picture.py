@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: MIT
 """A picture of the paths of some layers, in the part."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
-from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray
-from vtkmodules.vtkCommonDataModel import vtkCellArray
 from vtkmodules.vtkFiltersCore import vtkTubeFilter
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 import render_part
-from nearest_points import cloud
 from read_run import origin_of
+from vtk_data import cell_array, filtered, poly_data
 
 LAYERS = 5  # in the picture
 TUBE = 0.22  # radius, in beads
@@ -30,7 +26,7 @@ def draw(part, passes, width, path):
     frame = render_part.VoxelPart(np.ones((1, 1, 1)), np.array(part.config["domain"]["size"]), plate)
     render_part.add_plate(renderer, frame)
     faces, _, other = part.body.triangles()
-    shell = render_part.add_actor(renderer, render_part.poly_data(part.body.points - origin, faces[other == -1]),
+    shell = render_part.add_actor(renderer, poly_data(part.body.points - origin, faces[other == -1]),
                                   (0.55, 0.58, 0.62), opacity=0.16)
     shell.GetProperty().FrontfaceCullingOn()  # only its far side, or it would veil the paths
     numbers = sorted({one.layer for one in passes})
@@ -47,15 +43,8 @@ def draw(part, passes, width, path):
 
 
 def tube(points, radius):
-    data, lines = cloud(points), vtkCellArray()
-    lines.SetCells(1, numpy_to_vtkIdTypeArray(np.insert(np.arange(len(points)), 0, len(points)), deep=True))
-    data.SetLines(lines)
-    filled = vtkTubeFilter()
-    filled.SetInputData(data)
-    filled.SetRadius(radius)
-    filled.SetNumberOfSides(8)
-    filled.CappingOn()
-    filled.Update()
-    result = filled.GetOutput()
+    line = poly_data(points)
+    line.SetLines(cell_array(np.arange(len(points))[None]))
+    result = filtered(line, vtkTubeFilter(), Radius=radius, NumberOfSides=8, Capping=True)
     result.GetPointData().SetNormals(None)
     return result

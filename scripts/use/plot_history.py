@@ -64,8 +64,7 @@ def draw(runs, over_seconds):
                               mfc=colour if run.feasible else "white", zorder=5)
     tidy(axes.flat)
     for column in axes.T:
-        column[0].set_yscale("log")
-        column[0].set_ylabel("first objective term,\nrelative to planar")
+        column[0].set(yscale="log", ylabel="first objective term,\nrelative to planar")
         column[0].axhline(1.0, color=SOFT_INK, lw=1.0, ls="--")
         style_violation(column[1], any(run.constrained for run in runs))
     axes[-1, 0].set_xlabel("iteration")
@@ -78,8 +77,7 @@ def draw(runs, over_seconds):
     else:
         axes[2, 0].set_ylabel("sharpness β")
         axes[2, 0].set_ylim(bottom=0.0)
-        axes[3, 0].set_ylabel("largest change\nof a variable")
-        axes[3, 0].set_yscale("log")
+        axes[3, 0].set(ylabel="largest change\nof a variable", yscale="log")
         axes[0, 0].legend(frameon=False, fontsize=9, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     return figure
 

@@ -14,6 +14,9 @@ import numpy as np
 from command_line import RunError
 
 
+NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
+
+
 class Run:
     """An output directory with the result of `-task optimize`, with `simulations` also of `-task simulate`.
     Raises RunError if there is none.
@@ -186,6 +189,12 @@ def flat(value, path=""):
         yield path, value
 
 
+def differing_keys(runs):
+    """In the order of their `settings`; a key that only some of them have counts, too."""
+    keys = dict.fromkeys(key for run in runs for key in run.settings)
+    return [key for key in keys if len({repr(run.settings.get(key)) for run in runs}) > 1]
+
+
 def entry_names(entries):
     types = [entry.get("type") if isinstance(entry, dict) else None for entry in entries]
     return [kind if kind and types.count(kind) == 1 else number for number, kind in enumerate(types)]
@@ -225,6 +234,13 @@ def rigid_motions(points):
         turn[:, a], turn[:, b] = -points[:, b], points[:, a]
         motions.append(turn)
     return np.array(motions)
+
+
+def without_rigid_motion(displacements, points):
+    """What is left of displacements of points, (n, axis) both, after the best rigid fit."""
+    motions = rigid_motions(points - points.mean(axis=0)).reshape(-1, points.size).T
+    fit = motions @ np.linalg.lstsq(motions, displacements.ravel(), rcond=1e-9)[0]
+    return displacements - fit.reshape(points.shape)
 
 
 def contains(shape, points, slack):

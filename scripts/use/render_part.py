@@ -20,15 +20,14 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
 from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 
 from read_run import node_positions, read_json
 from virtual_display import ensure_display
+from vtk_data import poly_data
 
 LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
@@ -132,16 +131,6 @@ def picture_of(renderer, pixels):
     image = grab.GetOutput()
     width, height, _ = image.GetDimensions()
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1, :, :3].copy()
-
-
-def poly_data(points, faces):
-    data, vertices, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
-    vertices.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
-    connectivity = np.insert(faces, 0, faces.shape[1], axis=1).astype(np.int64)
-    cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(connectivity.ravel(), deep=True))
-    data.SetPoints(vertices)
-    data.SetPolys(cells)
-    return data
 
 
 def add_actor(renderer, data, colour=None, opacity=1.0, lit=True):

@@ -18,7 +18,7 @@ from string import Template
 from command_line import ROOT, parser_of, run_script
 
 from check_words import check_sentences
-from read_run import Run, flat, read_fields, read_history, read_json
+from read_run import NOT_COMPARED, Run, flat, read_fields, read_history, read_json
 from report_charts import charts_of
 from report_paths import SUMMARY as PATHS, paths
 from report_tables import comparison, constraints, facts_table, results, sensitivity
@@ -26,7 +26,6 @@ from report_views import packed_scene, views_of
 from report_words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
 
 PARTS = os.path.join(ROOT, "scripts", "use", "report")
-NOT_COMPARED = ("name", "run", "output")  # keys of a config that do not change the result
 
 
 class ReportRun(Run):

@@ -4,7 +4,8 @@ the layers it ended with."""
 
 import math
 
-from report_words import STATES, Figures, band, model_of, result_of, states_of, unit_of
+from check_words import result_of
+from report_words import STATES, Figures, band, model_of, states_of, unit_of
 
 PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "output")
 

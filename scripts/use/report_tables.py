@@ -4,9 +4,9 @@
 import math
 from html import escape
 
-from check_words import check_figures
-from read_run import factor, number
-from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, result_of, run_name,
+from check_words import check_figures, result_of
+from read_run import differing_keys, factor, number
+from report_words import (DISPLACEMENTS, MODELS, Figures, allowed_words, band, facts, model_of, ratio, run_name,
                           states_of, thickness_span, unit_of, verdict, violation)
 
 
@@ -194,8 +194,7 @@ def comparison(runs):
                    for state, words in (("baseline", "planar"), ("start", "start"))),
                  *((words, [cell(getattr(f, what).get(key)) for f in figures[None]]) for what, key, words in DISPLACEMENTS)]
     rows += ["Layers and run", *comparison_of_runs(runs)]
-    keys = [key for key in dict.fromkeys(key for run in runs for key in run.settings)
-            if len({repr(run.settings.get(key)) for run in runs}) > 1]
+    keys = differing_keys(runs)
     if keys:
         rows += ["Settings that differ", *((key, [cell(str(run.settings.get(key, "–"))) for run in runs]) for key in keys)]
     return table(["", *(run.label for run in runs)], rows, id="results")

@@ -27,11 +27,6 @@ def states_of(run):
     return {state: words.format(len(run.layers(state))) for state, words in STATES.items() if state in run.summary}
 
 
-def result_of(run):
-    """The state that the run is about."""
-    return "simulated" if "simulated" in run.summary else "binary"
-
-
 class Figures:
     """What summary.json says of one state under one model of deposition: `lengths` of the distortion terms by
     name, `part` and `nodes` with `rms` and `max` displacement. Empty what the file does not have."""

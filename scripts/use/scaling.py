@@ -21,7 +21,7 @@ from drawing import INK, SOFT_INK, save, tidy  # before matplotlib
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
-from read_run import read_history, read_json
+from read_run import NOT_COMPARED, read_history, read_json
 
 PHASES = {"heat": "#c2452d", "layers": "#d59f3b", "primal": "#1f6f8b", "adjoint": "#7a4fa3", "responses": "#3c7d3c",
           "optimizer": "#8a5a44", "output": "#6b727b"}
@@ -32,7 +32,7 @@ def measure(directory, warm_up):
     config, lines = read_json(directory, "config.json"), read_history(directory)[warm_up:]
     if not lines:
         raise RunError(f"{directory}: no iteration after the first {warm_up}")
-    problem = {key: value for key, value in config.items() if key not in ("name", "run", "output")}
+    problem = {key: value for key, value in config.items() if key not in NOT_COMPARED}
     seconds = {key: statistics.median(line["seconds"][key] for line in lines) for key in ["total", *PHASES]}
     return problem, {"ranks": config["run"]["ranks"], "iterations": len(lines),
                      "seconds": seconds.pop("total"), **seconds}
@@ -64,9 +64,7 @@ def draw(rows):
             time.plot(ranks, [row[phase] for row in rows], "o-", ms=3.5, lw=1.2, color=colour, label=phase)
     tidy((time, speed))
     for axis in (time, speed):
-        axis.set_xscale("log")
-        axis.set_yscale("log")
-        axis.set_xlabel("ranks")
+        axis.set(xscale="log", yscale="log", xlabel="ranks")
         axis.xaxis.set_major_locator(FixedLocator(ranks))
         axis.xaxis.set_minor_locator(NullLocator())
         axis.xaxis.set_major_formatter(ScalarFormatter())

@@ -2,8 +2,6 @@
 """Keeps the sharp edges of a mesh in the surface of a body that was cut off at it: no edge of that surface
 may pass a sharp edge without a point on it."""
 
-from command_line import RunError  # noqa: F401 (before any package)
-
 import numpy as np
 
 SMOOTH = np.cos(np.radians(30.0))  # normals that differ less belong to one smooth face

@@ -4,7 +4,7 @@ know at each waypoint."""
 
 import dataclasses
 
-from command_line import RunError  # noqa: F401 (before any package)
+from command_line import RunError  # before any package
 
 import numpy as np
 

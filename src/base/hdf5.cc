@@ -5,6 +5,7 @@
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/json.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/verdict.h"
 
 #include <algorithm>
 
@@ -38,30 +39,31 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-/// Opens a file on this rank alone. Returns what is wrong with it, "" if nothing.
-std::string open_alone(const std::string& file_name, const std::string& file_key, Hdf5File& file) {
+/// Opens a file on this rank alone.
+Hdf5File open_alone(const std::string& file_name, const std::string& file_key) {
   const std::string problem = reading_problem(file_name);
   if (!problem.empty())
-    return file_key + ": cannot open '" + file_name + "' (" + problem + "), needs a readable HDF5 file";
-  if (H5Fis_hdf5(file_name.c_str()) <= 0) return file_key + ": '" + file_name + "' is not an HDF5 file";
-  file = Hdf5File(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
-  return file ? "" : file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")";
+    throw InputError(file_key + ": cannot open '" + file_name + "' (" + problem +
+                     "), needs a readable HDF5 file");
+  if (H5Fis_hdf5(file_name.c_str()) <= 0)
+    throw InputError(file_key + ": '" + file_name + "' is not an HDF5 file");
+  Hdf5File file(H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  if (!file) throw InputError(file_key + ": cannot read '" + file_name + "' (HDF5: " + hdf5_error() + ")");
+  return file;
 }
 
-/// What is wrong with the file or the dataset as this rank alone sees them; "" if nothing.
-std::string find_fault(const std::string& file_name, const std::string& dataset_name,
-                       const std::string& file_key, const std::string& dataset_key) {
-  Hdf5File file;
-  std::string fault = open_alone(file_name, file_key, file);
-  if (!fault.empty()) return fault;
+/// Checks the file and the dataset as this rank alone sees them.
+void check_alone(const std::string& file_name, const std::string& dataset_name, const std::string& file_key,
+                 const std::string& dataset_key) {
+  const Hdf5File file = open_alone(file_name, file_key);
   const Hdf5Dataset dataset(dataset_name.empty() ? H5I_INVALID_HID
                                                  : H5Dopen2(file, dataset_name.c_str(), H5P_DEFAULT));
   if (!dataset)
-    return dataset_key + ": no dataset '" + dataset_name + "' in '" + file_name + "': " + dataset_list(file);
+    throw InputError(dataset_key + ": no dataset '" + dataset_name + "' in '" + file_name +
+                     "': " + dataset_list(file));
   if (!is_numeric(dataset))
-    return dataset_key + ": dataset '" + dataset_name + "' of '" + file_name +
-           "' is not numeric, needs integers or floating point numbers";
-  return "";
+    throw InputError(dataset_key + ": dataset '" + dataset_name + "' of '" + file_name +
+                     "' is not numeric, needs integers or floating point numbers");
 }
 
 }  // namespace
@@ -100,15 +102,9 @@ std::string hdf5_error() {
 bool hdf5_file_has(MPI_Comm comm, const std::string& file_name, const std::string& name,
                    const std::string& file_key) {
   silence_hdf5();
-  std::string fault;
   bool found = false;
-  if (rank_of(comm) == 0) {
-    Hdf5File file;
-    fault = open_alone(file_name, file_key, file);
-    found = fault.empty() && H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
-  }
-  fault = broadcast(comm, fault);
-  if (!fault.empty()) throw InputError(fault);
+  run_on_first(comm,
+               [&] { found = H5Lexists(open_alone(file_name, file_key), name.c_str(), H5P_DEFAULT) > 0; });
   return any(comm, found);
 }
 
@@ -120,9 +116,7 @@ Hdf5ParallelDataset::Hdf5ParallelDataset(MPI_Comm comm, const std::string& file,
       dataset_key_(dataset_key) {
   silence_hdf5();
   // One rank looks first, so that the usual faults never reach a collective call.
-  const std::string fault =
-      broadcast(comm, rank_of(comm) == 0 ? find_fault(file, dataset, file_key, dataset_key) : "");
-  if (!fault.empty()) throw InputError(fault);
+  run_on_first(comm, [&] { check_alone(file, dataset, file_key, dataset_key); });
 
   const Hdf5PropertyList access(H5Pcreate(H5P_FILE_ACCESS));
   (void)H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);

@@ -24,11 +24,6 @@ std::string place_in_text(const std::string& text, std::size_t position) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-/// The text, with a replacement character for what is not UTF-8.
-std::string valid_utf8(const std::string& text) {
-  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-}
-
 /// nlohmann's message without its identifier and its own account of the place.
 std::string bare_message(const std::string& message) {
   std::size_t start = message.find("] ");
@@ -68,8 +63,8 @@ class Builder : public nlohmann::json_sax<Json> {
 
   bool parse_error(std::size_t position, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    throw InputError(place_ + ": " + place_in_text(text_, position) + ": " +
-                     valid_utf8(bare_message(error.what())));
+    const Json message = Json::parse(to_text(bare_message(error.what())));  // what is not UTF-8 is replaced
+    throw InputError(place_ + ": " + place_in_text(text_, position) + ": " + message.get<std::string>());
   }
 
  private:
@@ -148,13 +143,17 @@ std::string to_text(const Json& value, int indent) {
 }
 
 const Json* find_member(const Json& value, const std::string& key) {
-  if (!value.is_object()) return nullptr;
   const auto found = value.find(key);
   return found == value.end() ? nullptr : &*found;
 }
 
 Json* find_member(Json& value, const std::string& key) {
   return const_cast<Json*>(find_member(std::as_const(value), key));
+}
+
+const Json* find_member(const Json& value, const std::string& key, const std::string& inner_key) {
+  const Json* outer = find_member(value, key);
+  return outer == nullptr ? nullptr : find_member(*outer, inner_key);
 }
 
 }  // namespace fabseq

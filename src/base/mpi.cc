@@ -80,18 +80,18 @@ std::vector<double> gather_all(MPI_Comm comm, std::span<const double> own) {
   return gather(comm, own, MPI_DOUBLE);
 }
 
-std::string broadcast(MPI_Comm comm, const std::string& text) {
+std::string broadcast(MPI_Comm comm, const std::string& text, int root) {
   auto length = static_cast<std::int64_t>(text.size());
-  MPI_Bcast(&length, 1, MPI_INT64_T, 0, comm);
+  MPI_Bcast(&length, 1, MPI_INT64_T, root, comm);
   std::string result = text;
   result.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(result.data(), static_cast<int>(length), MPI_CHAR, 0, comm);
+  MPI_Bcast(result.data(), static_cast<int>(length), MPI_CHAR, root, comm);
   return result;
 }
 
-void broadcast(MPI_Comm comm, std::span<double> values) {
-  for_each_message(values, [comm](std::span<double> part) {
-    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_DOUBLE, 0, comm);
+void broadcast(MPI_Comm comm, std::span<double> values, int root) {
+  for_each_message(values, [&](std::span<double> part) {
+    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_DOUBLE, root, comm);
   });
 }
 

@@ -127,24 +127,14 @@ void append_to_file(const std::string& path, std::string_view text) {
   file.close();
 }
 
-std::int64_t cut_file(const std::string& path, std::int64_t bytes) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return 0;
-  if (status.st_size <= bytes) return status.st_size;
-  PosixFile file(path, O_WRONLY);
-  file.resize(bytes);
-  file.sync();
-  file.close();
-  return bytes;
-}
-
-std::int64_t sync_file(const std::string& path) {
+std::int64_t sync_file(const std::string& path, std::int64_t most) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return 0;
   PosixFile file(path, O_WRONLY);
+  if (status.st_size > most) file.resize(most);
   file.sync();
   file.close();
-  return status.st_size;
+  return std::min<std::int64_t>(status.st_size, most);
 }
 
 std::string read_file_if_there(const std::string& path) {

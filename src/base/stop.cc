@@ -31,9 +31,9 @@ struct NamedSignal {
 constexpr std::array<NamedSignal, 4> stop_signals = {
     {{SIGUSR1, "USR1"}, {SIGUSR2, "USR2"}, {SIGTERM, "TERM"}, {SIGINT, "INT"}}};
 
-// Reasons are numbers, so that ranks can agree on one. The number of a signal is positive and hence larger
-// than these.
-constexpr int no_reason = 0, file_reason = -2, time_reason = -1;
+// Reasons are numbers, so that ranks can agree on the largest: a signal, which is first_signal and its
+// number, takes precedence, then the file, then the time.
+constexpr int no_reason = 0, time_reason = 1, file_reason = 2, first_signal = 3;
 
 const Clock::time_point process_start = Clock::now();
 constexpr long nanoseconds = 1000000000L;
@@ -77,15 +77,22 @@ extern "C" void on_stop_signal(int signal) {
   errno = error;
 }
 
+/// The number that a whole text is; none if it is no number.
+template <class Number>
+std::optional<Number> number_in(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
 /// A file that is there but cannot be read counts as a request, too.
 bool file_asks(const WatchedFile& seen) {
   if (seen.path.empty() || ::access(seen.path.c_str(), F_OK) != 0) return false;
   std::string word;
-  if (!(std::ifstream(seen.path) >> word)) return true;
-  int wanted = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), wanted);
-  const bool is_number = error == std::errc() && end == word.data() + word.size();
-  return !is_number || seen.iterations >= wanted;
+  std::ifstream(seen.path) >> word;
+  const std::optional<int> wanted = number_in<int>(word);
+  return !wanted || seen.iterations >= *wanted;
 }
 
 void look_for_files(Watch& seen) {
@@ -105,7 +112,7 @@ bool time_is_up(const Watch& seen) {
 
 int own_reason() {
   const Watch& seen = watch();
-  if (caught_signal != 0) return caught_signal;
+  if (caught_signal != 0) return first_signal + caught_signal;
   if (time_is_up(seen)) return time_reason;
   return any_file_asks(seen) ? file_reason : no_reason;
 }
@@ -114,15 +121,8 @@ std::string reason_text(int reason) {
   if (reason == time_reason) return "stopped: -max_wall_time is over";
   if (reason == file_reason) return "stopped by the file 'stop' in the output directory";
   for (const NamedSignal& signal : stop_signals)
-    if (signal.number == reason) return std::string("stopped by signal ") + signal.name;
+    if (first_signal + signal.number == reason) return std::string("stopped by signal ") + signal.name;
   return "stopped";
-}
-
-std::optional<double> to_seconds(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return std::isfinite(value) && value >= 0.0 ? std::optional<double>(value) : std::nullopt;
 }
 
 }  // namespace
@@ -176,18 +176,15 @@ void stop_if_signalled(MPI_Comm comm) {
 }
 
 void throw_stopped(MPI_Comm comm) {
-  // Signals are positive and take precedence, then the file, then the time. A rank that was not asked has 0.
-  const auto own = static_cast<std::int64_t>(own_reason());
-  const std::int64_t largest = max(comm, own);
-  throw Stopped(reason_text(static_cast<int>(largest > 0 ? largest : min(comm, own))));
+  throw Stopped(reason_text(static_cast<int>(max(comm, std::int64_t{own_reason()}))));
 }
 
 std::optional<double> parse_duration(const std::string& text) {
   std::vector<double> parts;
   std::istringstream stream(text);
   for (std::string part; std::getline(stream, part, ':');) {
-    const std::optional<double> value = to_seconds(part);
-    if (!value) return std::nullopt;
+    const std::optional<double> value = number_in<double>(part);
+    if (!value || !std::isfinite(*value) || *value < 0.0) return std::nullopt;
     parts.push_back(*value);
   }
   if (text.empty() || text.back() == ':' || (parts.size() != 1 && parts.size() != 3)) return std::nullopt;

@@ -14,17 +14,8 @@ namespace fabseq {
 
 namespace {
 
-struct NamedTask {
-  std::string_view name;
-  Task task;
-};
-
-constexpr NamedTask tasks[] = {{"optimize", Task::optimize},
-                               {"simulate", Task::simulate},
-                               {"sensitivity", Task::sensitivity},
-                               {"evaluate", Task::evaluate},
-                               {"check_gradients", Task::check_gradients},
-                               {"check", Task::check}};
+/// Names of the tasks, in the order of Task.
+constexpr std::string_view task_names = "optimize simulate sensitivity evaluate check_gradients check";
 
 /// Whether a word is an option ("-name"), not a negative number or a lone '-'; PETSc tells options from
 /// values in the same way.
@@ -67,12 +58,10 @@ std::vector<std::string> with_solver_prefixes(const std::string& word) {
 }
 
 Task parse_task(const std::string& name) {
-  std::vector<std::string> names;
-  for (const NamedTask& candidate : tasks) {
-    if (candidate.name == name) return candidate.task;
-    names.emplace_back(candidate.name);
-  }
-  refuse("-task", shown(name), join(names, ", "));
+  const std::vector<std::string> names = split(task_names, ' ');
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) refuse("-task", shown(name), join(names, ", "));
+  return static_cast<Task>(found - names.begin());
 }
 
 /// JSON text of a word that PETSc takes for a boolean, or of one of the key's words; empty for other words.
@@ -153,7 +142,8 @@ class Parser {
   void take(const std::string& word) {
     for (const OwnOption& option : own_options())
       if (option.name == word) return option.take(*this, word);
-    if (const ConfigKey* key = find_flat_option(word)) return take_flat_option(*key, word);
+    for (const ConfigKey* key : keys_with_option())
+      if (key->option == word) return take_flat_option(*key);
     pass_on(word);
   }
 
@@ -189,9 +179,9 @@ class Parser {
   }
 
   /// A flag without a value means true, as in PETSc.
-  void take_flat_option(const ConfigKey& key, const std::string& option) {
+  void take_flat_option(const ConfigKey& key) {
     if (key.type != KeyType::flag) {
-      result_.overrides.emplace_back(dotted_path(key), flat_option_value(key, value(option)));
+      result_.overrides.emplace_back(dotted_path(key), flat_option_value(key, value(key.option)));
       return;
     }
     const std::string given = next_is_value() ? boolean_value(key, words_[position_ + 1]) : "";
@@ -211,7 +201,8 @@ class Parser {
 
   /// Refuses an option that nothing will read: better now than after hours of computing.
   static void refuse_misspelt(const std::string& word) {
-    std::vector<std::string> known = flat_options();
+    std::vector<std::string> known;
+    for (const ConfigKey* key : keys_with_option()) known.push_back(key->option);
     for (const OwnOption& option : own_options()) known.emplace_back(option.name);
     if (begins_like_petscs(word) && nearest_word(word, known, 2).empty()) return;
     std::string nearest = nearest_word(word, known);

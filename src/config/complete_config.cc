@@ -65,13 +65,10 @@ class Completion {
 
   /// The "type" of the object; empty if the section has no such key.
   std::string variant_of(const Json& value, const std::string& pointer, const std::string& path) const {
-    const std::vector<ConfigKey>& keys = declared(path);
-    const auto type =
-        std::find_if(keys.begin(), keys.end(), [](const ConfigKey& key) { return key.name == "type"; });
-    if (type == keys.end()) return "";
     Json holder = Json::object();
-    add(holder, *type, find_member(value, "type"), pointer);
-    return holder.at("type").get<std::string>();
+    for (const ConfigKey& key : declared(path))
+      if (key.name == "type") add(holder, key, find_member(value, "type"), pointer);
+    return holder.value("type", "");
   }
 
   /// Refuses members that are not among `keys`, which are those of the section `path` in this dimension and
@@ -91,9 +88,9 @@ class Completion {
                               const std::string& name) const {
     for (const ConfigKey& key : declared(path)) {
       if (key.name != name || key.dimension == 0) continue;
+      const std::string dimension = std::to_string(key.dimension);
       refuse(pointer, shown(found),
-             key.dimension == 2 ? "only in 2D, that is with 2 entries in domain.elements"
-                                : "only in 3D, that is with 3 entries in domain.elements");
+             "only in " + dimension + "D, that is with " + dimension + " entries in domain.elements");
     }
   }
 
@@ -115,11 +112,10 @@ class Completion {
   Json checked(const ConfigKey& key, const Json& value, const std::string& pointer) const {
     switch (key.type) {
       case KeyType::shapes:
-        return shape_list(key, value, pointer);
+      case KeyType::sections:
+        return list(key, value, pointer);
       case KeyType::section:
         return section(value, pointer, subsection(key));
-      case KeyType::sections:
-        return section_list(key, value, pointer);
       case KeyType::shape:
         return value.is_string() && !key.words.empty() ? checked_value(key, value, pointer, context_)
                                                        : shape(value, pointer, "");
@@ -132,20 +128,13 @@ class Completion {
     }
   }
 
-  Json shape_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array() || value.empty()) refuse_value(key, value, pointer, context_);
+  Json list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
+    const bool of_shapes = key.type == KeyType::shapes;
+    if (!value.is_array() || (of_shapes && value.empty())) refuse_value(key, value, pointer, context_);
     Json result = Json::array();
     for (std::size_t i = 0; i < value.size(); ++i) {
-      result.push_back(shape(value[i], pointer_to(pointer, i), ""));
-    }
-    return result;
-  }
-
-  Json section_list(const ConfigKey& key, const Json& value, const std::string& pointer) const {
-    if (!value.is_array()) refuse_value(key, value, pointer, context_);
-    Json result = Json::array();
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      result.push_back(section(value[i], pointer_to(pointer, i), subsection(key)));
+      const std::string place = pointer_to(pointer, i);
+      result.push_back(of_shapes ? shape(value[i], place, "") : section(value[i], place, subsection(key)));
     }
     return result;
   }
@@ -191,8 +180,7 @@ class Completion {
 /// Dimension of the domain, by the number of entries of domain.elements, 3 if there are none. Other faults in
 /// them are found later.
 int find_dimension(const Json& document) {
-  const Json* domain = find_member(document, "domain");
-  const Json* elements = domain != nullptr ? find_member(*domain, "elements") : nullptr;
+  const Json* elements = find_member(document, "domain", "elements");
   if (elements == nullptr) return 3;
   const bool valid = elements->is_array() && (elements->size() == 2 || elements->size() == 3);
   if (!valid) refuse("/domain/elements", shown(*elements), "a list of 2 or 3 integers >= 1");

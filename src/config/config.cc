@@ -2,7 +2,6 @@
 #include "fabseq/config/config.h"
 
 #include "fabseq/config/config_keys.h"
-#include "fabseq/config/config_rules.h"
 #include "fabseq/responses/response_type.h"
 
 namespace fabseq {
@@ -12,7 +11,7 @@ namespace {
 /// The target thickness of the first constraint that has one.
 std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
   for (std::size_t i = 0; i < constraints.size(); ++i)
-    if (const auto target = constraints[i].type->target_thickness(constraints[i]))
+    if (const auto target = constraints[i].type->facts(constraints[i]).target_thickness)
       return TargetThickness{*target, "/constraints/" + std::to_string(i) + "/target"};
   return std::nullopt;
 }

@@ -107,13 +107,6 @@ Section<Config> all_keys() {
       .section("output", &Its::output, "Output", output_keys(), optional);
 }
 
-/// Calls visit(key) for every key of every section.
-template <class Visit>
-void for_each_key(const Visit& visit) {
-  for (const SectionKeys& section : config_sections())
-    for (const ConfigKey& key : section.keys) visit(key);
-}
-
 }  // namespace
 
 const Section<Config>& config_section() {
@@ -127,26 +120,19 @@ const std::vector<SectionKeys>& config_sections() {
 }
 
 std::string dotted_path(const ConfigKey& key) {
-  bool in_list = false;
-  for_each_key([&](const ConfigKey& other) {
-    in_list = in_list || (other.type == KeyType::sections && subsection(other) == key.section);
-  });
-  return in_list && !key.variant.empty() ? key.section + "." + key.variant + "." + key.name : subsection(key);
+  if (key.variant.empty()) return subsection(key);
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& list : section.keys)
+      if (list.type == KeyType::sections && subsection(list) == key.section)
+        return key.section + "." + key.variant + "." + key.name;
+  return subsection(key);
 }
 
-const ConfigKey* find_flat_option(std::string_view option) {
-  const ConfigKey* found = nullptr;
-  for_each_key([&](const ConfigKey& key) {
-    if (!option.empty() && key.option == option) found = &key;
-  });
-  return found;
-}
-
-std::vector<std::string> flat_options() {
-  std::vector<std::string> result;
-  for_each_key([&](const ConfigKey& key) {
-    if (!key.option.empty()) result.push_back(key.option);
-  });
+std::vector<const ConfigKey*> keys_with_option() {
+  std::vector<const ConfigKey*> result;
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& key : section.keys)
+      if (!key.option.empty()) result.push_back(&key);
   return result;
 }
 

@@ -5,10 +5,9 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
+#include "fabseq/base/verdict.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/config_rules.h"
-#include "fabseq/config/material_file.h"
-#include "fabseq/config/place_mesh.h"
+#include "fabseq/config/named_files.h"
 #include "fabseq/config/reslicing.h"
 #include "fabseq/keys/config_key.h"
 
@@ -23,55 +22,27 @@ namespace {
 /// Larger files are no configs.
 constexpr std::uintmax_t most_bytes = 64 << 20;
 
-struct ConfigFile {
-  std::string problem, text, directory;
-};
-
-ConfigFile load(const std::string& file) {
-  ConfigFile result;
-  result.problem = reading_problem(file);
-  if (!result.problem.empty()) {
-    result.problem =
-        "-config: cannot read " + shown(file) + " (" + result.problem + "); allowed: a readable JSON file";
-    return result;
-  }
+/// Text of the config file.
+std::string config_text(const std::string& file) {
+  const std::string problem = reading_problem(file);
+  if (!problem.empty())
+    throw InputError("-config: cannot read " + shown(file) + " (" + problem +
+                     "); allowed: a readable JSON file");
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (bytes > most_bytes) {
-    result.problem = "-config: " + shown(file) + " has " + std::to_string(bytes) +
-                     " bytes; allowed: a JSON file of at most 64 MB";
-    return result;
-  }
-  result.text = read_file_if_there(file);
-  result.directory = std::filesystem::absolute(file, error).parent_path().string();
-  return result;
+  if (bytes > most_bytes)
+    throw InputError("-config: " + shown(file) + " has " + std::to_string(bytes) +
+                     " bytes; allowed: a JSON file of at most 64 MB");
+  return read_file_if_there(file);
 }
 
-/// Throws InputError on all ranks if rank 0 found a problem.
-void throw_problem_of_rank_0(MPI_Comm comm, const std::string& problem) {
-  const std::string text = broadcast(comm, problem);
-  if (!text.empty()) throw InputError(text);
-}
-
-std::string missing_file(const std::string& pointer, const std::string& file) {
-  const std::string problem = reading_problem(file);
-  if (problem.empty()) return "";
-  return pointer + ": found " + shown(file) + ", which cannot be read (" + problem +
-         "); allowed: a readable HDF5 file";
-}
-
-/// Lets rank 0 check that the files that a config names can be read. Collective.
-void check_files(MPI_Comm comm, const Config& config) {
-  std::string problem;
-  if (rank_of(comm) == 0) {
-    if (const auto* voxels = std::get_if<VoxelFile>(&config.part.source)) {
-      problem = missing_file("/part/voxels/file", voxels->file);
-    }
-    if (problem.empty() && config.sequence.type == SequenceType::file) {
-      problem = missing_file("/sequence/file", config.sequence.file);
-    }
-  }
-  throw_problem_of_rank_0(comm, problem);
+/// Checks that the files that a config names can be read.
+void check_files(const Config& config) {
+  constexpr const char* allowed = "a readable HDF5 file";
+  if (const auto* voxels = std::get_if<VoxelFile>(&config.part.source))
+    require_readable("/part/voxels/file", voxels->file, allowed);
+  if (config.sequence.type == SequenceType::file)
+    require_readable("/sequence/file", config.sequence.file, allowed);
 }
 
 void warn_about(const Config& config) {
@@ -137,18 +108,20 @@ void apply_override(Json& document, const std::string& path, const std::string& 
 }
 
 Config read_config(MPI_Comm comm, const CommandLine& command_line) {
-  ConfigFile file;
-  if (rank_of(comm) == 0) file = load(command_line.config_file);
-  throw_problem_of_rank_0(comm, file.problem);
-  Json document = parse_json(broadcast(comm, file.text), command_line.config_file);
-  for (const auto& [path, text] : command_line.overrides) apply_override(document, path, text);
+  const std::string& file = command_line.config_file;
+  std::string text;
+  run_on_first(comm, [&] { text = config_text(file); });
+  Json document = parse_json(broadcast(comm, text), file);
+  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
   reslice(comm, command_line, document);
-  const std::string directory = broadcast(comm, file.directory);
+  std::error_code error;
+  const std::string directory =
+      broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
   merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
   Config config = make_config(document, directory, mesh);
   check_task(config, command_line.task);
-  check_files(comm, config);
+  run_on_first(comm, [&] { check_files(config); });
   warn_about(config);
   return config;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/config_rules.h"
-
-#include "fabseq/base/error.h"
+/// Relations between keys of different sections.
+#include "fabseq/config/config.h"
+#include "fabseq/keys/config_key.h"
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>
@@ -134,7 +134,7 @@ void check_terms(const Config& config, const std::vector<Term>& terms, const std
 /// least squares beside it would compete with it.
 void check_largest(const Config& config) {
   const std::vector<Term>& terms = config.objective;
-  const auto is_largest = [](const Term& term) { return term.type->is_largest(term); };
+  const auto is_largest = [](const Term& term) { return term.type->facts(term).is_largest; };
   const auto first = std::find_if(terms.begin(), terms.end(), is_largest);
   if (first == terms.end()) return;
   const auto pointer = [&](const Term& term, const char* key) {

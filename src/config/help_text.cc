@@ -57,32 +57,22 @@ std::string default_text(const ConfigKey& key) {
   return text.empty() ? "none" : text;
 }
 
-std::string title(const SectionKeys& section) {
-  return section.path.empty() ? section.title : section.path + ": " + section.title;
-}
-
-/// Name of a key, "heat: scale" if the key exists only for one type.
-std::string key_name(const ConfigKey& key) {
-  return key.variant.empty() ? key.name : key.variant + ": " + key.name;
-}
-
 std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(text.size() < width ? width - text.size() : 1, ' ');
 }
 
 void write_flat_options(std::ostream& stream) {
   stream << "\nOptions for frequent keys (unit, default):\n";
-  for (const std::string& option : flat_options()) {
-    const ConfigKey& key = *find_flat_option(option);
-    const std::string unit = key.unit.empty() ? "" : key.unit + ", ";
-    stream << "  " << padded(option, 24) << padded(dotted_path(key), 42) << "(" << unit << default_text(key)
-           << ")\n";
+  for (const ConfigKey* key : keys_with_option()) {
+    const std::string unit = key->unit.empty() ? "" : key->unit + ", ";
+    stream << "  " << padded(key->option, 24) << padded(dotted_path(*key), 42) << "(" << unit
+           << default_text(*key) << ")\n";
   }
 }
 
 void write_key(std::ostream& stream, const ConfigKey& key) {
-  stream << "  " << padded(key_name(key), 34) << key.meaning << "\n"
-         << std::string(36, ' ') << allowed_text(key);
+  const std::string name = key.variant.empty() ? key.name : key.variant + ": " + key.name;
+  stream << "  " << padded(name, 34) << key.meaning << "\n" << std::string(36, ' ') << allowed_text(key);
   if (!key.unit.empty()) stream << " [" << key.unit << "]";
   stream << "; " << (key.required ? "" : "default ") << default_text(key) << "\n";
 }
@@ -115,10 +105,9 @@ std::string reference_entry(const ConfigKey& key) {
   std::string text = code(key.name);
   if (!key.variant.empty()) text += ", only for " + code(key.variant);
   text += ": " + key.meaning + ". ";
-  const bool has_default = !key.required && default_text(key) != "none";
-  if (key.required) text += "Required";
-  if (has_default) text += "Default: " + code(key.default_value);
-  if (!key.required && !has_default) text += "No default";
+  text += key.required                  ? "Required"
+          : default_text(key) == "none" ? "No default"
+                                        : "Default: " + code(key.default_value);
   if (!key.default_2d.empty()) text += ", in 2D " + code(key.default_2d);
   text += "; allowed: " + allowed_text(key);
   if (!key.unit.empty()) text += "; unit: " + key.unit;
@@ -134,7 +123,7 @@ std::string help_text() {
   write_flat_options(stream);
   stream << "\nConfig keys:\n";
   for (const SectionKeys& section : config_sections()) {
-    stream << "\n" << title(section) << "\n";
+    stream << "\n" << (section.path.empty() ? "" : section.path + ": ") << section.title << "\n";
     for (const ConfigKey& key : section.keys) write_key(stream, key);
   }
   return stream.str();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/material_file.h"
-
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/refusal.h"
-#include "fabseq/keys/message.h"
+#include "fabseq/base/verdict.h"
+#include "fabseq/config/named_files.h"
 
 #include <filesystem>
 
@@ -17,23 +16,19 @@ constexpr const char* pointer = "/material/file";
 constexpr const char* allowed = "a readable file with a JSON object of at most 1 MB";
 constexpr std::uintmax_t largest_material = 1 << 20;
 
-/// What is wrong with the file; empty: nothing.
-std::string problem_of(const std::string& path) {
-  std::string problem = reading_problem(path);
-  if (!problem.empty()) return shown(path) + ", which cannot be read (" + problem + ")";
+/// Text of the file. Throws InputError.
+std::string material_text(const std::string& path) {
+  require_readable(pointer, path, allowed);
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  return bytes > largest_material ? shown(path) + ", which has " + std::to_string(bytes) + " bytes" : "";
+  if (bytes > largest_material)
+    refuse(pointer, shown(path) + ", which has " + std::to_string(bytes) + " bytes", allowed);
+  return read_file_if_there(path);
 }
 
 Json read_material(MPI_Comm comm, const std::string& path) {
-  std::string problem, text;
-  if (rank_of(comm) == 0) {
-    problem = problem_of(path);
-    if (problem.empty()) text = read_file_if_there(path);
-  }
-  problem = broadcast(comm, problem);
-  if (!problem.empty()) refuse(pointer, problem, allowed);
+  std::string text;
+  run_on_first(comm, [&] { text = material_text(path); });
   Json material = parse_json(broadcast(comm, text), path);
   if (!material.is_object()) refuse(pointer, shown(path) + ", which holds no object", allowed);
   if (material.contains("file")) refuse(pointer, shown(path) + ", which names another file", allowed);
@@ -43,16 +38,14 @@ Json read_material(MPI_Comm comm, const std::string& path) {
 }  // namespace
 
 void merge_material_file(MPI_Comm comm, Json& document, const std::string& directory) {
-  const Json* given = find_member(document, "material");
-  const Json* file = given != nullptr ? find_member(*given, "file") : nullptr;
+  const Json* file = find_member(document, "material", "file");
   if (file == nullptr) return;
   if (!file->is_string()) refuse(pointer, shown(*file), "a file name");
   const auto path = std::filesystem::path(directory) / file->get<std::string>();
   Json material = read_material(comm, path.lexically_normal().string());
   for (const char* words : {"source", "comment"}) material.erase(words);
-  Json own = *given;
-  own.erase("file");
-  for (const auto& [name, value] : own.items()) material[name] = value;
+  document["material"].erase("file");
+  material.update(document["material"]);
   document["material"] = material;
 }
 

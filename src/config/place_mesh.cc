@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/place_mesh.h"
-
 #include "fabseq/config/config_keys.h"
+#include "fabseq/config/named_files.h"
 #include "fabseq/part/part_settings.h"
 
 #include <cmath>
@@ -83,8 +82,7 @@ BuildPlate plate_of(const Json& document) {
 }  // namespace
 
 std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, const std::string& directory) {
-  const Json* part = find_member(document, "part");
-  const Json* mesh = part != nullptr ? find_member(*part, "mesh") : nullptr;
+  const Json* mesh = find_member(document, "part", "mesh");
   if (mesh == nullptr) return nullptr;
   MeshFile description;
   const Json complete = complete_section(*mesh, "/part/mesh", "part.mesh", 3, directory);

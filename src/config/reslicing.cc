@@ -26,13 +26,6 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
-/// Then there is no number of layers to take from the file.
-bool has_sub_parts(const Json& document) {
-  const Json* layers = find_member(document, "layers");
-  const Json* type = layers == nullptr ? nullptr : find_member(*layers, "type");
-  return type != nullptr && *type == "multi_planar";
-}
-
 bool needs_gradient(const Json& term, TermList list) {
   const Json* type = find_member(term, "type");
   if (type == nullptr || !type->is_string()) return false;
@@ -75,10 +68,11 @@ void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
   const std::string file = std::filesystem::absolute(*command_line.sequence_file, error).string();
   const Slicing of_file = slicing_of(comm, file);
   document["sequence"] = Json::object({{"type", "file"}, {"file", file}});
-  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count") && !has_sub_parts(document))
+  const Json* type = find_member(document, "layers", "type");
+  const bool has_sub_parts = type != nullptr && *type == "multi_planar";  // which have no layers.count
+  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count") && !has_sub_parts)
     apply_override(document, "layers.count", std::to_string(static_cast<int>(of_file.layers)));
-  const Json* layers = find_member(document, "layers");
-  const Json* count = layers == nullptr ? nullptr : find_member(*layers, "count");
+  const Json* count = find_member(document, "layers", "count");
   const bool known = of_file.layers > 0.0 && of_file.beta > 0.0 && count != nullptr && count->is_number();
   if (known && !is_given(command_line, "projection.beta")) {
     const double beta = of_file.beta * (count->get<double>() / of_file.layers);

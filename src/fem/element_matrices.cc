@@ -11,7 +11,7 @@ namespace {
 template <int Dim>
 struct ShapeFunctions {
   std::array<double, corner_count<Dim>> value{};
-  std::array<double, static_cast<std::size_t>(corner_count<Dim>) * Dim> gradient{};  ///< [corner][axis]
+  typename ElementMatrices<Dim>::Gradient gradient{};
 
   ShapeFunctions(const Point<Dim>& point, const Point<Dim>& spacing) {
     for (int corner = 0; corner < corner_count<Dim>; ++corner) {
@@ -42,8 +42,7 @@ Point<Dim> gauss_point(int index) {
   return point;
 }
 
-}  // namespace
-
+/// Isotropic elasticity for unit Young's modulus, Voigt; plane stress in 2D.
 template <int Dim>
 SquareMatrix<voigt_size<Dim>> elasticity_matrix(double poisson) {
   constexpr int size = voigt_size<Dim>;
@@ -59,9 +58,10 @@ SquareMatrix<voigt_size<Dim>> elasticity_matrix(double poisson) {
   return matrix;
 }
 
+}  // namespace
+
 template <int Dim>
-typename ElementMatrices<Dim>::StrainMatrix ElementMatrices<Dim>::strain_matrix(
-    const std::array<double, static_cast<std::size_t>(corners) * Dim>& gradient) {
+typename ElementMatrices<Dim>::StrainMatrix ElementMatrices<Dim>::strain_matrix(const Gradient& gradient) {
   StrainMatrix matrix{};
   for (int corner = 0; corner < corners; ++corner) {
     for (int axis = 0; axis < Dim; ++axis) matrix[axis][corner * Dim + axis] = gradient[corner * Dim + axis];
@@ -74,6 +74,16 @@ typename ElementMatrices<Dim>::StrainMatrix ElementMatrices<Dim>::strain_matrix(
     }
   }
   return matrix;
+}
+
+template <int Dim>
+typename ElementMatrices<Dim>::StrainMatrix ElementMatrices<Dim>::stress_matrix(
+    const StrainMatrix& strain) const {
+  StrainMatrix stress{};
+  for (int r = 0; r < voigt_size<Dim>; ++r)
+    for (int s = 0; s < voigt_size<Dim>; ++s)
+      for (int j = 0; j < unknowns; ++j) stress[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
+  return stress;
 }
 
 template <int Dim>
@@ -92,22 +102,14 @@ ElementMatrices<Dim>::ElementMatrices(const Point<Dim>& spacing, double thicknes
               weight * shape.gradient[i * Dim + axis] * shape.gradient[j * Dim + axis];
       }
     const StrainMatrix strain = strain_matrix(shape.gradient);
-    StrainMatrix stress{};
-    for (int r = 0; r < voigt_size<Dim>; ++r)
-      for (int s = 0; s < voigt_size<Dim>; ++s)
-        for (int j = 0; j < unknowns; ++j)
-          stress[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
+    const StrainMatrix stress = stress_matrix(strain);
     for (int i = 0; i < unknowns; ++i)
       for (int j = 0; j < unknowns; ++j)
         for (int r = 0; r < voigt_size<Dim>; ++r)
           stiffness_[i * unknowns + j] += weight * strain[r][i] * stress[r][j];
   }
   center_gradient_ = ShapeFunctions<Dim>(Point<Dim>{}, spacing).gradient;
-  const StrainMatrix strain = strain_matrix(center_gradient_);
-  for (int r = 0; r < voigt_size<Dim>; ++r)
-    for (int s = 0; s < voigt_size<Dim>; ++s)
-      for (int j = 0; j < unknowns; ++j)
-        center_stress_[r][j] += elasticity_[r * voigt_size<Dim> + s] * strain[s][j];
+  center_stress_ = stress_matrix(strain_matrix(center_gradient_));
 }
 
 template <int Dim>
@@ -139,7 +141,6 @@ std::array<double, voigt_size<Dim>> ElementMatrices<Dim>::center_stress(
   return result;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(elasticity_matrix);
 FABSEQ_INSTANTIATE_CLASS(ElementMatrices);
 
 }  // namespace fabseq

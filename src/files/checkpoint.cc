@@ -77,8 +77,8 @@ void verify_scalars(const std::string& path, hid_t file) {
     if (!value) throw_damaged(path, "attribute '" + name + "' cannot be read");
     scalars[name] = *value;
   }
-  const std::optional<std::uint64_t> expected = read_checksum(file, scalar_checksum_name);
-  if (!expected || *expected != checksum_of(scalars))
+  const std::optional<Json> expected = read_attribute(file, scalar_checksum_name);
+  if (!expected || *expected != Json(checksum_of(scalars)))
     throw_damaged(path, "the checksum of the scalars is wrong");
 }
 
@@ -99,7 +99,7 @@ void write_slot(const OutputDirectory& directory, const std::string& slot, const
   }
   for (const auto& [name, values] : state.arrays()) writer.write_array(name, values);
   for (const auto& [name, value] : state.scalars()) writer.write_attribute(name, value);
-  writer.write_checksum(scalar_checksum_name, checksum_of(state.scalars()));
+  writer.write_attribute(scalar_checksum_name, checksum_of(state.scalars()));
   writer.close(true);
 }
 
@@ -120,10 +120,10 @@ int verify_checkpoint(const std::string& path) {
   const std::vector<std::string> names = dataset_names(file);
   for (const std::string& name : names) {
     const Hdf5Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT));
-    const auto expected = dataset ? read_checksum(dataset, "checksum") : std::nullopt;
+    const auto expected = dataset ? read_attribute(dataset, "checksum") : std::nullopt;
     const auto found = dataset ? checksum_of_dataset(dataset) : std::nullopt;
     if (!expected || !found) throw_damaged(path, "dataset '" + name + "' cannot be read");
-    if (*expected != *found) throw_damaged(path, "the checksum of dataset '" + name + "' is wrong");
+    if (*expected != Json(*found)) throw_damaged(path, "the checksum of dataset '" + name + "' is wrong");
   }
   verify_scalars(path, file);
   return static_cast<int>(names.size());

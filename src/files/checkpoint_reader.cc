@@ -4,7 +4,6 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/checkpoint.h"
@@ -21,12 +20,9 @@ namespace {
 
 constexpr std::array<const char*, 2> slots = {"checkpoint/slot_0.h5", "checkpoint/slot_1.h5"};
 
-struct Search {
-  std::string path, warning;
-};
-
-/// Finds an intact slot, trying the one that `newest` names first. Rank 0 calls it.
-Search search(const std::string& directory) {
+/// Path of an intact slot, of which the one that `newest` names is tried first, "" if there is none; warns of
+/// those that are damaged. Rank 0 calls it.
+std::string search(const std::string& directory) {
   const std::string newest = newest_checkpoint(directory);
   std::vector<std::string> candidates(slots.begin(), slots.end());
   if (newest == slots[1]) std::swap(candidates[0], candidates[1]);
@@ -37,14 +33,16 @@ Search search(const std::string& directory) {
     if (newest.empty() && !std::filesystem::exists(path, error)) continue;
     try {
       (void)verify_checkpoint(path);
-      return {path, faults.empty() ? "" : faults + "; '" + path + "', which is older, is used"};
+      if (!faults.empty()) warn(faults + "; '" + path + "', which is older, is used");
+      return path;
     } catch (const Error& fault) {
       faults += std::string(faults.empty() ? "" : "; ") + fault.what();
     }
   }
   if (!newest.empty())
     throw InputError("-restart: " + faults + "; allowed: a directory with an intact checkpoint");
-  return {"", faults};
+  if (!faults.empty()) warn(faults);
+  return "";
 }
 
 std::vector<double> read_array(hid_t dataset, const std::string& name) {
@@ -93,10 +91,9 @@ CheckpointState without_fields(const Json& description) {
 }  // namespace
 
 std::string find_checkpoint(MPI_Comm comm, const std::string& directory) {
-  Search found;
+  std::string found;
   run_on_first(comm, [&] { found = search(directory); });
-  if (!found.warning.empty()) warn(found.warning);  // only rank 0 has one
-  return broadcast(comm, found.path);
+  return broadcast(comm, found);
 }
 
 CheckpointState read_checkpoint_scalars(MPI_Comm comm, const std::string& path) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 namespace fabseq {
 
@@ -41,21 +40,19 @@ void CheckpointState::set_array(const std::string& name, std::vector<double> val
   arrays_[name] = std::move(values);
 }
 
-const Json& CheckpointState::scalar(const std::string& name) const { return find(scalars_, name); }
-
 int CheckpointState::integer(const std::string& name) const {
-  require(scalar(name).is_number_integer(), name);
-  return static_cast<int>(scalar(name).get<std::int64_t>());
+  require(find(scalars_, name).is_number_integer(), name);
+  return static_cast<int>(find(scalars_, name).get<std::int64_t>());
 }
 
 double CheckpointState::number(const std::string& name) const {
-  require(scalar(name).is_number(), name);
-  return scalar(name).get<double>();
+  require(find(scalars_, name).is_number(), name);
+  return find(scalars_, name).get<double>();
 }
 
 const std::string& CheckpointState::text(const std::string& name) const {
-  require(scalar(name).is_string(), name);
-  return scalar(name).get_ref<const std::string&>();
+  require(find(scalars_, name).is_string(), name);
+  return find(scalars_, name).get_ref<const std::string&>();
 }
 
 const std::vector<double>& CheckpointState::array(const std::string& name) const {

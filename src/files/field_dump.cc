@@ -3,6 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/mpi_struct.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/xdmf.h"
@@ -28,24 +29,6 @@ void require_success(int code, const std::string& file) {
   int length = 0;
   MPI_Error_string(code, text, &length);
   throw OutputError("cannot write '" + file + "': " + std::string(text, static_cast<std::size_t>(length)));
-}
-
-/// Sole owner of a committed MPI datatype.
-class MpiType {
- public:
-  explicit MpiType(MPI_Datatype type) : type_(type) { MPI_Type_commit(&type_); }
-  MpiType(MpiType&&) = delete;
-  ~MpiType() { MPI_Type_free(&type_); }
-  operator MPI_Datatype() const { return type_; }  // NOLINT(google-explicit-constructor)
-
- private:
-  MPI_Datatype type_;
-};
-
-MPI_Datatype make_entity_type(int components, bool single_precision) {
-  MPI_Datatype type = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(components, single_precision ? MPI_FLOAT : MPI_DOUBLE, &type);
-  return type;
 }
 
 /// MPI datatype of the part of the whole box that `owned` covers.
@@ -78,7 +61,7 @@ class SharedFile {
   template <int Dim>
   void write(const IndexBox<Dim>& whole, const IndexBox<Dim>& owned,
              const typename FieldSet<Dim>::Field& field, std::int64_t offset) {
-    const MpiType entity(make_entity_type(field.components, field.single_precision));
+    const MpiType entity = contiguous_type(field.components, field.single_precision ? MPI_FLOAT : MPI_DOUBLE);
     const MpiType box(make_box_type(whole, owned, entity));
     const int viewed = MPI_File_set_view(file_, offset, entity, box, "native", MPI_INFO_NULL);
     run_on_all(comm_, [&] { require_success(viewed, path_); });

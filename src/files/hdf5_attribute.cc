@@ -3,6 +3,7 @@
 
 #include "fabseq/base/hdf5.h"
 
+#include <cstdint>
 #include <stdexcept>
 
 namespace fabseq {
@@ -64,6 +65,10 @@ bool write_attribute(hid_t object, const std::string& name, const Json& value) {
     const Hdf5Datatype type = boolean_type();
     return type && write_scalar(object, name, type, type, &number);
   }
+  if (value.is_number_unsigned()) {
+    const std::uint64_t number = value.get<std::uint64_t>();
+    return write_scalar(object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &number);
+  }
   if (value.is_number_integer()) {
     const std::int64_t number = value.get<std::int64_t>();
     return write_scalar(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &number);
@@ -80,16 +85,13 @@ bool write_attribute(hid_t object, const std::string& name, const Json& value) {
   throw std::invalid_argument("HDF5 attribute '" + name + "' is no boolean, number or string");
 }
 
-bool write_checksum(hid_t object, const std::string& name, std::uint64_t value) {
-  return write_scalar(object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
-}
-
 std::optional<Json> read_attribute(hid_t object, const std::string& name) {
   const Hdf5Attribute attribute = open_scalar(object, name);
   const Hdf5Datatype type(attribute ? H5Aget_type(attribute) : H5I_INVALID_HID);
   if (!type) return std::nullopt;
   switch (H5Tget_class(type)) {
     case H5T_INTEGER:
+      if (H5Tget_sign(type) == H5T_SGN_NONE) return read_number<std::uint64_t>(attribute, H5T_NATIVE_UINT64);
       return read_number<std::int64_t>(attribute, H5T_NATIVE_INT64);
     case H5T_FLOAT:
       return read_number<double>(attribute, H5T_NATIVE_DOUBLE);
@@ -102,12 +104,6 @@ std::optional<Json> read_attribute(hid_t object, const std::string& name) {
     default:
       return std::nullopt;
   }
-}
-
-std::optional<std::uint64_t> read_checksum(hid_t object, const std::string& name) {
-  const Hdf5Attribute attribute = open_scalar(object, name);
-  if (!attribute) return std::nullopt;
-  return read_number<std::uint64_t>(attribute, H5T_NATIVE_UINT64);
 }
 
 std::vector<std::string> attribute_names(hid_t object) {

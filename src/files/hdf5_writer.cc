@@ -15,23 +15,13 @@
 #include <bit>
 #include <exception>
 #include <fcntl.h>
-#include <functional>
 #include <map>
-#include <numeric>
 #include <optional>
 
 namespace fabseq {
 
 static_assert(std::endian::native == std::endian::little,
               "values are written as they lie in memory, little-endian");
-
-namespace {
-
-std::vector<hsize_t> to_extents(const std::vector<std::int64_t>& shape) {
-  return {shape.begin(), shape.end()};
-}
-
-}  // namespace
 
 /// The file on rank 0.
 ///
@@ -94,7 +84,7 @@ class Hdf5Writer::File {
 
   void attach_checksum(const std::string& name, std::uint64_t value) const {
     const Hdf5Dataset dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
-    require(dataset && fabseq::write_checksum(dataset, "checksum", value));
+    require(dataset && fabseq::write_attribute(dataset, "checksum", value));
   }
 
   void finish(bool sealed) {
@@ -171,7 +161,7 @@ template <int Dim>
 void Hdf5Writer::write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field) {
   SlabGather<Dim> slabs(file_->comm(), grid, field);
   run_on_first(file_->comm(),
-               [&] { file_->create_dataset(field.name, to_extents(slabs.shape()), field.single_precision); });
+               [&] { file_->create_dataset(field.name, slabs.shape(), field.single_precision); });
   const std::uint64_t checksum = write_slabs(slabs, field.name, 0, field.single_precision);
   run_on_first(file_->comm(), [&] { file_->attach_checksum(field.name, checksum); });
 }
@@ -185,14 +175,12 @@ template <int Dim>
 void Hdf5Writer::write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage,
                              int count) {
   SlabGather<Dim> slabs(file_->comm(), grid, field);
-  std::vector<hsize_t> shape = to_extents(slabs.shape());
-  const auto values_a_stage =
-      static_cast<std::int64_t>(std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>()));
+  std::vector<hsize_t> shape = slabs.shape();
   shape.insert(shape.begin(), static_cast<hsize_t>(count));
   run_on_first(file_->comm(), [&] {
     if (stage == 0) file_->create_dataset(field.name, shape, true);
   });
-  write_slabs(slabs, field.name, stage * values_a_stage, true);
+  write_slabs(slabs, field.name, stage * slabs.size(), true);
 }
 
 void Hdf5Writer::write_array(const std::string& name, std::span<const double> values, int columns) {
@@ -210,10 +198,6 @@ void Hdf5Writer::write_array(const std::string& name, std::span<const double> va
 
 void Hdf5Writer::write_attribute(const std::string& name, const Json& value) {
   run_on_first(file_->comm(), [&] { file_->require(fabseq::write_attribute(file_->root(), name, value)); });
-}
-
-void Hdf5Writer::write_checksum(const std::string& name, std::uint64_t value) {
-  run_on_first(file_->comm(), [&] { file_->require(fabseq::write_checksum(file_->root(), name, value)); });
 }
 
 void Hdf5Writer::close(bool sealed) {

@@ -22,29 +22,32 @@ void warn_if_short(MPI_Comm comm, std::int64_t size, std::int64_t position) {
 
 }  // namespace
 
-void History::append(const Json& entry) const { directory_.append_line(history_file, to_text(entry)); }
-
-std::int64_t History::sync() const {
-  std::int64_t size = 0;
-  run_on_first(directory_.comm(), [&] { size = sync_file(directory_.file(history_file)); });
-  return sum(directory_.comm(), size);
+void append_to_history(const OutputDirectory& directory, const Json& entry) {
+  run_on_first(directory.comm(),
+               [&] { append_to_file(directory.file(history_file), to_text(entry) + "\n"); });
 }
 
-void History::cut_back(std::int64_t position) const {
+std::int64_t sync_history(const OutputDirectory& directory) {
   std::int64_t size = 0;
-  run_on_first(directory_.comm(), [&] { size = cut_file(directory_.file(history_file), position); });
-  warn_if_short(directory_.comm(), size, position);
+  run_on_first(directory.comm(), [&] { size = sync_file(directory.file(history_file)); });
+  return sum(directory.comm(), size);
 }
 
-void History::copy_from(const std::string& directory, std::int64_t position) const {
+void cut_history(const OutputDirectory& directory, std::int64_t position) {
   std::int64_t size = 0;
-  run_on_first(directory_.comm(), [&] {
-    std::string text = read_file_if_there(directory + "/" + history_file);
+  run_on_first(directory.comm(), [&] { size = sync_file(directory.file(history_file), position); });
+  warn_if_short(directory.comm(), size, position);
+}
+
+void copy_history(const OutputDirectory& directory, const std::string& other, std::int64_t position) {
+  std::int64_t size = 0;
+  run_on_first(directory.comm(), [&] {
+    std::string text = read_file_if_there(other + "/" + history_file);
     text.resize(std::min(text.size(), static_cast<std::size_t>(position)));
     size = static_cast<std::int64_t>(text.size());
-    if (!text.empty()) replace_file(directory_.file(history_file), text);
+    if (!text.empty()) replace_file(directory.file(history_file), text);
   });
-  warn_if_short(directory_.comm(), size, position);
+  warn_if_short(directory.comm(), size, position);
 }
 
 }  // namespace fabseq

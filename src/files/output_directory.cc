@@ -4,14 +4,12 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
-#include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 
 #include <algorithm>
 #include <array>
 #include <fcntl.h>
 #include <filesystem>
-#include <memory>
 #include <string_view>
 #include <system_error>
 
@@ -138,10 +136,6 @@ void OutputDirectory::make_folder(const std::string& name) const {
 
 void OutputDirectory::write(const std::string& name, const std::string& text) const {
   run_on_first(comm_, [&] { replace_file(file(name), text); });
-}
-
-void OutputDirectory::append_line(const std::string& name, const std::string& line) const {
-  run_on_first(comm_, [&] { append_to_file(file(name), line + "\n"); });
 }
 
 bool OutputDirectory::has(const std::string& name) const {

@@ -24,13 +24,13 @@ SlabGather<Dim>::SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& f
   if (!is_first) return;
   counts_.resize(boxes_.size());
   offsets_.resize(boxes_.size());
-  slab_.resize(static_cast<std::size_t>(whole_.count() / count() * components_));
+  slab_.resize(static_cast<std::size_t>(size() / count()));
   pieces_.resize(slab_.size());
 }
 
 template <int Dim>
-std::vector<std::int64_t> SlabGather<Dim>::shape() const {
-  std::vector<std::int64_t> result(whole_.size.rbegin(), whole_.size.rend());
+std::vector<hsize_t> SlabGather<Dim>::shape() const {
+  std::vector<hsize_t> result(whole_.size.rbegin(), whole_.size.rend());
   if (components_ > 1) result.push_back(components_);
   return result;
 }

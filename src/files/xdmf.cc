@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/files/xdmf.h"
 
-#include <cstdio>
+#include "fabseq/base/formatted.h"
+
 #include <vector>
 
 namespace fabseq {
 
 namespace {
-
-std::string exact_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
-}
 
 /// Entries of an index or a point in XDMF's order z y x, with `third` for the missing z axis of a 2D grid.
 template <class Entries>
@@ -24,7 +19,7 @@ std::vector<double> slowest_first(const Entries& entries, double third) {
 
 std::string list_text(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + exact_text(value);
+  for (const double value : values) text += (text.empty() ? "" : " ") + formatted("%.17g", value);
   return text;
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <numeric>
 #include <string>
 
 namespace fabseq {
@@ -117,6 +116,13 @@ void NodeExchange<Dim>::to_ghosted(std::span<const double> owned, std::span<doub
 }
 
 template <int Dim>
+std::vector<double> NodeExchange<Dim>::ghosted(std::span<const double> owned) const {
+  std::vector<double> result(static_cast<std::size_t>(local_size(ghosted_)));
+  to_ghosted(owned, result);
+  return result;
+}
+
+template <int Dim>
 void NodeExchange<Dim>::add_to_owned(std::span<const double> ghosted, std::span<double> owned) const {
   assert(static_cast<PetscInt>(owned.size()) == local_size(owned_));
   assert(static_cast<PetscInt>(ghosted.size()) == local_size(ghosted_));
@@ -207,20 +213,24 @@ std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
 }
 
 template <int Dim>
-DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
-                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components) {
-  const auto all = [&](int axis) {
-    return std::accumulate(nodes[axis].begin(), nodes[axis].end(), PetscInt{0});
-  };
+DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components) {
+  std::array<std::vector<PetscInt>, Dim> counts;  // [axis][process]
+  for (int axis = 0; axis < Dim; ++axis) {
+    const std::vector<int>& starts = nodes.range_starts[axis];
+    for (std::size_t process = 0; process + 1 < starts.size(); ++process)
+      counts[axis].push_back(starts[process + 1] - starts[process]);
+  }
+  const auto all = [&](int axis) { return nodes.range_starts[axis].back(); };
+  const Index<Dim>& processes = nodes.processes;
   constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
   DmHandle dm;
   if constexpr (Dim == 2)
     check(DMDACreate2d(comm, open, open, DMDA_STENCIL_BOX, all(0), all(1), processes[0], processes[1],
-                       components, 1, nodes[0].data(), nodes[1].data(), dm.receive()));
+                       components, 1, counts[0].data(), counts[1].data(), dm.receive()));
   else
     check(DMDACreate3d(comm, open, open, open, DMDA_STENCIL_BOX, all(0), all(1), all(2), processes[0],
-                       processes[1], processes[2], components, 1, nodes[0].data(), nodes[1].data(),
-                       nodes[2].data(), dm.receive()));
+                       processes[1], processes[2], components, 1, counts[0].data(), counts[1].data(),
+                       counts[2].data(), dm.receive()));
   check(DMSetUp(dm));
   return dm;
 }
@@ -231,14 +241,9 @@ DM Grid<Dim>::node_dm(int components) const {
   if (found != node_dms_.end()) return found->second;
   require_countable<Dim>(domain_.elements, components);
 
-  std::array<std::vector<PetscInt>, Dim> nodes;  // [axis][process]
-  for (int axis = 0; axis < Dim; ++axis) {
-    const std::vector<int>& starts = decomposition_.range_starts[axis];
-    for (std::size_t process = 0; process + 1 < starts.size(); ++process)
-      nodes[axis].push_back(starts[process + 1] - starts[process]);
-    ++nodes[axis].back();
-  }
-  DmHandle dm = make_node_dm<Dim>(comm_, decomposition_.processes, nodes, components);
+  Decomposition<Dim> nodes = decomposition_;
+  for (std::vector<int>& starts : nodes.range_starts) ++starts.back();
+  DmHandle dm = make_node_dm<Dim>(comm_, nodes, components);
   return node_dms_.emplace(components, std::move(dm)).first->second;
 }
 

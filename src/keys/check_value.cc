@@ -17,6 +17,15 @@ bool has_word(std::string_view words, const Json& value) {
   return std::find(list.begin(), list.end(), value.get<std::string>()) != list.end();
 }
 
+/// The values that the key takes, with what the domain or the type of the member adds.
+std::string allowed_here(const ConfigKey& key, const ValueContext& context) {
+  std::string allowed = allowed_values(key, context.dimension);
+  if (key.type == KeyType::vector) allowed += " (as many as domain.elements)";
+  if (key.type == KeyType::integer && std::isinf(Interval::parse(key.range).high))
+    allowed += ", at most 2147483647";
+  return allowed;
+}
+
 /// Checks one value against its key.
 class ValueCheck {
  public:
@@ -27,9 +36,9 @@ class ValueCheck {
     if (key_.type != KeyType::choice && has_word(key_.words, value_)) return value_;
     switch (key_.type) {
       case KeyType::flag:
-        return flag();
+        return required(value_.is_boolean());
       case KeyType::integer:
-        return integer();
+        return as_integer(required(is_integer_in_range(value_)));
       case KeyType::number:
         return required(is_number_in_range(value_));
       case KeyType::text:
@@ -37,11 +46,11 @@ class ValueCheck {
       case KeyType::path:
         return path();
       case KeyType::choice:
-        return choice();
+        return required(has_word(key_.words, value_));
       case KeyType::axis:
-        return required(is_direction(1));
+        return required(is_direction(value_, 1));
       case KeyType::face:
-        return required(is_direction(2) &&
+        return required(is_direction(value_, 2) &&
                         (value_.get<std::string>()[1] == '-' || value_.get<std::string>()[1] == '+'));
       case KeyType::vector:
       case KeyType::integer_vector:
@@ -50,23 +59,25 @@ class ValueCheck {
       case KeyType::strain:
         return value_.is_object() ? turning_strain() : numbers();
       case KeyType::points:
-        return points();
+        required(value_.is_array() && value_.size() >= 3);
+        return lists_of(2);
       case KeyType::profile:
         return profile();
       case KeyType::list:
-        return list();
+        return entries_that([&](const Json& item) { return is_number_in_range(item); }, allowed());
       case KeyType::vectors:
         return lists_of(context_.dimension);
       case KeyType::lengths:
         return value_.is_array() ? numbers() : required(is_number_in_range(value_));
       case KeyType::turns:
-        return turns();
+        return entries_that([&](const Json& item) { return is_turn(item); }, allowed());
       case KeyType::angles:
         return lists_of(context_.dimension - 1);
       case KeyType::angle_bounds:
         return angle_bounds();
       case KeyType::word_list:
-        return word_list();
+        return entries_that([&](const Json& item) { return has_word(key_.words, item); },
+                            join(split(key_.words, ' '), ", "));
       case KeyType::shape:
         refuse_found();  // a word that the key does not take
       default:
@@ -75,9 +86,19 @@ class ValueCheck {
   }
 
  private:
+  std::string allowed() const { return allowed_here(key_, context_); }
   [[noreturn]] void refuse_found() const { refuse_value(key_, value_, pointer_, context_); }
-  Json required(bool valid) const {
+  const Json& required(bool valid) const {
     if (!valid) refuse_found();
+    return value_;
+  }
+
+  /// The list, of which the first entry that does not pass is refused.
+  template <class Passes>
+  const Json& entries_that(const Passes& passes, const std::string& allowed) const {
+    required(value_.is_array());
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      if (!passes(value_[i])) refuse(pointer_to(pointer_, i), shown(value_[i]), allowed);
     return value_;
   }
 
@@ -93,32 +114,38 @@ class ValueCheck {
            std::abs(value.get<double>()) <= std::numeric_limits<int>::max();
   }
 
+  /// 1e3 counts as an integer.
+  static Json as_integer(const Json& value) { return static_cast<std::int64_t>(value.get<double>()); }
+
+  bool are_numbers(const Json& value, int count) const {
+    return value.is_array() && value.size() == static_cast<std::size_t>(count) &&
+           std::all_of(value.begin(), value.end(),
+                       [&](const Json& item) { return is_number_in_range(item); });
+  }
+
   /// Whether the value is a string of `length` characters that begins with the name of an axis.
-  bool is_direction(std::size_t length) const { return is_direction(value_, length); }
   bool is_direction(const Json& value, std::size_t length) const {
     return value.is_string() && value.get<std::string>().size() == length &&
            value.get<std::string>()[0] >= 'x' && value.get<std::string>()[0] < 'x' + context_.dimension;
   }
 
-  Json flag() const {
-    if (!value_.is_boolean()) refuse_found();
-    return value_;
+  bool is_turn(const Json& value) const {
+    if (!value.is_array() || value.size() != 2 || !is_number_in_range(value[1])) return false;
+    const Json& axis = value[0];
+    const auto is_zero = [](const Json& entry) { return entry.get<double>() == 0.0; };
+    return is_direction(axis, 1) ||
+           (are_numbers(axis, context_.dimension) && !std::all_of(axis.begin(), axis.end(), is_zero));
   }
 
-  Json integer() const {
-    if (!is_integer_in_range(value_)) refuse_found();
-    return static_cast<std::int64_t>(value_.get<double>());  // 1e3 counts as an integer
-  }
+  static bool is_ascending(const Json& pair) { return pair[0].get<double>() < pair[1].get<double>(); }
 
   Json path() const {
-    if (!is_text()) refuse_found();
+    required(is_text());
     const std::filesystem::path full = std::filesystem::path(context_.directory) / value_.get<std::string>();
     std::error_code error;
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(full, error);
     return error ? full.lexically_normal().string() : canonical.string();
   }
-
-  Json choice() const { return required(has_word(key_.words, value_)); }
 
   std::size_t entries() const {
     if (key_.type == KeyType::bounds) return 2;
@@ -127,120 +154,51 @@ class ValueCheck {
   }
 
   Json numbers() const {
-    if (!value_.is_array() || value_.size() != entries()) refuse_found();
-    Json result = Json::array();
-    for (std::size_t i = 0; i < value_.size(); ++i) {
-      const Json& item = value_[i];
-      const bool integers = key_.type == KeyType::integer_vector;
-      const bool valid = integers ? is_integer_in_range(item) : is_number_in_range(item);
-      if (!valid) refuse_value(key_, item, pointer_to(pointer_, i), context_);
-      result.push_back(integers ? Json(static_cast<std::int64_t>(item.get<double>())) : item);
-    }
-    const bool ascending = key_.type != KeyType::bounds || value_[0].get<double>() < value_[1].get<double>();
-    if (!ascending) refuse_found();
+    required(value_.is_array() && value_.size() == entries());
+    const bool integers = key_.type == KeyType::integer_vector;
+    Json result = entries_that(
+        [&](const Json& item) { return integers ? is_integer_in_range(item) : is_number_in_range(item); },
+        allowed());
+    if (integers) std::transform(result.begin(), result.end(), result.begin(), as_integer);
+    required(key_.type != KeyType::bounds || is_ascending(value_));
     return result;
   }
 
   /// An inherent strain along (tangential) and across (normal) the layers.
   Json turning_strain() const {
     const char* const names[] = {"tangential", "normal"};
-    if (value_.size() != std::size(names)) refuse_found();
+    required(value_.size() == std::size(names));
     for (const char* name : names) {
       const Json* member = find_member(value_, name);
-      if (member == nullptr) refuse_found();
-      if (!is_number_in_range(*member))
-        refuse(pointer_to(pointer_, std::string(name)), shown(*member), "a number");
+      required(member != nullptr);
+      if (!is_number_in_range(*member)) refuse(pointer_to(pointer_, name), shown(*member), "a number");
     }
     return value_;
   }
 
-  Json list() const {
-    if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      if (!is_number_in_range(value_[i])) refuse_value(key_, value_[i], pointer_to(pointer_, i), context_);
-    return value_;
-  }
-
-  /// Refuses an entry that is not a list of `count` numbers.
-  void require_numbers(std::size_t entry, std::size_t count) const {
-    const Json& item = value_[entry];
-    bool valid = item.is_array() && item.size() == count;
-    for (std::size_t i = 0; valid && i < count; ++i) valid = is_number_in_range(item[i]);
-    if (!valid)
-      refuse(pointer_to(pointer_, entry), shown(item),
-             "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers") +
-                 Interval::parse(key_.range).text());
-  }
-
-  Json lists_of(int numbers) const {
-    if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i) require_numbers(i, static_cast<std::size_t>(numbers));
-    return value_;
-  }
-
-  Json turns() const {
-    if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i) {
-      const Json& turn = value_[i];
-      if (!turn.is_array() || turn.size() != 2 || !is_number_in_range(turn[1]) ||
-          !(is_direction(turn[0], 1) || is_vector_other_than_zero(turn[0])))
-        refuse_value(key_, turn, pointer_to(pointer_, i), context_);
-    }
-    return value_;
-  }
-
-  bool is_vector_other_than_zero(const Json& value) const {
-    const auto is_number = [&](const Json& entry) { return is_number_in_range(entry); };
-    const auto is_zero = [](const Json& entry) { return entry.get<double>() == 0.0; };
-    return value.is_array() && value.size() == static_cast<std::size_t>(context_.dimension) &&
-           std::all_of(value.begin(), value.end(), is_number) &&
-           !std::all_of(value.begin(), value.end(), is_zero);
+  Json lists_of(int count) const {
+    return entries_that([&](const Json& item) { return are_numbers(item, count); },
+                        "a list of " + std::to_string(count) + (count == 1 ? " number" : " numbers") +
+                            Interval::parse(key_.range).text());
   }
 
   Json angle_bounds() const {
-    if (!value_.is_array() || value_.empty()) refuse_found();
-    const auto is_ascending = [](const Json& pair) { return pair[0].get<double>() < pair[1].get<double>(); };
-    const Json& items = value_;
-    if (items[0].is_number())
-      return required(items.size() == 2 && is_number_in_range(items[0]) && is_number_in_range(items[1]) &&
-                      is_ascending(value_));
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      require_numbers(i, 2);
-      if (!is_ascending(items[i])) refuse(pointer_to(pointer_, i), shown(items[i]), "two ascending numbers");
-    }
-    return value_;
-  }
-
-  Json word_list() const {
-    if (!value_.is_array()) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      if (!has_word(key_.words, value_[i]))
-        refuse(pointer_to(pointer_, i), shown(value_[i]), join(split(key_.words, ' '), ", "));
-    return value_;
-  }
-
-  Json points() const {
-    if (!value_.is_array() || value_.size() < 3) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i) {
-      const Json& item = value_[i];
-      const bool valid =
-          item.is_array() && item.size() == 2 && is_number_in_range(item[0]) && is_number_in_range(item[1]);
-      if (!valid) refuse(pointer_to(pointer_, i), shown(item), "a list of 2 numbers");
-    }
-    return value_;
+    required(value_.is_array() && !value_.empty());
+    if (value_[0].is_number()) return required(are_numbers(value_, 2) && is_ascending(value_));
+    lists_of(2);
+    return entries_that(is_ascending, "two ascending numbers");
   }
 
   Json profile() const {
-    if (!value_.is_array() || value_.size() == 1) refuse_found();
-    for (std::size_t i = 0; i < value_.size(); ++i) {
-      const auto is_pair = [&](const Json& item) {
-        return item.is_array() && item.size() == 2 && is_number_in_range(item[0]) &&
-               is_number_in_range(item[1]) && item[1].get<double>() >= 0.0;
-      };
-      if (!is_pair(value_[i]) || (i > 0 && value_[i][0].get<double>() < value_[i - 1][0].get<double>()))
-        refuse_value(key_, value_[i], pointer_to(pointer_, i), context_);
-    }
-    return value_;
+    required(value_.is_array() && value_.size() != 1);
+    double lowest = -std::numeric_limits<double>::infinity();
+    const auto follows = [&](const Json& item) {
+      if (!are_numbers(item, 2) || item[1].get<double>() < 0.0 || item[0].get<double>() < lowest)
+        return false;
+      lowest = item[0].get<double>();
+      return true;
+    };
+    return entries_that(follows, allowed());
   }
 
   const ConfigKey& key_;
@@ -253,11 +211,7 @@ class ValueCheck {
 
 void refuse_value(const ConfigKey& key, const Json& value, const std::string& pointer,
                   const ValueContext& context) {
-  std::string allowed = allowed_values(key, context.dimension);
-  if (key.type == KeyType::vector) allowed += " (as many as domain.elements)";
-  if (key.type == KeyType::integer && std::isinf(Interval::parse(key.range).high))
-    allowed += ", at most 2147483647";
-  refuse(pointer, shown(value), allowed);
+  refuse(pointer, shown(value), allowed_here(key, context));
 }
 
 Json checked_value(const ConfigKey& key, const Json& value, const std::string& pointer,

@@ -15,25 +15,25 @@ BandNumbering<Dim>::BandNumbering(const LaneMesh<Dim>& mesh, int components) {
   std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return box.size[a] < box.size[b]; });
   IndexBox<Dim> permuted;
   for (int axis = 0; axis < Dim; ++axis) permuted.size[axis] = box.size[axes[axis]];
-  rows_.assign(static_cast<std::size_t>(mesh.nodes()) * components, 0);
+  rows.assign(static_cast<std::size_t>(mesh.nodes()) * components, 0);
   int next = 0;
   permuted.for_each([&](const Index<Dim>& place, std::int64_t) {
     Index<Dim> node = box.start;
     for (int axis = 0; axis < Dim; ++axis) node[axes[axis]] += place[axis];
     const std::int64_t number = mesh.node_number(node);
     if (number < 0) return;
-    for (int a = 0; a < components; ++a) rows_[number * components + a] = next++;
+    for (int a = 0; a < components; ++a) rows[number * components + a] = next++;
   });
   for (const auto& row : mesh.rows())
     for (int i = 0; i < row.length; ++i) {
-      int lowest = static_cast<int>(rows_.size()), highest = 0;
+      int lowest = static_cast<int>(rows.size()), highest = 0;
       for (const std::int64_t first : row.node)
         for (int side = 0; side < 2; ++side) {
-          const int of_node = rows_[(first + i + side) * components];
+          const int of_node = rows[(first + i + side) * components];
           lowest = std::min(lowest, of_node);
           highest = std::max(highest, of_node + components - 1);
         }
-      bandwidth_ = std::max(bandwidth_, highest - lowest);
+      bandwidth = std::max(bandwidth, highest - lowest);
     }
 }
 
@@ -61,6 +61,6 @@ void BandCholesky::solve(std::span<double> values) const {
   dpbtrs_("L", &size_, &bandwidth_, &columns, band_.data(), &leading, values.data(), &size_, &info);
 }
 
-FABSEQ_INSTANTIATE_CLASS(BandNumbering);
+FABSEQ_INSTANTIATE_STRUCT(BandNumbering);
 
 }  // namespace fabseq

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/lanes/coarse_supports.h"
-
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/rigid_fit.h"
+#include "fabseq/lanes/lane_hierarchy.h"
 
 #include <algorithm>
 #include <vector>
@@ -35,20 +34,18 @@ void for_each_node(const LaneLevel<Dim>& fine, const LaneMesh<Dim>& coarse, Func
 template <int Dim>
 std::vector<double> sum_parts(MPI_Comm comm, LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse,
                               const std::vector<double>& parts, int entries) {
-  if (!fine.staged) {
-    std::vector<double> sums = parts;
-    sum_over_holders(coarse, sums.data(), entries);
-    return sums;
-  }
   std::vector<double> sums(static_cast<std::size_t>(coarse.mesh.nodes()) * entries, 0.0);
   if (coarse.lanes_dealt) {
     for (std::size_t node = 0; node < fine.dealt.size(); ++node)
       std::copy_n(&parts[node * entries], entries, &sums[fine.dealt[node] * entries]);
     sum_in_place(comm, sums);
-  } else {
-    fine.gather.add_nodes(parts.data(), sums.data(), entries);
-    sum_over_holders(coarse, sums.data(), entries);
+    return sums;
   }
+  if (fine.staged)
+    fine.gather.add_nodes(parts.data(), sums.data(), entries);
+  else
+    sums = parts;
+  sum_over_holders(coarse, sums.data(), entries);
   return sums;
 }
 

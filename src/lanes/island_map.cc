@@ -3,7 +3,6 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/mpi_struct.h"
-#include "fabseq/grid/element_halo.h"
 #include "fabseq/lanes/local_basins.h"
 
 #include <algorithm>
@@ -35,8 +34,7 @@ IslandMap<Dim>::IslandMap(const LaneLevel<Dim>& level)
       node_held_(level.mesh.nodes(), 0),
       node_counted_(level.mesh.nodes(), 0),
       supported_(static_cast<std::size_t>(owned_.count()), 0) {
-  const auto components = static_cast<std::int64_t>(Dim);
-  for (const std::int64_t unknown : level.fixed) node_held_[unknown / components] = 1;
+  for (const std::int64_t unknown : level.fixed) node_held_[unknown / Dim] = 1;
   for (const auto& range : level.counted)
     std::fill(node_counted_.begin() + range.begin, node_counted_.begin() + range.end, 1);
   owned_.for_each([&](const Index<Dim>& element, std::int64_t offset) {

@@ -9,8 +9,7 @@ namespace fabseq {
 
 LaneDeal::LaneDeal(MPI_Comm comm, std::span<const std::int64_t> numbers)
     : comm_(comm), rank_(rank_of(comm)), own_nodes_(static_cast<std::int64_t>(numbers.size())) {
-  std::vector<std::int64_t> counts(static_cast<std::size_t>(size_of(comm)));
-  MPI_Allgather(&own_nodes_, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, comm);
+  const std::vector<std::int64_t> counts = gather_all(comm, std::span(&own_nodes_, 1));
   const std::vector<std::int64_t> all = gather_all(comm, numbers);
   auto next = all.begin();
   for (int rank = 0; rank < static_cast<int>(counts.size()); ++rank) {
@@ -32,11 +31,10 @@ LaneDeal::Buffers<Real>& LaneDeal::sized(std::span<const int> owners, int compon
     buffers.of_owner[i].rank = ranks[i];
     buffers.of_owner[i].values.resize(own_nodes_ * components * lanes(ranks[i]));
   }
-  buffers.of_holder.resize(lanes(rank_) > 0 ? holders_.size() : 0);
-  for (std::size_t i = 0; i < buffers.of_holder.size(); ++i) {
-    buffers.of_holder[i].rank = holders_[i].rank;
-    buffers.of_holder[i].values.resize(holders_[i].numbers.size() * components * lanes(rank_));
-  }
+  if (lanes(rank_) > 0)
+    make_room(buffers.of_holder, holders_, components * lanes(rank_));
+  else
+    buffers.of_holder.clear();
   return buffers;
 }
 

@@ -2,7 +2,6 @@
 #include "fabseq/lanes/lane_hierarchy.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/lanes/coarse_supports.h"
 
 #include <algorithm>
 #include <limits>
@@ -168,7 +167,7 @@ void LaneHierarchy<Dim>::make_coarse_mesh(LaneLevel<Dim>& fine, LaneLevel<Dim>& 
   coarse.shares = fine.shares.coarsened(fine.factors, active_);
   fine.staged = !fine.shares.stay_in_place(coarse.shares, fine.factors);
   if (fine.staged) {
-    fine.gather = LevelGather<Dim>(comm, stage, fine.shares, fine.factors, coarse.shares);
+    fine.gather = LevelGather<Dim>(comm, stage, coarse.shares);
     coarse.mesh = fine.gather.mesh();
     fine.stage = std::move(stage);
   } else {

@@ -7,15 +7,13 @@ namespace fabseq {
 
 template <int Dim>
 LaneLayout<Dim>::LaneLayout(const Grid<Dim>& grid, const LaneLevel<Dim>& level, int components)
-    : grid_(grid), level_(level), components_(components), counted_(level.mesh.nodes(), 0) {
+    : grid_(grid), level_(level), components_(components) {
   for (const auto& run : level.mesh.node_runs())
     for (int i = 0; i < run.length; ++i) {
       Index<Dim> node = run.index;
       node[0] += i;
       places_.push_back(grid.ghosted_nodes().offset(node));
     }
-  for (const auto& range : level.counted)
-    std::fill(counted_.begin() + range.begin, counted_.begin() + range.end, 1);
 }
 
 template <int Dim>
@@ -34,10 +32,11 @@ template <int Dim>
 void LaneLayout<Dim>::to_owned(const LaneArray& mesh, int width, LaneVector& owned) const {
   const int lanes = owned.lanes;
   ghosted_.assign(static_cast<std::size_t>(grid_.ghosted_nodes().count()) * components_ * lanes, 0.0);
-  for (std::size_t node = 0; node < places_.size(); ++node)
-    for (int a = 0; counted_[node] != 0 && a < components_; ++a)
-      std::copy_n(&mesh[(node * components_ + a) * width], lanes,
-                  &ghosted_[(places_[node] * components_ + a) * lanes]);
+  for (const auto& range : level_.counted)
+    for (std::int64_t node = range.begin; node < range.end; ++node)
+      for (int a = 0; a < components_; ++a)
+        std::copy_n(&mesh[(node * components_ + a) * width], lanes,
+                    &ghosted_[(places_[node] * components_ + a) * lanes]);
   grid_.exchange(components_ * lanes).add_to_owned(ghosted_, owned.values);
 }
 

@@ -24,11 +24,8 @@ void LaneMesh<Dim>::number_nodes() {
   node_numbers_.assign(static_cast<std::size_t>(node_box_.count()), -1);
   element_box_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
     if (element_numbers_[offset] < 0) return;
-    for (int corner = 0; corner < corner_count<Dim>; ++corner) {
-      Index<Dim> node = element;
-      for (int axis = 0; axis < Dim; ++axis) node[axis] += (corner >> axis) & 1;
-      node_numbers_[node_box_.offset(node)] = 0;
-    }
+    for (int corner = 0; corner < corner_count<Dim>; ++corner)
+      node_numbers_[node_box_.offset(stepped<Dim>(element, corner, 1))] = 0;
   });
   for (int& number : node_numbers_)
     if (number == 0) number = static_cast<int>(node_count_++);
@@ -44,7 +41,7 @@ void LaneMesh<Dim>::collect_runs() {
     } else if (node[0] > node_box_.start[0] && node_numbers_[offset - 1] >= 0) {
       ++node_runs_.back().length;
     } else {
-      node_runs_.push_back({node_numbers_[offset], node, 1, line});
+      node_runs_.push_back({node_numbers_[offset], node, 1});
     }
     first_runs_[line + 1] = static_cast<int>(node_runs_.size());
   });
@@ -91,8 +88,7 @@ void LaneMesh<Dim>::collect_rows() {
     row.length = 1;
     row.line = node_box_.offset(element) / node_box_.size[0];
     for (int corner = 0; corner < face_corners; ++corner) {
-      Index<Dim> node = element;
-      for (int axis = 1; axis < Dim; ++axis) node[axis] += (corner >> (axis - 1)) & 1;
+      const Index<Dim> node = stepped<Dim>(element, 2 * corner, 1);
       row.node[corner] = node_number(node);
       row.slot[corner] =
           slots_[node_box_.offset(node) / node_box_.size[0]] + row.node[corner] - line_start(node);

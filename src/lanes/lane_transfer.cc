@@ -21,9 +21,7 @@ LaneTransfer<Dim>::LaneTransfer(const LaneMesh<Dim>& fine, const LaneMesh<Dim>& 
     run.lines = 0;
     for (int line = 0; line < max_lines; ++line) {
       if ((line & ~split_axes) != 0) continue;
-      Index<Dim> node = below;
-      for (int axis = 1; axis < Dim; ++axis) node[axis] += (line >> (axis - 1)) & 1;
-      run.coarse[run.lines++] = coarse.node_number(node);
+      run.coarse[run.lines++] = coarse.node_number(stepped<Dim>(below, 2 * line, 1));
     }
     runs_.push_back(run);
   }

@@ -6,14 +6,13 @@
 
 #include <algorithm>
 #include <map>
-#include <type_traits>
+#include <utility>
 
 namespace fabseq {
 
 template <int Dim>
 SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm), rank_(rank_of(comm)) {
   std::map<std::int64_t, int> lowest_holder;
-  std::map<int, std::vector<std::int64_t>> common_nodes;
   std::vector<IndexBox<Dim>> boxes(static_cast<std::size_t>(size_of(comm)));
   static_assert(sizeof(IndexBox<Dim>) == 2 * Dim * sizeof(int));
   MPI_Allgather(&mesh.node_box(), 2 * Dim, MPI_INT, boxes.data(), 2 * Dim, MPI_INT, comm);
@@ -26,49 +25,29 @@ SharedNodes::SharedNodes(MPI_Comm comm, const LaneMesh<Dim>& mesh) : comm_(comm)
     });
     MPI_Sendrecv(own.data(), static_cast<int>(own.size()), MPI_CHAR, rank, 0, theirs.data(),
                  static_cast<int>(theirs.size()), MPI_CHAR, rank, 0, comm, MPI_STATUS_IGNORE);
+    Peer neighbor{rank, {}};
     common.for_each([&](const Index<Dim>& node, std::int64_t offset) {
       if (own[offset] == 0 || theirs[offset] == 0) return;
       const std::int64_t number = mesh.node_number(node);
-      common_nodes[rank].push_back(number);
+      neighbor.numbers.push_back(number);
       lowest_holder.try_emplace(number, std::min(rank, rank_));
     });
+    if (!neighbor.numbers.empty()) neighbors_.push_back(std::move(neighbor));
   }
   for (const auto& [node, holder] : lowest_holder) {
     nodes_.push_back(node);
     counted_.push_back(holder == rank_ ? 1 : 0);
   }
-  for (const auto& [rank, numbers] : common_nodes) {
-    Neighbor& neighbor = neighbors_.emplace_back();
-    neighbor.rank = rank;
-    for (const std::int64_t node : numbers)
-      neighbor.positions.push_back(
-          static_cast<int>(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin()));
-  }
+  for (Peer& neighbor : neighbors_)
+    for (std::int64_t& number : neighbor.numbers)
+      number = std::lower_bound(nodes_.begin(), nodes_.end(), number) - nodes_.begin();
 }
 
 template <class Real>
 void SharedNodes::sum(std::span<Real> values, int entries) {
   if (neighbors_.empty()) return;
-  const MPI_Datatype type = std::is_same_v<Real, double> ? MPI_DOUBLE : MPI_FLOAT;
-  auto& [outgoing, incoming, own] = std::get<Buffers<Real>>(buffers_);
-  outgoing.resize(neighbors_.size());
-  incoming.resize(neighbors_.size());
-  std::vector<MPI_Request> requests;
-  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
-    incoming[n].resize(neighbors_[n].positions.size() * entries);
-    MPI_Irecv(incoming[n].data(), static_cast<int>(incoming[n].size()), type, neighbors_[n].rank, 0, comm_,
-              &requests.emplace_back());
-  }
-  for (std::size_t n = 0; n < neighbors_.size(); ++n) {
-    const auto& positions = neighbors_[n].positions;
-    outgoing[n].resize(positions.size() * entries);
-    for (std::size_t i = 0; i < positions.size(); ++i)
-      std::copy_n(&values[static_cast<std::size_t>(positions[i]) * entries], entries,
-                  &outgoing[n][i * entries]);
-    MPI_Isend(outgoing[n].data(), static_cast<int>(outgoing[n].size()), type, neighbors_[n].rank, 0, comm_,
-              &requests.emplace_back());
-  }
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  auto& [buffers, own] = std::get<Buffers<Real>>(buffers_);
+  exchange(comm_, neighbors_, neighbors_, values.data(), entries, buffers);
   // In the order of ranks on every holder: the same bits everywhere.
   own.assign(values.begin(), values.end());
   std::fill(values.begin(), values.end(), Real{0});
@@ -79,10 +58,9 @@ void SharedNodes::sum(std::span<Real> values, int entries) {
   };
   for (std::size_t n = 0; n < neighbors_.size(); ++n) {
     if (!own_added && neighbors_[n].rank > rank_) add_own();
-    const auto& positions = neighbors_[n].positions;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-      for (int entry = 0; entry < entries; ++entry)
-        values[static_cast<std::size_t>(positions[i]) * entries + entry] += incoming[n][i * entries + entry];
+    const Real* value = buffers.incoming[n].values.data();
+    for (const std::int64_t position : neighbors_[n].numbers)
+      for (int entry = 0; entry < entries; ++entry) values[position * entries + entry] += *value++;
   }
   if (!own_added) add_own();
 }

@@ -36,12 +36,6 @@ CurvedLayers::CurvedLayers(std::span<const double> density, std::vector<double> 
                            bool binary)
     : density_(density), time_points_(std::move(time_points)), beta_(beta), binary_(binary) {}
 
-LayerDensities CurvedLayers::densities(std::span<const double> time) const {
-  LayerDensities result;
-  set_densities(time, result);
-  return result;
-}
-
 void CurvedLayers::set_densities(std::span<const double> time, LayerDensities& densities) const {
   densities.time_points = time_points_;
   densities.sub_parts = {};
@@ -106,12 +100,8 @@ void CurvedLayers::pull_back_steps(std::span<const double> time, const DensityDe
 
 std::vector<double> CurvedLayers::layer_index(std::span<const double> time,
                                               const LayerDensities& /*densities*/) const {
-  return fabseq::layer_index(time, time_points_);
-}
-
-std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points) {
   // Variable time points may be out of order: what counts is the latest so far.
-  std::vector<double> latest(time_points.begin() + 1, time_points.end());
+  std::vector<double> latest(time_points_.begin() + 1, time_points_.end());
   for (std::size_t j = 1; j < latest.size(); ++j) latest[j] = std::max(latest[j], latest[j - 1]);
   std::vector<double> result;
   for (const double t : time) {

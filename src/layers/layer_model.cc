@@ -76,13 +76,23 @@ int estimated_slabs(const MultiPlanarSettings& settings, double longest_edge) {
          "at most " + std::to_string(most_layers) + " layers");
 }
 
-/// The sharpness stays.
+/// The optimizer's range of an angle, in layers by which it turns the far end of the part.
+constexpr double layers_in_reach = 10.0;
+
+/// The sharpness stays. The variables are the angles of the print directions (docs/formulation.md 3.2).
 template <int Dim>
 LayerTraits multi_planar_traits(const MultiPlanarSettings& settings, const Part<Dim>& part) {
   LayerTraits traits{"multi-planar", "/layers/thickness", estimated_slabs(settings, part.longest_edge()),
                      true};
   traits.first_beta = traits.last_beta = settings.time_sharpness;
-  traits.variables = angle_variables(settings, Dim, part.longest_edge());
+  traits.variables = {.name = "angles",
+                      .label = "angles",
+                      .start = settings.angles,
+                      .lower = settings.lowest_angles,
+                      .upper = settings.highest_angles,
+                      .reach = layers_in_reach * settings.thickness / part.longest_edge(),
+                      .columns = Dim - 1,
+                      .fixed = settings.fixed_angles};
   traits.sub_parts = settings.subparts;
   traits.time_is_fixed = settings.fixed_time;
   return traits;
@@ -109,9 +119,6 @@ class MultiPlanarLayerModel : public LayerModel<Dim> {
 
 }  // namespace
 
-/// The optimizer's range of an angle, in layers by which it turns the far end of the part.
-constexpr double layers_in_reach = 10.0;
-
 Json LayerVariables::record(std::span<const double> values) const {
   if (columns == 0) return std::vector<double>(values.begin(), values.end());
   Json table = Json::array();
@@ -123,29 +130,12 @@ Json LayerVariables::record(std::span<const double> values) const {
 }
 
 LayerVariables time_point_variables(int layers) {
-  LayerVariables result;
-  result.name = "time_points";
-  result.label = "time points";
-  const std::vector<double> all = uniform_time_points(layers);
-  result.start.assign(all.begin() + 1, all.end() - 1);
-  result.lower.assign(result.start.size(), 0.0);
-  result.upper.assign(result.start.size(), 1.0);
-  // Time points shall not overtake each other.
-  if (layers > 1) result.reach = 1.0 / layers;
-  return result;
-}
-
-LayerVariables angle_variables(const MultiPlanarSettings& settings, int dimension, double longest_edge) {
-  LayerVariables result;
-  result.name = "angles";
-  result.label = "angles";
-  result.start = settings.angles;
-  result.lower = settings.lowest_angles;
-  result.upper = settings.highest_angles;
-  result.columns = dimension - 1;
-  result.reach = layers_in_reach * settings.thickness / longest_edge;
-  result.fixed = settings.fixed_angles;
-  return result;
+  return {.name = "time_points",
+          .label = "time points",
+          .start = interpolated_time_points({}, layers),
+          .lower = std::vector<double>(layers - 1, 0.0),
+          .upper = std::vector<double>(layers - 1, 1.0),
+          .reach = 1.0 / layers};  // they shall not overtake each other
 }
 
 template <int Dim>
@@ -157,12 +147,6 @@ std::unique_ptr<const LayerModel<Dim>> make_layer_model(const LayerSettings& lay
   return std::make_unique<const CurvedLayerModel<Dim>>(layers, projection, curved_count(layers, part), part);
 }
 
-template <int Dim>
-std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model(int count, const Part<Dim>& part) {
-  return std::make_unique<const CurvedLayerModel<Dim>>(LayerSettings{}, ProjectionSettings{}, count, part);
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(make_layer_model);
-FABSEQ_INSTANTIATE_FUNCTION(make_uniform_layer_model);
 
 }  // namespace fabseq

@@ -18,7 +18,7 @@ namespace {
 constexpr double tolerance = 1e-12;
 
 /// First layer of a sub-part, and one behind its last.
-std::pair<std::size_t, std::size_t> layers_of(const SubParts& sub_parts, int number) {
+std::pair<std::ptrdiff_t, std::ptrdiff_t> layers_of(const SubParts& sub_parts, int number) {
   const auto range = std::equal_range(sub_parts.of_layer.begin(), sub_parts.of_layer.end(), number);
   return {range.first - sub_parts.of_layer.begin(), range.second - sub_parts.of_layer.begin()};
 }
@@ -56,8 +56,9 @@ std::vector<double> MultiPlanarLayers<Dim>::built_until(std::span<const double> 
     for (std::size_t e = 0; e < time.size(); ++e) result[e] = time[e] <= timestamp + tolerance ? 1.0 : 0.0;
     return result;
   }
-  const TimestampStep step(timestamp, settings_.time_sharpness);
-  for (std::size_t e = 0; e < time.size(); ++e) result[e] = step.value(time[e]);
+  const double sharpness = settings_.time_sharpness;
+  for (std::size_t e = 0; e < time.size(); ++e)
+    result[e] = Logistic::value(sharpness * (timestamp - time[e]));
   return result;
 }
 
@@ -66,8 +67,9 @@ void MultiPlanarLayers<Dim>::add_step_derivative(std::span<const double> time, i
                                                  std::span<const double> weight,
                                                  std::span<double> d_time) const {
   if (boundary == 0 || boundary == settings_.subparts) return;
-  const TimestampStep step(settings_.timestamps[boundary - 1], settings_.time_sharpness);
-  for (std::size_t e = 0; e < time.size(); ++e) d_time[e] += factor * step.derivative(time[e]) * weight[e];
+  const double timestamp = settings_.timestamps[boundary - 1], sharpness = settings_.time_sharpness;
+  for (std::size_t e = 0; e < time.size(); ++e)
+    d_time[e] += factor * (-sharpness * Logistic::derivative(sharpness * (timestamp - time[e]))) * weight[e];
 }
 
 template <int Dim>
@@ -202,17 +204,15 @@ typename MultiPlanarLayers<Dim>::FieldDerivatives MultiPlanarLayers<Dim>::deriva
   FieldDerivatives result{std::vector<double>(elements, 0.0), std::vector<double>(elements, 0.0),
                           std::vector<double>(elements, 0.0)};
   std::vector<double> later(elements, 0.0), both(elements);
+  const auto add = [](const std::vector<double>& derivative, std::vector<double>& sum) {
+    for (std::size_t e = 0; e < derivative.size(); ++e) sum[e] += derivative[e];
+  };
   auto [first, behind] = layers_of(sub_parts, sub_part);
   for (int j = sub_parts.last_slab[sub_part]; j >= sub_parts.first_slab[sub_part]; --j) {
     const bool is_layer = behind > first && sub_parts.slab[behind - 1] == j;
-    if (is_layer) --behind;
-    const std::vector<double>* d_stage = is_layer ? &derivatives.stage[behind] : nullptr;
-    const std::vector<double>* d_layer = is_layer ? &derivatives.layer[behind] : nullptr;
-    if (d_stage != nullptr)
-      for (std::size_t e = 0; e < d_stage->size(); ++e) later[e] += (*d_stage)[e];
+    if (is_layer) add(derivatives.stage[--behind], later);
     both = later;
-    if (d_layer != nullptr)
-      for (std::size_t e = 0; e < d_layer->size(); ++e) both[e] += (*d_layer)[e];
+    if (is_layer) add(derivatives.layer[behind], both);
     const SlabStep step(j, settings_.thickness, settings_.slab_sharpness);
     for (std::size_t e = 0; e < elements; ++e) {
       result.sub_part[e] += part_density[e] * step.value(height[e]) * both[e];
@@ -233,8 +233,7 @@ void MultiPlanarLayers<Dim>::pull_back(std::span<const double> time, const Layer
   for (int i = 0; i < settings_.subparts && !binary_; ++i) {
     const auto [first, behind] = layers_of(densities.sub_parts, i);
     const auto any_of_layers = [&, first = first, behind = behind](const auto& list) {
-      return std::any_of(list.begin() + static_cast<std::ptrdiff_t>(first),
-                         list.begin() + static_cast<std::ptrdiff_t>(behind), has_entries);
+      return std::any_of(list.begin() + first, list.begin() + behind, has_entries);
     };
     FieldDerivatives fields;
     if (any_of_layers(derivatives.stage) || any_of_layers(derivatives.layer)) {
@@ -273,9 +272,7 @@ std::vector<double> MultiPlanarLayers<Dim>::layer_index(std::span<const double> 
     const auto [first, behind] = layers_of(sub_parts, sub_part);
     const auto begin = sub_parts.slab.begin();
     const auto place =
-        std::lower_bound(begin + static_cast<std::ptrdiff_t>(first),
-                         begin + static_cast<std::ptrdiff_t>(behind), sharp_slab(height[sub_part][e])) -
-        begin;
+        std::lower_bound(begin + first, begin + behind, sharp_slab(height[sub_part][e])) - begin;
     result[e] = static_cast<double>(std::min<std::size_t>(place + 1, sub_parts.slab.size()));
   }
   return result;

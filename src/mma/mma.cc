@@ -95,9 +95,7 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
     kept.push_back(i);
     kept_gradients.push_back(all[i]);
     kept_values.push_back(values[i]);
-    kept_rows.a.push_back(rows.a[i]);
-    kept_rows.c.push_back(rows.c[i]);
-    kept_rows.d.push_back(rows.d[i]);
+    kept_rows.add(1, rows.a[i], rows.c[i], rows.d[i]);
   }
   std::vector<double> step =
       solve_kept_rows(comm, box, objective_gradient, kept_gradients, kept_values, kept_rows, report);
@@ -109,27 +107,10 @@ std::vector<double> solve_subproblem(MPI_Comm comm, const MmaBox& box,
 
 }  // namespace
 
-MmaRows MmaRows::constraints(int m) {
-  const auto count = static_cast<std::size_t>(m);
-  MmaRows rows;
-  rows.a.assign(count, 0.0);
-  rows.c.assign(count, 1000.0);
-  rows.d.assign(count, 1.0);
-  return rows;
-}
-
-void MmaRows::add_residuals(int count) {
-  const std::size_t all = a.size() + 2 * static_cast<std::size_t>(count);
-  a.resize(all, 0.0);
-  c.resize(all, 0.0);
-  d.resize(all, 2.0);
-}
-
-void MmaRows::add_largest_of(int count) {
-  const std::size_t all = a.size() + static_cast<std::size_t>(count);
-  a.resize(all, 1.0);
-  c.resize(all, 1000.0);
-  d.resize(all, 1.0);
+void MmaRows::add(std::size_t count, double row_a, double row_c, double row_d) {
+  a.insert(a.end(), count, row_a);
+  c.insert(c.end(), count, row_c);
+  d.insert(d.end(), count, row_d);
 }
 
 Mma::Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings) : comm_(comm), settings_(settings) {
@@ -196,7 +177,7 @@ MmaReport Mma::update(std::span<double> x, std::span<const double> objective_gra
   check_sizes(n, x, objective_gradient, values, gradients, lower, upper, rows);
   check_numbers(comm_, x, values, lower, upper);
   std::vector<double> shared(values.begin(), values.end());
-  MPI_Bcast(shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, 0, comm_);
+  broadcast(comm_, shared);
 
   for (std::size_t j = 0; j < n; ++j) x[j] = std::clamp(x[j], lower[j], upper[j]);
   move_asymptotes(x, lower, upper);

@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace fabseq {
 
 namespace {
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 }  // namespace
@@ -35,8 +34,7 @@ void MmaRowNewton::set_residuals(const MmaRowPoint& point) {
   const int one = 1;
   const double minus = -1.0, plus = 1.0;
   std::copy(right_.begin(), right_.end(), row_.begin());
-  if (m > 0)
-    dsymv_("L", &m, &minus, matrix_.data(), &stride_, point.lambda.data(), &one, &plus, row_.data(), &one);
+  dsymv_("L", &m, &minus, matrix_.data(), &stride_, point.lambda.data(), &one, &plus, row_.data(), &one);
   for (std::size_t i = 0; i < m_; ++i) {
     row_[i] += point.slack[i] - rows_.a[i] * point.z - point.y[i];
     elastic_[i] = rows_.c[i] + rows_.d[i] * point.y[i] - point.mu[i] - point.lambda[i];

@@ -3,12 +3,11 @@
 
 #include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
-#include "fabseq/base/petsc.h"  // -log_view counts what is sent here
+#include "fabseq/base/mpi.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 namespace fabseq {
 
@@ -148,7 +147,7 @@ void Solver::set_direction() {
   std::vector<double> message = model.lambda;
   message.insert(message.end(), model.y.begin(), model.y.end());
   message.push_back(model.z);
-  MPI_Bcast(message.data(), static_cast<int>(message.size()), MPI_DOUBLE, 0, comm_);
+  broadcast(comm_, message);
   for (const double value : message) {
     if (!std::isfinite(value)) throw NumericalError("MMA: the equations of the rows have no finite solution");
   }

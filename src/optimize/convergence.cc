@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/convergence.h"
 
+#include "fabseq/base/refusal.h"
+
 #include <algorithm>
-#include <sstream>
 
 namespace fabseq {
 
@@ -11,12 +12,6 @@ namespace {
 std::string in_the_window(const OptimizerSettings& optimizer) {
   const std::string iterations = optimizer.window == 1 ? " iteration" : " iterations";
   return " in the last " + std::to_string(optimizer.window) + iterations + " at the last sharpness";
-}
-
-std::string text(double number) {
-  std::ostringstream stream;
-  stream << number;
-  return stream.str();
 }
 
 }  // namespace
@@ -42,11 +37,11 @@ std::string Convergence::reason(bool feasible) const {
   if (!window_is_full()) return "";
   const double change = *std::max_element(changes_.begin(), changes_.end());
   if (change < optimizer_.change_tolerance)
-    return "no variable moved by change_tolerance " + text(optimizer_.change_tolerance) + " of its range" +
+    return "no variable moved by change_tolerance " + shown(optimizer_.change_tolerance) + " of its range" +
            in_the_window(optimizer_);
   const auto [least, most] = std::minmax_element(merits_.begin(), merits_.end());
   if (feasible && *most - *least < optimizer_.objective_tolerance * merit_unit_)
-    return "the objective varied by less than objective_tolerance " + text(optimizer_.objective_tolerance) +
+    return "the objective varied by less than objective_tolerance " + shown(optimizer_.objective_tolerance) +
            in_the_window(optimizer_);
   return "";
 }

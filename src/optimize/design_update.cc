@@ -33,20 +33,6 @@ std::vector<double> DesignUpdate::gradient_of_variables(Design gradient, const D
   return result;
 }
 
-/// Each as a pair +r, -r, of which one is its absolute value.
-void DesignUpdate::add_residuals(ProblemGradients& gradients, const Design& design, MmaRows& kinds,
-                                 std::vector<double>& values, std::vector<std::vector<double>>& rows) const {
-  kinds.add_residuals(static_cast<int>(gradients.residuals.size()));
-  for (std::size_t k = 0; k < gradients.residuals.size(); ++k) {
-    const double value = gradients.residual_values[k];
-    values.insert(values.end(), {value, -value});
-    rows.push_back(gradient_of_variables(std::move(gradients.residuals[k]), design));
-    std::vector<double> opposite = rows.back();
-    for (double& entry : opposite) entry = -entry;
-    rows.push_back(std::move(opposite));
-  }
-}
-
 StepReport DesignUpdate::update(Design& design, ProblemGradients gradients, double move_limit) {
   const std::vector<double> before = to_variables(design);
   std::vector<double> now = before, lower(before.size(), 0.0), upper(before.size(), 1.0);
@@ -55,14 +41,22 @@ StepReport DesignUpdate::update(Design& design, ProblemGradients gradients, doub
     lower[i] = std::max(layer_variables_.lower[number], before[i] - layer_variables_.reach);
     upper[i] = std::min(layer_variables_.upper[number], before[i] + layer_variables_.reach);
   }
-  MmaRows kinds = MmaRows::constraints(static_cast<int>(gradients.constraints.size()));
-  std::vector<double> values = gradients.constraint_values;
+  MmaRows kinds;
+  kinds.add_constraints(gradients.constraints.size());
+  kinds.add_largest_of(gradients.largest.size());
+  kinds.add_residuals(gradients.residuals.size());
+  std::vector<double> values;
   std::vector<std::vector<double>> rows;
-  for (Design& row : gradients.constraints) rows.push_back(gradient_of_variables(std::move(row), design));
-  kinds.add_largest_of(static_cast<int>(gradients.largest.size()));
-  values.insert(values.end(), gradients.largest_values.begin(), gradients.largest_values.end());
-  for (Design& row : gradients.largest) rows.push_back(gradient_of_variables(std::move(row), design));
-  add_residuals(gradients, design, kinds, values, rows);
+  for (auto* list : {&gradients.constraints, &gradients.largest, &gradients.residuals})
+    for (ProblemRow& row : *list) {
+      values.push_back(row.value);
+      rows.push_back(gradient_of_variables(std::move(row.gradient), design));
+      if (list != &gradients.residuals) continue;
+      // As a pair +r, -r, of which one is its absolute value.
+      values.push_back(-row.value);
+      rows.push_back(rows.back());
+      for (double& entry : rows.back()) entry = -entry;
+    }
   StepReport report;
   report.mma = mma_.update(now, gradient_of_variables(std::move(gradients.objective), design), values, rows,
                            lower, upper, move_limit, kinds);

@@ -56,6 +56,9 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
   const int lanes = wanted_lanes(settings.solver);
   RunSize alone = size;
   alone.ranks = 1;
+  const auto speedup = [&](int of_groups) {
+    return relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, of_groups);
+  };
   const double halo = halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks) -
                       halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks / groups);
   char text[400];
@@ -63,11 +66,8 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
                 "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f "
                 "times; memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all "
                 "layers' matrices",
-                groups_text(groups, size.ranks).c_str(),
-                relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, groups),
-                groups_text(1, size.ranks).c_str(),
-                relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, 1),
-                memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
+                groups_text(groups, size.ranks).c_str(), speedup(groups), groups_text(1, size.ranks).c_str(),
+                speedup(1), memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
                 2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
   std::string result = text;
   if (fastest && *fastest != groups) {
@@ -138,9 +138,9 @@ GroupChoice asked_for(int groups, int ranks) {
 template <int Dim>
 PlacedPart<Dim> place_part(MPI_Comm world, const ModelSettings& settings) {
   const int ranks = size_of(world);
-  if (const std::optional<int> asked = settings.solver.layer_groups)
-    return placed<Dim>(world, settings, asked_for(*asked, ranks), settings.part);
-  if (ranks == 1) return placed<Dim>(world, settings, {}, settings.part);
+  const std::optional<int>& asked = settings.solver.layer_groups;
+  if (asked || ranks == 1)
+    return placed<Dim>(world, settings, asked_for(asked.value_or(1), ranks), settings.part);
   // Number of layers and size of the systems are known once there is a part: as a rule, this one will do.
   const auto available = static_cast<double>(available_memory_bytes(world));
   PlacedPart<Dim> result =

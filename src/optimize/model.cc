@@ -8,12 +8,6 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-std::optional<StartRegion> start_region(const Part<Dim>& part, const SequenceSettings& settings) {
-  if (settings.type != SequenceType::direct) return std::nullopt;
-  return make_start_region(part, settings);
-}
-
-template <int Dim>
 DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
                                        const std::optional<StartRegion>& start) {
   switch (settings.type) {
@@ -42,11 +36,13 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       grid(*placed_.grid),
       part(*placed_.part),
       supports(part, settings.part),
-      start(start_region(part, settings.sequence)),
+      start(settings.sequence.type == SequenceType::direct
+                ? std::optional(make_start_region(part, settings.sequence))
+                : std::nullopt),
       design_support(make_design_support(part, settings.sequence, start)),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
-      baseline(make_uniform_layer_model(baseline_count(settings.baseline, *layers, part), part)),
+      baseline(make_layer_model({.count = baseline_count(settings.baseline, *layers, part)}, {}, part)),
       lanes(resolved_lanes(world, settings.solver,
                            run_size(settings, part, node_sets, layers->count(), size_of(world)),
                            groups.count())),
@@ -61,7 +57,6 @@ DesignLayout<Dim> Model<Dim>::design_layout() const {
           }};
 }
 
-template class Model<2>;
-template class Model<3>;
+FABSEQ_INSTANTIATE_CLASS(Model);
 
 }  // namespace fabseq

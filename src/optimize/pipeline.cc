@@ -17,7 +17,7 @@ constexpr const char* expected_work_name = "process/expected_work";
 
 bool any_measures_release(const std::vector<Term>& terms) {
   return std::any_of(terms.begin(), terms.end(),
-                     [](const Term& term) { return term.type->measures_release(term); });
+                     [](const Term& term) { return term.type->facts(term).measures_release; });
 }
 
 /// The functionals of displacements that a row consists of, as few as possible.
@@ -74,8 +74,8 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool bi
 }
 
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::values(
-    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state) {
+std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
+                                                       const PipelineState<Dim>& state) {
   const auto scope = timer_.enter(Phase::responses);
   std::vector<std::vector<double>> result;
   for (const auto& response : responses) {
@@ -87,8 +87,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(
 }
 
 template <int Dim>
-std::vector<Design> Pipeline<Dim>::gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                             const PipelineState<Dim>& state,
+std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
   pull_back_process(responses, state, dealt);
@@ -103,8 +102,7 @@ std::vector<Design> Pipeline<Dim>::gradients(std::span<const std::unique_ptr<Res
 
 template <int Dim>
 std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
-    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state,
-    const std::vector<GradientRow>& rows) const {
+    Responses<Dim> responses, const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const {
   std::vector<Row> result;
   for (const GradientRow& terms : rows) {
     const bool shared = std::any_of(terms.begin(), terms.end(), [&](const WeightedComponent& term) {
@@ -155,8 +153,8 @@ void Pipeline<Dim>::forget_results() {
 /// What else than the process a row depends on is in its owner's part of it. What it has by the layers'
 /// densities is pulled back to the pseudo-time at once: rows by the dozen would fill the memory with it.
 template <int Dim>
-void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                             const PipelineState<Dim>& state, Row& row) {
+void Pipeline<Dim>::add_explicit_derivatives(Responses<Dim> responses, const PipelineState<Dim>& state,
+                                             Row& row) {
   {
     const auto scope = timer_.enter(Phase::responses);
     for (const WeightedComponent& term : *row.terms)
@@ -174,8 +172,8 @@ void Pipeline<Dim>::add_explicit_derivatives(std::span<const std::unique_ptr<Res
 }
 
 template <int Dim>
-void Pipeline<Dim>::pull_back_process(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                      const PipelineState<Dim>& state, std::vector<Row>& rows) {
+void Pipeline<Dim>::pull_back_process(Responses<Dim> responses, const PipelineState<Dim>& state,
+                                      std::vector<Row>& rows) {
   {
     const auto scope = timer_.enter(Phase::responses);
     model_.groups.run([&] {
@@ -238,9 +236,9 @@ void Pipeline<Dim>::pull_back_layers(const PipelineState<Dim>& state, Row& row) 
 /// Gradients of all rows by this rank's share of the variables. A group goes through its rows by as many as
 /// the heat solver takes together: what they have by the pseudo-time takes memory, too.
 template <int Dim>
-std::vector<std::vector<double>> Pipeline<Dim>::pull_back_own(
-    std::span<const std::unique_ptr<Response<Dim>>> responses, const PipelineState<Dim>& state,
-    std::vector<Row>& rows) {
+std::vector<std::vector<double>> Pipeline<Dim>::pull_back_own(Responses<Dim> responses,
+                                                              const PipelineState<Dim>& state,
+                                                              std::vector<Row>& rows) {
   std::vector<Row*> own;
   for (Row& row : rows)
     if (is_own(row)) own.push_back(&row);
@@ -291,7 +289,6 @@ std::vector<std::vector<double>> Pipeline<Dim>::sum_up_layer_variables(const std
   return result;
 }
 
-template class Pipeline<2>;
-template class Pipeline<3>;
+FABSEQ_INSTANTIATE_CLASS(Pipeline);
 
 }  // namespace fabseq

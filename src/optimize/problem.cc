@@ -23,8 +23,6 @@ constexpr double worthwhile_share = 0.5;
 /// displacements.
 constexpr double negligible_share = 1e-12;
 
-double normalized(double normalize, double value) { return value > 0.0 ? normalize / value : 1.0; }
-
 }  // namespace
 
 template <int Dim>
@@ -32,7 +30,10 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
     : terms_(model.settings.objective), margin_(constraint_margin) {
   const ResponseContext<Dim> context = model.context();
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
-    for (const Term& term : *list) responses_.push_back(term.type->make(term, context));
+    for (const Term& term : *list) {
+      responses_.push_back(term.type->make(term, context));
+      types_.push_back(term.type->name);
+    }
   configured_ = responses_.size();
   add_largest();
   if (!largest_) add_functionals();
@@ -44,8 +45,9 @@ void Problem<Dim>::add_largest() {
     if (terms_[i].weight == 0.0) continue;
     auto values = responses_[i]->largest_of();
     if (!values) continue;
-    largest_ = {i, responses_.size()};
+    largest_ = i;
     responses_.push_back(std::move(values));
+    types_.push_back(types_[i]);
   }
 }
 
@@ -55,9 +57,10 @@ void Problem<Dim>::add_functionals() {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (terms_[i].weight == 0.0) continue;
     auto functionals = responses_[i]->squares(terms_[i].scaling);
-    if (!functionals || functionals->count() == 0) continue;
-    squares_.push_back({i, responses_.size(), functionals->complete(), functionals->asked_for()});
-    responses_.push_back(std::move(functionals));
+    if (!functionals) continue;
+    squares_.push_back({i, responses_.size(), functionals->complete, functionals->asked_for});
+    responses_.push_back(std::move(functionals->functionals));
+    types_.emplace_back("least_squares");
   }
 }
 
@@ -86,10 +89,11 @@ double Problem<Dim>::current_value(std::size_t term, double value) const {
 template <int Dim>
 std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<double>>& objective) const {
   std::vector<double> factors;
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    factors.push_back(normalized(terms_[i].normalize, terms_[i].scaling == TermScaling::current
-                                                          ? current_value(i, objective[i][0])
-                                                          : first_values_[i]));
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const double value =
+        terms_[i].scaling == TermScaling::current ? current_value(i, objective[i][0]) : first_values_[i];
+    factors.push_back(value > 0.0 ? terms_[i].normalize / value : 1.0);
+  }
   return factors;
 }
 
@@ -99,7 +103,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
       if (!std::isfinite(all[r][c]))
-        throw NumericalError(component_name(r, c) + " (" + responses_[r]->type() + ") is not finite");
+        throw NumericalError(component_name(r, c) + " (" + types_[r] + ") is not finite");
   ProblemValues result;
   const auto split = all.begin() + static_cast<std::ptrdiff_t>(terms_.size());
   result.objective.assign(all.begin(), split);
@@ -107,7 +111,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.constraints.assign(split, end);
   result.functionals.resize(terms_.size());
   for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
-  if (largest_) result.scenarios = all[largest_->response];
+  if (largest_) result.scenarios = all[configured_];
   if (first_values_.empty())
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
 
@@ -123,9 +127,9 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   }
   result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < result.constraints.size(); ++i) {
-    const auto& values = result.constraints[i];
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(static_cast<int>(values.size()), 1.0))
-      result.worst_constraint = std::max(result.worst_constraint, row.violation(values[row.component]));
+    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
+      for (const double value : result.constraints[i])
+        result.worst_constraint = std::max(result.worst_constraint, row.violation(value));
   }
   return result;
 }
@@ -136,22 +140,20 @@ template <int Dim>
 GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
                                         const std::vector<double>& factors) const {
   GradientRow row;
-  for (std::size_t i = 0; i < terms_.size(); ++i)
-    row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    // What has no rest would cost an adjoint of rounding.
+    const bool has_rest = std::none_of(squares_.begin(), squares_.end(), [i](const Squares& squares) {
+      return squares.complete && squares.term == i;
+    });
+    if (has_rest && largest_ != i) row.push_back({static_cast<int>(i), 0, terms_[i].weight * factors[i]});
+  }
   for (const Squares& squares : squares_) {
-    const double weight = row[squares.term].weight;
+    if (squares.complete) continue;
+    const double weight = terms_[squares.term].weight * factors[squares.term];
     for (const int k : residuals_of(squares, values))
       row.push_back(
           {static_cast<int>(squares.response), k, -2.0 * weight * values.functionals[squares.term][k]});
   }
-  // What has no rest would cost an adjoint of rounding.
-  std::erase_if(row, [&](const WeightedComponent& part) {
-    if (largest_ && static_cast<std::size_t>(part.response) == largest_->term) return true;
-    return std::any_of(squares_.begin(), squares_.end(), [&](const Squares& squares) {
-      const auto response = static_cast<std::size_t>(part.response);
-      return squares.complete && (response == squares.term || response == squares.response);
-    });
-  });
   return row;
 }
 
@@ -169,17 +171,16 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
       rows.push_back({{static_cast<int>(terms_.size() + i), static_cast<int>(c), 1.0}});
   }
   ProblemGradients result;
-  const std::size_t first_largest = rows.size();
+  std::size_t next_row = rows.size();
   for (std::size_t c = 0; c < values.scenarios.size(); ++c) {
-    const double scale = terms_[largest_->term].weight * factors[largest_->term];
-    result.largest_values.push_back(scale * values.scenarios[c]);
-    rows.push_back({{static_cast<int>(largest_->response), static_cast<int>(c), scale}});
+    const double scale = terms_[*largest_].weight * factors[*largest_];
+    result.largest.push_back({scale * values.scenarios[c], {}});
+    rows.push_back({{static_cast<int>(configured_), static_cast<int>(c), scale}});
   }
-  const std::size_t first_residual = rows.size();
   for (const Squares& squares : squares_) {
     const double scale = std::sqrt(terms_[squares.term].weight * factors[squares.term]);
     for (const int k : residuals_of(squares, values)) {
-      result.residual_values.push_back(scale * values.functionals[squares.term][k]);
+      result.residuals.push_back({scale * values.functionals[squares.term][k], {}});
       rows.push_back({{static_cast<int>(squares.response), k, scale}});
     }
   }
@@ -187,19 +188,18 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
-    const auto& components = values.constraints[i];
-    for (const ConstraintRow& row :
-         responses_[terms_.size() + i]->rows(static_cast<int>(components.size()), margin_)) {
-      result.constraint_values.push_back(row.violation(components[row.component]));
-      Design& gradient = result.constraints.emplace_back(gradients[first_row[i] + row.component]);
-      for (auto* entries : {&gradient.field, &gradient.layer_variables})
-        for (double& entry : *entries) entry *= row.slope(components[row.component]);
-    }
+    const std::vector<ConstraintRow> bounds = responses_[terms_.size() + i]->rows(margin_);
+    for (std::size_t c = 0; c < values.constraints[i].size(); ++c)
+      for (const ConstraintRow& row : bounds) {
+        const double value = values.constraints[i][c];
+        result.constraints.push_back({row.violation(value), gradients[first_row[i] + c]});
+        Design& gradient = result.constraints.back().gradient;
+        for (auto* entries : {&gradient.field, &gradient.layer_variables})
+          for (double& entry : *entries) entry *= row.slope(value);
+      }
   }
-  for (std::size_t row = first_largest; row < first_residual; ++row)
-    result.largest.push_back(std::move(gradients[row]));
-  for (std::size_t row = first_residual; row < rows.size(); ++row)
-    result.residuals.push_back(std::move(gradients[row]));
+  for (auto* list : {&result.largest, &result.residuals})
+    for (ProblemRow& row : *list) row.gradient = std::move(gradients[next_row++]);
   return result;
 }
 
@@ -235,8 +235,8 @@ std::string Problem<Dim>::component_name(std::size_t response, std::size_t compo
   for (const Squares& squares : squares_)
     if (squares.response == response)
       return "objective_" + std::to_string(squares.term) + "_functional_" + std::to_string(component);
-  if (largest_ && largest_->response == response)
-    return "objective_" + std::to_string(largest_->term) + "_scenario_" + std::to_string(component);
+  if (largest_ && response == configured_)
+    return "objective_" + std::to_string(*largest_) + "_scenario_" + std::to_string(component);
   return "constraint_" + std::to_string(response - terms_.size()) + "_" + std::to_string(component);
 }
 
@@ -245,11 +245,10 @@ std::vector<NamedValue> Problem<Dim>::describe(const std::vector<std::vector<dou
   std::vector<NamedValue> result;
   for (std::size_t r = 0; r < values.size(); ++r)
     for (std::size_t c = 0; c < values[r].size(); ++c)
-      result.push_back({component_name(r, c), responses_[r]->type(), values[r][c]});
+      result.push_back({component_name(r, c), types_[r], values[r][c]});
   return result;
 }
 
-template class Problem<2>;
-template class Problem<3>;
+FABSEQ_INSTANTIATE_CLASS(Problem);
 
 }  // namespace fabseq

@@ -55,8 +55,8 @@ int functional_count(const ModelSettings& settings, const Part<Dim>& part,
   for (const Term& term : settings.objective) {
     const auto response = term.type->make(term, context);
     const auto functionals = response->squares(term.scaling);
-    result += functionals ? functionals->count() : 0;
-    if (term.type->is_largest(term)) result += static_cast<int>(settings.material.scenarios.size());
+    result += functionals ? functionals->count : 0;
+    if (term.type->facts(term).is_largest) result += static_cast<int>(settings.material.scenarios.size());
   }
   return result;
 }

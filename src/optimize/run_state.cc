@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/run_state.h"
 
-#include "fabseq/optimize/following_tolerance.h"
-
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace fabseq {
+
+double following_tolerance(double move_limit, double share_left) {
+  constexpr double coarsest = 1e-3, per_step = 0.02;
+  return std::clamp(per_step * move_limit * std::sqrt(share_left), SolverSettings::finest_automatic,
+                    coarsest);
+}
 
 template <int Dim>
 RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settings,
@@ -16,17 +22,17 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
       optimizer(model.world(), sequence.space(), model.layers->traits().time_is_fixed,
                 model.layers->variables(), design, settings.mma),
       best(model.layers->variables().name),
+      model_(model),
       settings_(settings),
-      solver_(model.settings.solver),
-      layer_variables_(model.layers->variables()),
       design_(std::move(design)),
       convergence_(settings, problem.merit_unit()) {}
 
 template <int Dim>
 double RunState<Dim>::tolerance() const {
-  if (solver_.tolerance) return *solver_.tolerance;
+  const SolverSettings& solver = model_.settings.solver;
+  if (solver.tolerance) return *solver.tolerance;
   const int iteration = completed_ + 1;
-  if (continuation.near_the_end(iteration)) return solver_.finest_tolerance();
+  if (continuation.near_the_end(iteration)) return solver.finest_tolerance();
   return following_tolerance(continuation.move_limit(iteration), share_left_);
 }
 
@@ -59,7 +65,8 @@ CheckpointState RunState<Dim>::save() const {
   state.set_scalar("beta", continuation.beta(completed_ + 1));
   state.set_scalar("share_left", share_left_);
   state.set_field("design", design_.field);
-  if (!design_.layer_variables.empty()) state.set_array(layer_variables_.name, design_.layer_variables);
+  if (!design_.layer_variables.empty())
+    state.set_array(model_.layers->variables().name, design_.layer_variables);
   problem.save(state);
   continuation.save(state);
   optimizer.save(state);
@@ -73,7 +80,8 @@ void RunState<Dim>::restore(const CheckpointState& state) {
   completed_ = state.integer("iteration");
   share_left_ = state.number("share_left");
   design_.field = state.field("design");
-  if (!design_.layer_variables.empty()) design_.layer_variables = state.array(layer_variables_.name);
+  if (!design_.layer_variables.empty())
+    design_.layer_variables = state.array(model_.layers->variables().name);
   problem.restore(state);
   continuation.restore(state);
   optimizer.restore(state);

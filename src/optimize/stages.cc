@@ -9,7 +9,6 @@
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "fabseq/solve/reference/reference_heat.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace fabseq {
@@ -17,24 +16,19 @@ namespace fabseq {
 namespace {
 
 LaneCycle lane_cycle(const SolverSettings& settings) {
-  LaneCycle cycle;
-  cycle.kind = settings.cycle;
-  cycle.degree = settings.smoother_degree;
-  return cycle;
+  return {.kind = settings.cycle, .degree = settings.smoother_degree};
 }
 
-AssembledSolverSettings elasticity_settings(const SolverSettings& settings, double tolerance) {
-  return {settings.method, elasticity_tolerance(tolerance), 1000, "elasticity_"};
-}
-
-AssembledSolverSettings heat_settings(const SolverSettings& settings, double tolerance) {
-  return {settings.method, heat_tolerance(tolerance), 1000, "heat_"};
+/// `prefix`: of the PETSc options.
+AssembledSolverSettings assembled(const SolverSettings& settings, double tolerance, const char* prefix) {
+  return {settings.method, tolerance, 1000, prefix};
 }
 
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Model<Dim>& model, const HeatModel<Dim>& heat,
                                                   double tolerance) {
-  const AssembledSolverSettings settings = heat_settings(model.settings.solver, tolerance);
+  const AssembledSolverSettings settings =
+      assembled(model.settings.solver, heat_tolerance(tolerance), "heat_");
   if (model.settings.solver.path == SolverPath::lanes)
     return std::make_unique<LaneHeat<Dim>>(model.grid, heat.domain, heat.lumped, lane_iterations, settings,
                                            model.lanes);
@@ -55,8 +49,7 @@ std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Model<Dim>& model, doubl
 }  // namespace
 
 ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
-  return {{settings.method, elasticity_tolerance(tolerance), 1000, "release_"},
-          settings.path,
+  return {assembled(settings, elasticity_tolerance(tolerance), "release_"), settings.path,
           lane_cycle(settings)};
 }
 
@@ -65,12 +58,12 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Model<Dim>& 
                                                               const ElasticModel<Dim>& elastic,
                                                               double tolerance) {
   const SolverSettings& solver = model.settings.solver;
+  const AssembledSolverSettings settings = assembled(solver, elasticity_tolerance(tolerance), "elasticity_");
   if (solver.path == SolverPath::lanes)
     return std::make_unique<LaneElasticity<Dim>>(model.grid, elastic.domain, elastic.material.poisson,
-                                                 lane_cycle(solver), lane_iterations,
-                                                 elasticity_settings(solver, tolerance), model.lanes);
+                                                 lane_cycle(solver), lane_iterations, settings, model.lanes);
   return std::make_unique<ReferenceElasticity<Dim>>(model.grid, elastic.domain, elastic.element.stiffness(),
-                                                    elasticity_settings(solver, tolerance));
+                                                    settings);
 }
 
 template <int Dim>
@@ -94,13 +87,8 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Model<Dim>& model) {
   return std::make_unique<GivenSequence<Dim>>(planar_time(model.part, model.settings.baseline.direction));
 }
 
-template std::unique_ptr<Sequence<2>> make_sequence<2>(const Model<2>&, double);
-template std::unique_ptr<Sequence<3>> make_sequence<3>(const Model<3>&, double);
-template std::unique_ptr<Sequence<2>> make_baseline_sequence<2>(const Model<2>&);
-template std::unique_ptr<Sequence<3>> make_baseline_sequence<3>(const Model<3>&);
-template std::unique_ptr<ElasticitySolver<2>> make_elasticity_solver<2>(const Model<2>&,
-                                                                        const ElasticModel<2>&, double);
-template std::unique_ptr<ElasticitySolver<3>> make_elasticity_solver<3>(const Model<3>&,
-                                                                        const ElasticModel<3>&, double);
+FABSEQ_INSTANTIATE_FUNCTION(make_sequence);
+FABSEQ_INSTANTIATE_FUNCTION(make_baseline_sequence);
+FABSEQ_INSTANTIATE_FUNCTION(make_elasticity_solver);
 
 }  // namespace fabseq

@@ -29,61 +29,51 @@ struct WeighedBlock {
   double work = 0.0;
 };
 
-class Dealer {
- public:
-  Dealer(std::span<const double> work, int groups, BlockSolver solver)
-      : work_(work), groups_(groups), solver_(solver) {}
+WeighedBlock weighed(std::span<const double> work, int first, int lanes, BlockSolver solver) {
+  return {{first, lanes}, block_work(work.subspan(first, lanes), solver)};
+}
 
-  WeighedBlock weighed(int first, int lanes) const {
-    return {{first, lanes}, block_work(work_.subspan(first, lanes), solver_)};
+/// Deals blocks out by the rule "longest processing time first" and leaves them in that order.
+LayerDeal deal(std::vector<WeighedBlock>& blocks, int groups) {
+  std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
+    return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
+  });
+  LayerDeal result;
+  result.blocks.resize(groups);
+  std::vector<double> sums(groups, 0.0);
+  for (const WeighedBlock& block : blocks) {
+    const auto least = std::min_element(sums.begin(), sums.end()) - sums.begin();
+    result.blocks[least].push_back(block.block);
+    sums[least] += block.work;
   }
+  result.longest = *std::max_element(sums.begin(), sums.end());
+  for (auto& of_group : result.blocks)
+    std::sort(of_group.begin(), of_group.end(),
+              [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });
+  return result;
+}
 
-  /// Deals blocks out by the rule "longest processing time first" and leaves them in that order.
-  LayerDeal deal(std::vector<WeighedBlock>& blocks) const {
-    std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
-      return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
-    });
-    LayerDeal result;
-    result.blocks.resize(groups_);
-    std::vector<double> sums(groups_, 0.0);
-    for (const WeighedBlock& block : blocks) {
-      const auto least = std::min_element(sums.begin(), sums.end()) - sums.begin();
-      result.blocks[least].push_back(block.block);
-      sums[least] += block.work;
-    }
-    result.longest = *std::max_element(sums.begin(), sums.end());
-    for (auto& of_group : result.blocks)
-      std::sort(of_group.begin(), of_group.end(),
-                [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });
-    return result;
+/// Halves the block whose halving leaves the least work to the longest group. Empties `blocks` if all are
+/// single layers.
+LayerDeal halve_best(std::vector<WeighedBlock>& blocks, std::span<const double> work, int groups,
+                     BlockSolver solver) {
+  LayerDeal best;
+  std::vector<WeighedBlock> best_blocks;
+  for (std::size_t number = 0; number < std::min(blocks.size(), most_candidates); ++number) {
+    const LayerBlock whole = blocks[number].block;
+    if (whole.lanes == 1) continue;
+    const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
+    std::vector<WeighedBlock> tried = blocks;
+    tried[number] = weighed(work, whole.first, half, solver);
+    tried.push_back(weighed(work, whole.first + half, whole.lanes - half, solver));
+    LayerDeal next = deal(tried, groups);
+    if (!best_blocks.empty() && next.longest >= best.longest) continue;
+    best = std::move(next);
+    best_blocks = std::move(tried);
   }
-
-  /// Halves the block whose halving leaves the least work to the longest group. Empties `blocks` if all are
-  /// single layers.
-  LayerDeal halve_best(std::vector<WeighedBlock>& blocks) const {
-    LayerDeal best;
-    std::vector<WeighedBlock> best_blocks;
-    for (std::size_t number = 0; number < std::min(blocks.size(), most_candidates); ++number) {
-      const LayerBlock whole = blocks[number].block;
-      if (whole.lanes == 1) continue;
-      const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
-      std::vector<WeighedBlock> tried = blocks;
-      tried[number] = weighed(whole.first, half);
-      tried.push_back(weighed(whole.first + half, whole.lanes - half));
-      LayerDeal next = deal(tried);
-      if (!best_blocks.empty() && next.longest >= best.longest) continue;
-      best = std::move(next);
-      best_blocks = std::move(tried);
-    }
-    blocks = std::move(best_blocks);
-    return best;
-  }
-
- private:
-  std::span<const double> work_;
-  int groups_;
-  BlockSolver solver_;
-};
+  blocks = std::move(best_blocks);
+  return best;
+}
 
 }  // namespace
 
@@ -101,16 +91,15 @@ double block_work(std::span<const double> work, BlockSolver solver) {
 
 LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver) {
   const int layers = static_cast<int>(work.size());
-  const Dealer dealer(work, groups, solver);
   std::vector<WeighedBlock> blocks;
   for (int first = 0; first < layers; first += widest)
-    blocks.push_back(dealer.weighed(first, std::min(widest, layers - first)));
-  LayerDeal best = dealer.deal(blocks);
+    blocks.push_back(weighed(work, first, std::min(widest, layers - first), solver));
+  LayerDeal best = deal(blocks, groups);
   double total = 0.0;
   for (const WeighedBlock& block : blocks) total += block.work;
   for (int step = 0; groups > 1 && step < most_halvings * groups; ++step) {
     if (best.longest * groups <= (1.0 + worthwhile) * total) break;
-    LayerDeal next = dealer.halve_best(blocks);
+    LayerDeal next = halve_best(blocks, work, groups, solver);
     if (blocks.empty()) break;
     if (next.longest < (1.0 - worthwhile) * best.longest) best = std::move(next);
   }

@@ -86,10 +86,7 @@ void LayerGroups::sum_at(int owner, std::span<double> values) const {
 }
 
 void LayerGroups::broadcast(int owner, std::span<double> values) const {
-  if (count_ == 1) return;
-  for_each_message(values, [&](std::span<double> part) {
-    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_DOUBLE, owner, across_);
-  });
+  if (count_ > 1) fabseq::broadcast(across_, values, owner);
 }
 
 void LayerGroups::run(const std::function<void()>& work) const { run_in_groups(across(), work); }

@@ -31,14 +31,14 @@ void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result
 
 template <int Dim>
 void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessResult& result,
-                               const std::vector<const ProcessAdjoint*>& functionals) {
+                               std::span<const ProcessAdjoint> functionals) {
   const auto layers = static_cast<std::size_t>(densities.count());
   counts_.assign(functionals.size(), std::vector<char>(layers, 1));
-  const auto of_release = [](const ProcessAdjoint* functional) { return !functional->release.empty(); };
+  const auto of_release = [](const ProcessAdjoint& functional) { return !functional.release.empty(); };
   if (model_.settings.deposition == DepositionModel::follow ||
       std::all_of(functionals.begin(), functionals.end(), of_release))
     return;
-  std::vector<double> squares(functionals.size() * layers, 0.0), own(layers);
+  std::vector<double> squares(functionals.size() * layers, 0.0);
   groups_.run([&] {
     for (std::size_t number = 0; number < result.blocks.size(); ++number) {
       const LayerBlock& block = result.blocks[number];
@@ -46,10 +46,8 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
       LaneVector load(stiffness.nodes, Dim, block.lanes);
       for (std::size_t k = 0; k < functionals.size(); ++k) {
         if (of_release(functionals[k])) continue;
-        set_full_load(*functionals[k], result, number, load);
-        own.assign(layers, 0.0);
-        add_squares(block, load, stiffness, own);
-        for (std::size_t j = 0; j < layers; ++j) squares[k * layers + j] += own[j];
+        set_full_load(functionals[k], result, number, load);
+        add_squares(block, load, stiffness, std::span(squares).subspan(k * layers, layers));
       }
     }
   });
@@ -80,7 +78,7 @@ void AdjointLoads<Dim>::set(const ProcessAdjoint& functional, std::size_t number
 
 template <int Dim>
 void AdjointLoads<Dim>::add_squares(const LayerBlock& block, const LaneVector& load,
-                                    const LaneVector& stiffness, std::vector<double>& squares) const {
+                                    const LaneVector& stiffness, std::span<double> squares) const {
   for (std::size_t i = 0; i < load.unknowns(); ++i)
     for (int lane = 0; model_.domain.fixed[i] == 0 && lane < block.lanes; ++lane)
       if (load(i, lane) != 0.0)

@@ -42,14 +42,6 @@ LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, 
 }
 
 template <int Dim>
-std::vector<typename Deposition<Dim>::Missing> Deposition<Dim>::missing(const LayerDensities& densities,
-                                                                        int first, int lanes) const {
-  std::vector<Missing> result;
-  for (int lane = 0; lane < lanes; ++lane) result.push_back(missing(densities.stage[first + lane]));
-  return result;
-}
-
-template <int Dim>
 void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int first,
                                       const LaneVector& d_weights, DensityDerivatives& derivatives) const {
   const Part<Dim>& part = model_.part;

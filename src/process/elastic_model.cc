@@ -62,32 +62,36 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
 }
 
 template <int Dim>
+std::span<const double> ElasticModel<Dim>::strain_of(const StrainField& strains, std::size_t number,
+                                                     int layer) const {
+  constexpr std::size_t components = voigt_size<Dim>;
+  if (strains.uniform()) return material.inherent_strain;
+  if (strains.of_layers.empty())
+    return std::span(strains.of_elements).subspan(number * components, components);
+  return std::span(strains.of_layers).subspan(static_cast<std::size_t>(layer) * components, components);
+}
+
+template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
                                                                      const StrainFactors<Dim>& factors,
                                                                      std::size_t number, int layer) const {
   if (strains.uniform()) return material_load(factors);
-  const double* strain = strains.of_layers.empty()
-                             ? &strains.of_elements[number * voigt_size<Dim>]
-                             : &strains.of_layers[static_cast<std::size_t>(layer) * voigt_size<Dim>];
-  std::array<double, voigt_size<Dim>> own{};
-  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * strain[c];
-  return load_of(own.data());
+  return load_of(strain_of(strains, number, layer), factors);
 }
 
 template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::material_load(
     const StrainFactors<Dim>& factors) const {
   if (factors == no_change<Dim>() || material.turning_strain) return strain_load;
-  std::array<double, voigt_size<Dim>> own{};
-  for (std::size_t c = 0; c < own.size(); ++c) own[c] = factors[c] * material.inherent_strain[c];
-  return load_of(own.data());
+  return load_of(material.inherent_strain, factors);
 }
 
 template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(const double* strain) const {
+typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(std::span<const double> strain,
+                                                                   const StrainFactors<Dim>& factors) const {
   ElementLoad result{};
   for (int c = 0; c < voigt_size<Dim>; ++c)
-    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += strain[c] * unit_loads[c][i];
+    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += factors[c] * strain[c] * unit_loads[c][i];
   return result;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/inherent_strain.h"
 
-#include <cmath>
+#include <array>
 
 namespace fabseq {
 
@@ -23,11 +23,7 @@ InherentStrain<Dim>::InherentStrain(const MaterialSettings& material, double cha
   if (!turns_) return;
   tangential_ = material.turning_strain->tangential;
   difference_ = material.turning_strain->normal - tangential_;
-  for (int c = 0; c < voigt_size<Dim>; ++c) {
-    const auto [a, b] = axes<Dim>(c);
-    scale_[c] =
-        a == b ? material.strain_scale[a] : std::sqrt(material.strain_scale[a] * material.strain_scale[b]);
-  }
+  scale_ = voigt_factors(material.strain_scale);
 }
 
 template <int Dim>
@@ -59,29 +55,17 @@ void InherentStrain<Dim>::add_derivative(const double* g, double regularization,
 }
 
 template <int Dim>
-std::vector<double> InherentStrain<Dim>::strains(std::span<const double> gradient) const {
-  std::vector<double> result;
-  if (!turns_) return result;
-  const std::size_t elements = gradient.size() / Dim;
-  result.resize(elements * voigt_size<Dim>);
-  for (std::size_t e = 0; e < elements; ++e)
-    set_strain(&gradient[e * Dim], regularization_, &result[e * voigt_size<Dim>]);
-  return result;
-}
-
-template <int Dim>
-void InherentStrain<Dim>::pull_back(std::span<const double> gradient, std::span<const double> d_strain,
-                                    std::span<double> d_gradient) const {
-  for (std::size_t e = 0; e < gradient.size() / Dim; ++e)
-    add_derivative(&gradient[e * Dim], regularization_, &d_strain[e * voigt_size<Dim>], &d_gradient[e * Dim]);
-}
-
-template <int Dim>
 StrainField InherentStrain<Dim>::strains(std::span<const double> gradient,
                                          const LayerDensities& layers) const {
   const SubParts& sub_parts = layers.sub_parts;
-  if (!turns_ || sub_parts.count() == 0) return {strains(gradient), {}};
   StrainField result;
+  if (!turns_) return result;
+  if (sub_parts.count() == 0) {
+    result.of_elements.resize(gradient.size() / Dim * voigt_size<Dim>);
+    for (std::size_t e = 0; e < gradient.size() / Dim; ++e)
+      set_strain(&gradient[e * Dim], regularization_, &result.of_elements[e * voigt_size<Dim>]);
+    return result;
+  }
   result.of_layers.resize(sub_parts.of_layer.size() * voigt_size<Dim>);
   for (std::size_t j = 0; j < sub_parts.of_layer.size(); ++j)
     set_strain(&sub_parts.directions[static_cast<std::size_t>(sub_parts.of_layer[j]) * Dim], 0.0,
@@ -96,7 +80,10 @@ void InherentStrain<Dim>::pull_back(std::span<const double> gradient, const Laye
   const SubParts& sub_parts = layers.sub_parts;
   if (sub_parts.count() == 0) {
     d_gradient.resize(gradient.size(), 0.0);
-    return pull_back(gradient, d_strain.of_elements, d_gradient);
+    for (std::size_t e = 0; e < gradient.size() / Dim; ++e)
+      add_derivative(&gradient[e * Dim], regularization_, &d_strain.of_elements[e * voigt_size<Dim>],
+                     &d_gradient[e * Dim]);
+    return;
   }
   std::vector<double>& d_directions = d_densities.touch_directions(sub_parts);
   for (std::size_t j = 0; j < sub_parts.of_layer.size(); ++j) {

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/process_adjoint.h"
 
-#include <algorithm>
+#include "fabseq/process/process_result.h"
 
 namespace fabseq {
 
 namespace {
 
-void add(std::vector<double>& to, double factor, const std::vector<double>& from) {
-  to.resize(std::max(to.size(), from.size()), 0.0);
-  for (std::size_t i = 0; i < from.size(); ++i) to[i] += factor * from[i];
-}
-
 void add(ProcessAdjoint& to, double factor, const ProcessAdjoint& from) {
-  add(to.displacement, factor, from.displacement);
-  add(to.release, factor, from.release);
+  if (!from.displacement.empty()) add_scaled(to.displacement, factor, from.displacement);
+  if (!from.release.empty()) add_scaled(to.release, factor, from.release);
   for (std::size_t block = 0; block < from.increments.size(); ++block) {
     const LaneVector& own = from.increments[block];
     if (to.increments.size() <= block) to.increments.emplace_back(own.nodes, own.components, own.lanes);
-    add(to.increments[block].values, factor, own.values);
+    add_scaled(to.increments[block].values, factor, own.values);
   }
 }
 

@@ -8,18 +8,6 @@ namespace fabseq {
 
 namespace {
 
-/// The strain with strain_scale applied: shear by the root of the product of its two axes,
-/// docs/formulation.md 4.5.
-std::vector<double> scaled_strain(std::vector<double> strain, const std::vector<double>& scale) {
-  const std::size_t dimension = scale.size();
-  for (std::size_t axis = 0; axis < dimension; ++axis) strain[axis] *= scale[axis];
-  for (std::size_t shear = dimension; shear < strain.size(); ++shear) {  // xy, yz, zx
-    const std::size_t first = shear - dimension, second = first + 1 < dimension ? first + 1 : 0;
-    strain[shear] *= std::sqrt(scale[first] * scale[second]);
-  }
-  return strain;
-}
-
 void read_strain(MaterialSettings& material, const Json& value, const KeyPlace&) {
   if (value.is_object())
     material.turning_strain =
@@ -29,6 +17,14 @@ void read_strain(MaterialSettings& material, const Json& value, const KeyPlace&)
 }
 
 }  // namespace
+
+std::vector<double> voigt_factors(const std::vector<double>& of_axes) {
+  std::vector<double> result = of_axes;
+  const std::size_t dimension = of_axes.size();
+  for (std::size_t a = 0; a < dimension * (dimension - 1) / 2; ++a)  // xy, yz, zx; in 2D xy
+    result.push_back(std::sqrt(of_axes[a] * of_axes[(a + 1) % dimension]));
+  return result;
+}
 
 Section<MaterialSettings> material_keys() {
   using Its = MaterialSettings;
@@ -60,8 +56,9 @@ Section<MaterialSettings> material_keys() {
            "Strains that are possible, too: for each a list of factors axis by axis, on top of strain_scale",
            {.type = KeyType::vectors, .default_value = "[]", .range = "[0, inf)"})
       .then([](Its& material, const Json&, const KeyPlace&) {
-        if (!material.turning_strain)
-          material.inherent_strain = scaled_strain(material.inherent_strain, material.strain_scale);
+        const std::vector<double> factors = voigt_factors(material.strain_scale);
+        for (std::size_t c = 0; c < material.inherent_strain.size(); ++c)
+          material.inherent_strain[c] *= factors[c];
       });
 }
 

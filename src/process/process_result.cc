@@ -3,15 +3,10 @@
 
 namespace fabseq {
 
-namespace {
-
-/// Adds factor * from to a vector that may still be empty.
 void add_scaled(std::vector<double>& to, double factor, const std::vector<double>& from) {
   to.resize(from.size(), 0.0);
   for (std::size_t i = 0; i < from.size(); ++i) to[i] += factor * from[i];
 }
-
-}  // namespace
 
 void ProcessResult::add_counted(std::size_t block, CaseDisplacements& of) const {
   const LaneVector& own = of.increments[block];

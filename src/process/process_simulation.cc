@@ -12,13 +12,22 @@ namespace fabseq {
 
 namespace {
 
-void require_convergence(const SolveReport& report, int layer, const char* what) {
-  if (report.converged && std::isfinite(report.residual)) return;
-  std::ostringstream text;
-  text << "layer " << layer + 1 << ": the elastic " << what
-       << " solve did not converge: " << report.iterations << " iterations, relative preconditioned residual "
-       << report.residual << " (" << report.reason << ')';
-  throw NumericalError(text.str());
+/// Throws NumericalError naming the first of the layers whose solve did not converge; else raises the layers'
+/// iterations to those of the solves.
+void note_solves(const std::vector<SolveReport>& reports, int layer, const char* what,
+                 std::vector<int>& iterations) {
+  for (const SolveReport& report : reports) {
+    if (!report.converged || !std::isfinite(report.residual)) {
+      std::ostringstream text;
+      text << "layer " << layer + 1 << ": the elastic " << what
+           << " solve did not converge: " << report.iterations
+           << " iterations, relative preconditioned residual " << report.residual << " (" << report.reason
+           << ')';
+      throw NumericalError(text.str());
+    }
+    iterations[layer] = std::max(iterations[layer], report.iterations);
+    ++layer;
+  }
 }
 
 /// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
@@ -85,13 +94,6 @@ void ProcessSimulation<Dim>::forget_increments() {
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::deal_out(int layers) {
-  if (expected_work_.size() != static_cast<std::size_t>(layers)) expected_work_.assign(layers, 1.0);
-  deal_ = deal_out_layers(expected_work_, groups_.count(), lanes_, block_solver_);
-  result_.blocks = deal_.blocks[groups_.index()];
-}
-
-template <int Dim>
 void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, const LayerBlock& block,
                                            bool changed) {
   solver_->set_operators(block.first, block.lanes, elements_.stiffness(densities, block.first, block.lanes),
@@ -101,13 +103,15 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, cons
 template <int Dim>
 const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities, StrainField strains) {
   elements_.set_strains(std::move(strains));
-  const std::int64_t nodes = model_.part.grid().owned_nodes().count();
-  deal_out(densities.count());
+  const auto layers = static_cast<std::size_t>(densities.count());
+  if (expected_work_.size() != layers) expected_work_.assign(layers, 1.0);
+  deal_ = deal_out_layers(expected_work_, groups_.count(), lanes_, block_solver_);
+  result_.blocks = deal_.blocks[groups_.index()];
   for (std::size_t number = 0; number < result_.case_count(); ++number) {
-    result_.of_case(number).displacement.assign(static_cast<std::size_t>(nodes) * Dim, 0.0);
+    result_.of_case(number).displacement.assign(model_.domain.fixed.size(), 0.0);
     result_.of_case(number).increments.resize(result_.blocks.size());
   }
-  result_.iterations.assign(densities.count(), 0);
+  result_.iterations.assign(layers, 0);
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
   groups_.run([&] {
     Room room;
@@ -119,24 +123,13 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     groups_.sum(result_.of_case(number).displacement);
   groups_.sum(result_.iterations);
   // A layer takes some time whatever its iterations.
-  for (int layer = 0; layer < densities.count(); ++layer)
+  for (std::size_t layer = 0; layer < layers; ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer];
-  if (release_) release_cases(densities);
-  return result_;
-}
-
-/// A single right-hand side cannot be shared out.
-template <int Dim>
-void ProcessSimulation<Dim>::release_cases(const LayerDensities& densities) {
-  for (std::size_t number = 0; number < result_.case_count(); ++number) {
+  for (std::size_t number = 0; release_ && number < result_.case_count(); ++number) {
     const std::vector<double> forces = reactions(densities, number);
-    std::vector<double>& release = result_.of_case(number).release;
-    release.assign(forces.size(), 0.0);
-    groups_.run([&] {
-      if (groups_.index() == 0) release = release_->displacement(forces);
-    });
-    groups_.broadcast(0, release);
+    result_.of_case(number).release = in_first_group([&] { return release_->displacement(forces); });
   }
+  return result_;
 }
 
 template <int Dim>
@@ -153,15 +146,15 @@ std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& dens
   return result;
 }
 
-/// How the supports move in the adjoints of a functional of the release.
 template <int Dim>
-std::vector<double> ProcessSimulation<Dim>::release_motion(std::span<const double> derivative) {
-  std::vector<double> motion(derivative.size());
+std::vector<double> ProcessSimulation<Dim>::in_first_group(
+    const std::function<std::vector<double>()>& solve) {
+  std::vector<double> result(model_.domain.fixed.size());
   groups_.run([&] {
-    if (groups_.index() == 0) motion = release_->adjoint(derivative);
+    if (groups_.index() == 0) result = solve();
   });
-  groups_.broadcast(0, motion);
-  return motion;
+  groups_.broadcast(0, result);
+  return result;
 }
 
 /// All cases, as many at a time as the solver can use.
@@ -183,11 +176,7 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
       pick(room.solutions[i], result_.nodes, result_.of_case(first + i).increments[number]);
-      for (int lane = 0; lane < block.lanes; ++lane) {
-        require_convergence(reports[i][lane], block.first + lane, "forward");
-        int& iterations = result_.iterations[block.first + lane];
-        iterations = std::max(iterations, reports[i][lane].iterations);
-      }
+      note_solves(reports[i], block.first, "forward", result_.iterations);
     }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
@@ -216,19 +205,18 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
                                        std::span<const ProcessDerivatives> derivatives) {
   adjoint_iterations_.assign(densities.count(), 0);
   std::vector<Functional> all;
-  std::vector<const ProcessAdjoint*> sources;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    const ProcessAdjoint& from = functionals[i];
-    all.push_back({i, &from, &derivatives[i],
-                   from.release.empty() ? std::vector<double>() : release_motion(from.release)});
-    sources.push_back(&from);
+    const std::vector<double>& of_release = functionals[i].release;
+    all.push_back({i, &functionals[i], &derivatives[i], {}});
+    if (!of_release.empty())
+      all.back().motion = in_first_group([&] { return release_->adjoint(of_release); });
   }
   for (const ProcessDerivatives& own : derivatives)
     if (own.strains != nullptr) {
       own.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
       own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
-  adjoint_loads_.update(densities, result_, sources);
+  adjoint_loads_.update(densities, result_, functionals);
   groups_.run([&] {
     Room room;
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
@@ -245,19 +233,19 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
                                              std::span<const Functional> functionals, Room& room) {
-  if (deposition_) {
-    const LayerBlock& block = result_.blocks[number];
-    room.missing = deposition_->missing(densities, block.first, block.lanes);
-  }
+  const LayerBlock& block = result_.blocks[number];
+  room.missing.clear();
+  for (int lane = 0; deposition_ && lane < block.lanes; ++lane)
+    room.missing.push_back(deposition_->missing(densities.stage[block.first + lane]));
   std::vector<const Functional*> solved;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    if (adjoint_loads_.any(i, result_.blocks[number]))
+    if (adjoint_loads_.any(i, block))
       solved.push_back(&functionals[i]);
     else
       add_derivatives(densities, number, functionals[i], nullptr, room);
   }
   if (solved.empty()) return;
-  set_operators(densities, result_.blocks[number], false);
+  set_operators(densities, block, false);
   const std::size_t at_once = std::min(solved.size(), solver_->sets_at_once());
   room.loads.resize(at_once);
   room.solutions.resize(at_once);
@@ -282,11 +270,7 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
   }
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    for (int lane = 0; lane < block.lanes; ++lane) {
-      require_convergence(reports[i][lane], block.first + lane, "adjoint");
-      int& iterations = adjoint_iterations_[block.first + lane];
-      iterations = std::max(iterations, reports[i][lane].iterations);
-    }
+    note_solves(reports[i], block.first, "adjoint", adjoint_iterations_);
     if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
     add_derivatives(densities, number, *functionals[i], &adjoints[i], room);
   }

@@ -13,14 +13,6 @@ namespace fabseq {
 
 namespace {
 
-/// Owned nodes of the model's elements, held ones too.
-template <int Dim>
-std::vector<char> nodes_of_model(const ElasticModel<Dim>& model) {
-  std::vector<char> marks(static_cast<std::size_t>(model.part.grid().owned_nodes().count()), 0);
-  for (const int node : model.nodes) marks[node] = 1;
-  return marks;
-}
-
 /// The node of all ranks with the largest measure, the lowest lexicographic number among equals.
 template <int Dim, class Measure>
 Index<Dim> farthest_node(const Grid<Dim>& grid, const std::vector<int>& nodes, Measure&& measure) {
@@ -46,9 +38,7 @@ std::array<double, Size> difference(const std::array<double, Size>& a, const std
 
 template <std::size_t Size>
 double length(const std::array<double, Size>& v) {
-  double square = 0.0;
-  for (const double x : v) square += x * x;
-  return std::sqrt(square);
+  return std::sqrt(dot(v, v));
 }
 
 /// Supports that hold every rigid motion and nothing else: three nodes in 3D, two in 2D.
@@ -101,8 +91,7 @@ Release<Dim>::Release(const ElasticModel<Dim>& model, const ReleaseSolver& solve
     : model_(model),
       settings_(solver),
       rigid_motions_(model.part.grid(), model.supports.holding),
-      domain_(model.domain),
-      in_model_(nodes_of_model(model)) {
+      domain_(model.domain) {
   const std::string reason = release_obstacle(model.part.grid(), model.supports, model.settings.void_model);
   if (!reason.empty()) throw InputError("release: " + reason);
   domain_.fixed = statically_determinate_supports(model.part.grid(), model.supports.holding);
@@ -127,7 +116,7 @@ SolveReport Release<Dim>::solve_by_lanes(const std::vector<double>& load, std::v
   if (!lanes_)
     lanes_ = std::make_unique<LaneFreeBody<Dim>>(grid, model_.domain, model_.material.poisson,
                                                  settings_.cycle, model_.finished_stiffness());
-  SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance, lane_iterations);
+  SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance);
   if (report.converged) return report;
   std::ostringstream text;
   text << "release: " << report.iterations
@@ -161,10 +150,12 @@ template <int Dim>
 std::vector<double> Release<Dim>::displacement(std::span<const double> reactions) {
   std::vector<double> load(reactions.size());
   std::transform(reactions.begin(), reactions.end(), load.begin(), [](double force) { return -force; });
-  std::vector<double> result = solve(load, "release solve");
+  const std::vector<double> solution = solve(load, "release solve");
   // Nodes outside the model moved with the rigid motion only: they are not there.
-  for (std::size_t i = 0; i < result.size(); ++i)
-    if (in_model_[i / Dim] == 0) result[i] = 0.0;
+  std::vector<double> result(solution.size(), 0.0);
+  for (const int node : model_.nodes)
+    std::copy_n(&solution[static_cast<std::size_t>(node) * Dim], Dim,
+                &result[static_cast<std::size_t>(node) * Dim]);
   return result;
 }
 

@@ -54,7 +54,6 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
                                     const LayerDensities& densities) {
   constexpr int components = voigt_size<Dim>;
   const ElasticModel<Dim>& model = simulation.model();
-  const StrainField& strains = simulation.strains();
   std::vector<double> stress = zero_stress(model);
   for (int layer = 0; layer < densities.count(); ++layer) {
     const std::vector<double> increment = simulation.increment(layer);
@@ -66,12 +65,7 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
     for (std::size_t e = 0; e < model.part_position.size(); ++e) {
       const double load = model.load(densities.layer[layer][e]);
       if (load == 0.0) continue;
-      const auto strain =
-          !strains.of_elements.empty() ? std::span(strains.of_elements).subspan(e * components, components)
-          : !strains.of_layers.empty()
-              ? std::span(strains.of_layers).subspan(static_cast<std::size_t>(layer) * components, components)
-              : std::span<const double>(model.material.inherent_strain);
-      const auto inherent = model.element.stress(strain);
+      const auto inherent = model.element.stress(model.strain_of(simulation.strains(), e, layer));
       double* at = &stress[static_cast<std::size_t>(model.part.elements()[e]) * components];
       for (int c = 0; c < components; ++c) at[c] -= model.material.young * load * inherent[c];
     }

@@ -41,15 +41,6 @@ struct Base {
   }
 };
 
-/// Factors on the Voigt components: shear by the root of the product of its two axes, as strain_scale.
-template <int Dim>
-StrainFactors<Dim> factors_of(const std::vector<double>& axes) {
-  StrainFactors<Dim> result;
-  for (int c = 0; c < voigt_size<Dim>; ++c)
-    result[c] = c < Dim ? axes[c] : std::sqrt(axes[c - Dim] * axes[(c - Dim + 1) % Dim]);
-  return result;
-}
-
 /// The factors that matter: those of components that the strain has. A strain that turns may have all.
 template <int Dim>
 StrainFactors<Dim> effective(const StrainFactors<Dim>& factors, const MaterialSettings& material) {
@@ -92,8 +83,11 @@ StrainCases<Dim> strain_cases(const MaterialSettings& material) {
     return alone;
   };
   combination_of(result.cases.front());
-  for (const std::vector<double>& axes : material.scenarios)
-    result.scenarios.push_back(combination_of(factors_of<Dim>(axes)));
+  for (const std::vector<double>& axes : material.scenarios) {
+    StrainFactors<Dim> factors;
+    std::ranges::copy(voigt_factors(axes), factors.begin());
+    result.scenarios.push_back(combination_of(factors));
+  }
   for (auto& combination : result.scenarios) combination.resize(result.cases.size(), 0.0);
   return result;
 }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// Distortion measure `angle`.
+#include "fabseq/base/blas.h"
+#include "fabseq/base/error.h"
+#include "fabseq/base/mpi.h"
 #include "fabseq/responses/distortion_measures.h"
-#include "fabseq/responses/fitted_plane.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace fabseq {
 
@@ -13,6 +17,102 @@ namespace {
 /// Planes at a smaller angle, in radians, are parallel: their angle differs from 0 by rounding.
 constexpr double parallel_angle = 1e-6;
 constexpr double degrees = 180.0 / std::numbers::pi;
+/// The two smallest variances of a set must differ by more than this share of the largest one.
+constexpr double least_difference = 1e-9;
+
+/// The least-squares plane of a node set (in 2D the line), and how it tilts with displacements, to first
+/// order: its normal n becomes n - sum_t t s_t, with s_t the slope of u . n along the plane's tangent t, from
+/// a least-squares fit over the set (docs/formulation.md 5).
+template <int Dim>
+class FittedPlane {
+ public:
+  /// Collective on the grid's communicator. Throws InputError naming the node set if it determines no plane.
+  explicit FittedPlane(const SetDisplacement<Dim>& set) : set_(set) {
+    const SetExtent<Dim> extent(set);
+    const auto [variance, direction] = principal_axes(extent);
+    if (variance[1] - variance[0] <= least_difference * variance.back())
+      throw InputError("/node_sets/" + set.nodes().name + ": its " + std::to_string(set.nodes().count) +
+                       " nodes determine no " + (Dim == 2 ? "line" : "plane") +
+                       " for measure angle; allowed: nodes of " + (Dim == 2 ? "an edge" : "a face"));
+    normal_ = direction[0];
+    for (int t = 0; t < tangents; ++t) {
+      tangent_[t] = direction[t + 1];
+      // The coordinates along the axes are not correlated, so that each slope is a fit of its own.
+      const double scale = 1.0 / (static_cast<double>(set.nodes().count) * variance[t + 1] * extent.radius);
+      for (const int node : set.nodes().owned)
+        slope_[t].push_back(scale * dot(tangent_[t], extent.relative(set.position(node))));
+    }
+  }
+
+  /// Of the undeformed nodes, of length 1.
+  const Point<Dim>& normal() const { return normal_; }
+  /// Sets the normal to another vector of length 1 that differs from it by rounding, or by its sign.
+  void set_normal(const Point<Dim>& normal) { normal_ = normal; }
+
+  /// The normal of the displaced nodes; not of length 1. Collective.
+  Point<Dim> tilted(const PipelineState<Dim>& state) const {
+    const std::vector<int>& nodes = set_.nodes().owned;
+    std::array<double, tangents> slopes{};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      double along_normal = 0.0;
+      for (int axis = 0; axis < Dim; ++axis) along_normal += normal_[axis] * set_.at(state, nodes[i], axis);
+      for (int t = 0; t < tangents; ++t) slopes[t] += slope_[t][i] * along_normal;
+    }
+    sum_in_place(set_.comm(), slopes);
+    Point<Dim> result = normal_;
+    for (int t = 0; t < tangents; ++t)
+      for (int axis = 0; axis < Dim; ++axis) result[axis] -= slopes[t] * tangent_[t][axis];
+    return result;
+  }
+  /// Adds the derivative of `gradient` . tilted(). Local, on all ranks.
+  void add_derivative(const Point<Dim>& gradient, const PipelineState<Dim>& state,
+                      PipelineAdjoint<Dim>& adjoint) const {
+    const std::vector<int>& nodes = set_.nodes().owned;
+    set_.prepare(state, adjoint);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (int t = 0; t < tangents; ++t)
+        for (int axis = 0; axis < Dim; ++axis)
+          set_.add_derivative(nodes[i], axis, -dot(gradient, tangent_[t]) * slope_[t][i] * normal_[axis],
+                              state, adjoint);
+  }
+
+ private:
+  static constexpr int tangents = Dim - 1;
+
+  /// Eigenvectors, of length 1, of the covariance of the set's nodes, by ascending eigenvalue; places are
+  /// relative to the set's extent.
+  struct PrincipalAxes {
+    std::array<double, Dim> variance{};
+    std::array<Point<Dim>, Dim> direction{};
+  };
+  PrincipalAxes principal_axes(const SetExtent<Dim>& extent) const {
+    std::vector<double> covariance(static_cast<std::size_t>(Dim) * Dim, 0.0);
+    for (const int node : set_.nodes().owned) {
+      const Point<Dim> x = extent.relative(set_.position(node));
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b) covariance[a * Dim + b] += x[a] * x[b];
+    }
+    sum_in_place(set_.comm(), covariance);
+    PrincipalAxes result;
+    for (int a = 0; a < Dim; ++a)
+      for (int b = 0; b < Dim; ++b)
+        result.direction[a][b] = covariance[a * Dim + b] / static_cast<double>(set_.nodes().count);
+    const int size = Dim, work_size = 8 * Dim;
+    std::array<double, 8 * Dim> work;
+    int info = 0;
+    // Replaces the matrix by the eigenvectors, its columns.
+    dsyev_("V", "L", &size, result.direction.front().data(), &size, result.variance.data(), work.data(),
+           &work_size, &info);
+    if (info != 0) throw NumericalError("dsyev failed for a covariance: " + std::to_string(info));
+    return result;
+  }
+
+  SetDisplacement<Dim> set_;
+  Point<Dim> normal_{};
+  std::array<Point<Dim>, tangents> tangent_{};
+  /// The products of these with u . n are its slopes along the tangents, 1/length.
+  std::array<SetFunction, tangents> slope_;
+};
 
 /// Two vectors of length 1 and the angle between them.
 template <int Dim>
@@ -59,7 +159,6 @@ class AngleChange : public Response<Dim> {
     start_ = undeformed_angle();
   }
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

@@ -43,8 +43,6 @@ class Continuity : public Response<Dim> {
     elements_counted_ = static_cast<double>(sum(part_.grid().comm(), counted));
   }
 
-  std::string type() const override { return "continuity"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double total = 0.0;
     for (const double difference : differences(state)) total += difference * difference;
@@ -66,9 +64,7 @@ class Continuity : public Response<Dim> {
     for (std::size_t e = 0; e < d_time.size(); ++e) result[e] += d_time[e];
   }
 
-  std::vector<ConstraintRow> rows(int, double margin) const override {
-    return {{0, 1.0, margin * limit_, limit_}};
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {{1.0, margin * limit_, limit_}}; }
 
  private:
   Neighbours<Dim> find_neighbours(const Index<Dim>& element, const std::vector<double>& in_part) const {

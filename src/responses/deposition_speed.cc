@@ -19,8 +19,6 @@ class DepositionSpeed : public Response<Dim> {
   DepositionSpeed(const ResponseContext<Dim>& context, const DepositionSpeedSettings& settings)
       : context_(context), slack_(settings.slack) {}
 
-  std::string type() const override { return "deposition_speed"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result(state.layers.count() - 1, 0.0);
     for (std::size_t j = 0; j < result.size(); ++j)
@@ -38,13 +36,8 @@ class DepositionSpeed : public Response<Dim> {
     adjoint.densities.touch_time_points()[component + 1] -= weight;
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int j = 0; j < components; ++j) {
-      result.push_back({j, 1.0, -0.5 * (1.0 - margin) * slack_});
-      result.push_back({j, -1.0, -0.5 * (1.0 + margin) * slack_});
-    }
-    return result;
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, -0.5 * (1.0 - margin) * slack_}, {-1.0, -0.5 * (1.0 + margin) * slack_}};
   }
 
  private:

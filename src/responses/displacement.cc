@@ -18,7 +18,6 @@ class Displacement : public Response<Dim> {
         settings_(settings),
         factor_(settings.mean ? 1.0 / static_cast<double>(set.nodes().count) : 1.0) {}
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
@@ -31,12 +30,11 @@ class Displacement : public Response<Dim> {
     set_.add_derivative(set_.all(state), 2.0 * weight * factor_, state, adjoint);
   }
 
-  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
-    if (!settings_.offers_squares(scaling)) return nullptr;
+  std::optional<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    if (!settings_.offers_squares(scaling)) return std::nullopt;
     std::vector<int> axes(Dim);
     std::iota(axes.begin(), axes.end(), 0);
-    return std::make_unique<DistortionFunctionals<Dim>>(set_, linear_modes(set_, axes, true), factor_,
-                                                        settings_.least_squares.has_value());
+    return sum_of_squares(set_, linear_modes(set_, axes, true), factor_, settings_.least_squares.has_value());
   }
 
  private:

@@ -16,7 +16,6 @@ class DisplacementNorm : public Response<Dim> {
  public:
   DisplacementNorm(const SetDisplacement<Dim>& set, double power) : set_(set), power_(power) {}
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// Objective and constraint: distortion (docs/formulation.md 5 and 7).
-#include "fabseq/responses/distortion.h"
-
 #include "fabseq/responses/distortion_measures.h"
 
 #include <cmath>
@@ -12,10 +10,11 @@ namespace fabseq {
 
 namespace {
 
-/// The measure for a strain.
+/// The measure for one strain, with one component: J, in the length unit squared; of angle in degrees
+/// squared. Throws InputError for a node set that the measure is not defined for.
 template <int Dim>
-std::unique_ptr<Response<Dim>> make_plain_measure(const ResponseContext<Dim>& context,
-                                                  const DistortionSettings& settings) {
+std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
+                                            const DistortionSettings& settings) {
   if (settings.measure == Measure::layerwise) return make_layerwise<Dim>();
   const auto set_of = [&](const std::string& nodes) {
     return SetDisplacement<Dim>(context.part, context.node_sets.at(nodes), settings.after_release);
@@ -33,25 +32,13 @@ std::unique_ptr<Response<Dim>> make_plain_measure(const ResponseContext<Dim>& co
   }
 }
 
-}  // namespace
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
-                                            const DistortionSettings& settings) {
-  return aggregated(make_plain_measure(context, settings), settings.aggregate,
-                    settings.measure == Measure::layerwise);
-}
-
-FABSEQ_INSTANTIATE_FUNCTION(make_measure);
-
-namespace {
-
-/// The objective, J.
+/// The objective, J, aggregated over the scenarios.
 template <int Dim>
 struct Distortion {
   static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
                                              const DistortionSettings& settings) {
-    return make_measure(context, settings);
+    return aggregated(make_measure(context, settings), settings.aggregate,
+                      settings.measure == Measure::layerwise);
   }
 };
 
@@ -65,11 +52,10 @@ template <int Dim>
 class DistortionLimit : public Response<Dim> {
  public:
   DistortionLimit(const ResponseContext<Dim>& context, const DistortionLimitSettings& settings)
-      : measure_(make_measure(context, settings)), limit_(settings.limit) {
+      : measure_(Distortion<Dim>::make(context, settings)), limit_(settings.limit) {
     if (auto each = measure_->largest_of()) measure_ = std::move(each);
   }
 
-  std::string type() const override { return measure_->type(); }
   bool uses_displacements() const override { return measure_->uses_displacements(); }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
@@ -82,11 +68,7 @@ class DistortionLimit : public Response<Dim> {
     const double root = values(state)[component];
     measure_->add_derivative(component, root > 0.0 ? weight / (2.0 * root) : 0.0, state, adjoint);
   }
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int c = 0; c < components; ++c) result.push_back({c, 1.0, margin * limit_, limit_});
-    return result;
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {{1.0, margin * limit_, limit_}}; }
 
  private:
   std::unique_ptr<Response<Dim>> measure_;

@@ -10,6 +10,7 @@ namespace fabseq {
 namespace {
 
 constexpr const char* measure_names = "displacement flatness layerwise shape angle";
+constexpr const char* aggregate_names = "nominal mean spread worst";
 
 void check_node_set(const TermPlace& place, const char* key, const std::string& name) {
   const std::string pointer = pointer_to(place.pointer, key);
@@ -23,6 +24,17 @@ void check_node_set(const TermPlace& place, const char* key, const std::string& 
 }
 
 }  // namespace
+
+TermFacts DistortionSettings::facts() const {
+  const bool of_displacement = measure != Measure::layerwise && measure != Measure::angle;
+  TermFacts result{
+      .measures_release = after_release,
+      .is_largest = aggregate == Aggregate::worst,
+      .is_quadratic = of_displacement && !norm && !after_release && aggregate == Aggregate::nominal};
+  for (const std::string& name : {nodes, to})
+    if (!name.empty()) result.node_sets.push_back(name);
+  return result;
+}
 
 bool DistortionSettings::fits(const std::string& motion) const {
   return std::find(fit.begin(), fit.end(), motion) != fit.end();

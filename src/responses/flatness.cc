@@ -14,7 +14,6 @@ class Flatness : public Response<Dim> {
   Flatness(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
       : set_(set), settings_(settings), axis_(settings.axis) {}
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
@@ -39,11 +38,10 @@ class Flatness : public Response<Dim> {
     }
   }
 
-  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
-    if (!settings_.offers_squares(scaling)) return nullptr;
-    return std::make_unique<DistortionFunctionals<Dim>>(set_, linear_modes(set_, {axis_}, false),
-                                                        1.0 / static_cast<double>(set_.nodes().count),
-                                                        settings_.least_squares.has_value());
+  std::optional<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    if (!settings_.offers_squares(scaling)) return std::nullopt;
+    return sum_of_squares(set_, linear_modes(set_, {axis_}, false),
+                          1.0 / static_cast<double>(set_.nodes().count), settings_.least_squares.has_value());
   }
 
  private:

@@ -33,8 +33,6 @@ class LastLayer : public Response<Dim> {
   LastLayer(const ResponseContext<Dim>& context, const LastLayerSettings& settings)
       : grid_(context.part.grid()), least_of_all_(settings.least_volume * context.part.volume()) {}
 
-  std::string type() const override { return "last_layer"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     return {norm(lateness(state, last_whole(state.layers)))};
   }
@@ -55,8 +53,8 @@ class LastLayer : public Response<Dim> {
     adjoint.densities.touch_time_points()[last] -= sum(grid_.comm(), total);
   }
 
-  std::vector<ConstraintRow> rows(int /*components*/, double margin) const override {
-    return {{0, 1.0, std::max(0.0, approach - caution * (1.0 - margin))}};
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, std::max(0.0, approach - caution * (1.0 - margin))}};
   }
 
  private:

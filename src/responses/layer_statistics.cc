@@ -12,6 +12,8 @@ namespace fabseq {
 
 namespace {
 
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
 /// Sum of term(e) over the elements. The partial sums are independent of each other, so that the compiler can
 /// vectorize the loop.
 template <class Term>
@@ -43,10 +45,23 @@ std::array<double, 3> layer_sums(const std::vector<double>& density, const std::
   return {volume, volume + layer_density_floor * static_cast<double>(density.size()), weighted};
 }
 
+/// But for the deviation, from the layer_sums() of all ranks.
+template <int Dim>
+LayerStatistics statistics_of(const Grid<Dim>& grid, const LayerDensities& layers, int layer, bool defined,
+                              const double* sums) {
+  LayerStatistics result;
+  result.weight = sums[1];
+  result.volume = sums[0] * grid.element_volume();
+  result.mean = defined ? sums[2] / sums[1] : undefined;
+  result.thickness =
+      defined ? (layers.time_points[layer + 1] - layers.time_points[layer]) / result.mean : undefined;
+  return result;
+}
+
 }  // namespace
 
-double LayerStatistics::coefficient_of_variation(int layer) const {
-  return std::sqrt(std::max(deviation[layer], 0.0) / weight[layer]) / mean[layer];
+double LayerStatistics::coefficient_of_variation() const {
+  return std::sqrt(std::max(deviation, 0.0) / weight) / mean;
 }
 
 template <int Dim>
@@ -61,14 +76,6 @@ std::vector<double> gradient_magnitude(const PseudoTime<Dim>& time, double chara
   return result;
 }
 
-LayerMean layer_mean(MPI_Comm comm, const LayerDensities& layers, int layer,
-                     const std::vector<double>& magnitude) {
-  std::array<double, 3> sums = layer_sums(layers.layer[layer], magnitude);
-  sum_in_place(comm, sums);
-  const double mean = sums[2] / sums[1];
-  return {sums[0], sums[1], mean, (layers.time_points[layer + 1] - layers.time_points[layer]) / mean};
-}
-
 template <int Dim>
 std::vector<double> layer_volumes(const Grid<Dim>& grid, const LayerDensities& layers) {
   std::vector<double> result;
@@ -78,39 +85,41 @@ std::vector<double> layer_volumes(const Grid<Dim>& grid, const LayerDensities& l
 }
 
 template <int Dim>
-LayerStatistics layer_statistics(const ResponseContext<Dim>& context, const PseudoTime<Dim>& time,
-                                 const LayerDensities& layers) {
-  const MPI_Comm comm = context.part.grid().comm();
+std::vector<LayerStatistics> layer_statistics(const ResponseContext<Dim>& context,
+                                              const PseudoTime<Dim>& time, const LayerDensities& layers) {
+  const Grid<Dim>& grid = context.part.grid();
   const std::vector<double> magnitude = gradient_magnitude(time, context.characteristic_length);
   // Multi-planar layers have no time points, because they do not follow the pseudo-time.
   const bool defined =
-      !layers.time_points.empty() && sum(comm, static_cast<std::int64_t>(magnitude.size())) > 0;
-  const int count = layers.count();
+      !layers.time_points.empty() && sum(grid.comm(), static_cast<std::int64_t>(magnitude.size())) > 0;
   std::vector<double> sums;
   for (const auto& density : layers.layer) {
     const auto of_layer = layer_sums(density, magnitude);
     sums.insert(sums.end(), of_layer.begin(), of_layer.end());
   }
-  sum_in_place(comm, sums);
+  sum_in_place(grid.comm(), sums);
 
-  LayerStatistics result;
-  const double undefined = std::numeric_limits<double>::quiet_NaN();
-  for (int j = 0; j < count; ++j) {
-    result.volume.push_back(sums[3 * j] * context.part.grid().element_volume());
-    result.weight.push_back(sums[3 * j + 1]);
-    result.mean.push_back(defined ? sums[3 * j + 2] / sums[3 * j + 1] : undefined);
-    result.thickness.push_back(defined ? (layers.time_points[j + 1] - layers.time_points[j]) / result.mean[j]
-                                       : undefined);
-  }
-  result.deviation.assign(count, defined ? 0.0 : undefined);
-  if (!defined) return result;
-  for (int j = 0; j < count; ++j)
-    result.deviation[j] = sum_over(magnitude.size(), [d = layers.layer[j].data(), m = magnitude.data(),
-                                                      mean = result.mean[j]](std::size_t e) {
+  std::vector<LayerStatistics> result;
+  std::vector<double> deviation(layers.layer.size(), undefined);
+  for (int j = 0; j < layers.count(); ++j) {
+    result.push_back(statistics_of(grid, layers, j, defined, &sums[3 * j]));
+    if (!defined) continue;
+    deviation[j] = sum_over(magnitude.size(), [d = layers.layer[j].data(), m = magnitude.data(),
+                                               mean = result[j].mean](std::size_t e) {
       return (d[e] + layer_density_floor) * (m[e] - mean) * (m[e] - mean);
     });
-  sum_in_place(comm, result.deviation);
+  }
+  sum_in_place(grid.comm(), deviation);
+  for (std::size_t j = 0; j < result.size(); ++j) result[j].deviation = deviation[j];
   return result;
+}
+
+template <int Dim>
+LayerStatistics layer_mean(const Grid<Dim>& grid, const LayerDensities& layers, int layer,
+                           const std::vector<double>& magnitude) {
+  std::array<double, 3> sums = layer_sums(layers.layer[layer], magnitude);
+  sum_in_place(grid.comm(), sums);
+  return statistics_of(grid, layers, layer, true, sums.data());
 }
 
 template <int Dim>
@@ -125,15 +134,10 @@ void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector
   }
 }
 
-#define FABSEQ_INSTANTIATE(Dim)                                                                       \
-  template std::vector<double> gradient_magnitude<Dim>(const PseudoTime<Dim>&, double);               \
-  template std::vector<double> layer_volumes<Dim>(const Grid<Dim>&, const LayerDensities&);           \
-  template LayerStatistics layer_statistics<Dim>(const ResponseContext<Dim>&, const PseudoTime<Dim>&, \
-                                                 const LayerDensities&);                              \
-  template void add_magnitude_derivative<Dim>(const PipelineState<Dim>&, const std::vector<double>&,  \
-                                              const std::vector<double>&, PipelineAdjoint<Dim>&);
-FABSEQ_INSTANTIATE(2)
-FABSEQ_INSTANTIATE(3)
-#undef FABSEQ_INSTANTIATE
+FABSEQ_INSTANTIATE_FUNCTION(gradient_magnitude);
+FABSEQ_INSTANTIATE_FUNCTION(layer_volumes);
+FABSEQ_INSTANTIATE_FUNCTION(layer_statistics);
+FABSEQ_INSTANTIATE_FUNCTION(layer_mean);
+FABSEQ_INSTANTIATE_FUNCTION(add_magnitude_derivative);
 
 }  // namespace fabseq

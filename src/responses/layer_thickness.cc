@@ -14,7 +14,7 @@ struct LayerThicknessSettings {
   double tolerance = 0.1;     ///< relative to the target
   double least_volume = 0.0;  ///< relative to the mean volume; layers with less are slivers
 
-  double target_thickness() const { return target; }
+  TermFacts facts() const { return {.target_thickness = target}; }
 };
 
 /// One component per layer, d_j / target, between 1 - tolerance and 1 + tolerance. The components of layers
@@ -29,14 +29,11 @@ class LayerThickness : public Response<Dim> {
         tolerance_(settings.tolerance),
         least_volume_(settings.least_volume) {}
 
-  std::string type() const override { return "layer_thickness"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
     std::vector<double> result;
-    for (int j = 0; j < state.layers.count(); ++j) {
-      const double value = statistics.thickness[j] / target_;
-      const Fade fade = fade_of(statistics.volume[j], state.layers.count());
+    for (const LayerStatistics& layer : layer_statistics(context_, state.time, state.layers)) {
+      const double value = layer.thickness / target_;
+      const Fade fade = fade_of(layer.volume, state.layers.count());
       result.push_back(fade.share < 1.0 ? 1.0 + fade.share * (value - 1.0) : value);
     }
     return result;
@@ -47,33 +44,28 @@ class LayerThickness : public Response<Dim> {
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
-    const auto [elements, layer_weight, mean, thickness] =
-        layer_mean(context_.part.grid().comm(), state.layers, component, magnitude);
-    const double element_volume = context_.part.grid().element_volume();
-    const Fade fade = fade_of(elements * element_volume, state.layers.count());
-    const double through_volume = weight * (thickness / target_ - 1.0) * fade.slope * element_volume;
+    const Grid<Dim>& grid = context_.part.grid();
+    const LayerStatistics layer = layer_mean(grid, state.layers, component, magnitude);
+    const Fade fade = fade_of(layer.volume, state.layers.count());
+    const double through_volume =
+        weight * (layer.thickness / target_ - 1.0) * fade.slope * grid.element_volume();
     weight *= fade.share;
-    const double factor = -weight * thickness / (target_ * mean * layer_weight);
+    const double factor = -weight * layer.thickness / (target_ * layer.mean * layer.weight);
     auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
     const std::vector<double>& density = state.layers.layer[component];
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
-      d_layer[e] += factor * (magnitude[e] - mean) + through_volume;
+      d_layer[e] += factor * (magnitude[e] - layer.mean) + through_volume;
       d_magnitude[e] = factor * (density[e] + layer_density_floor);
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
     std::vector<double>& d_time_points = adjoint.densities.touch_time_points();
-    d_time_points[component] -= weight / (target_ * mean);
-    d_time_points[component + 1] += weight / (target_ * mean);
+    d_time_points[component] -= weight / (target_ * layer.mean);
+    d_time_points[component + 1] += weight / (target_ * layer.mean);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int j = 0; j < components; ++j) {
-      result.push_back({j, 1.0, 1.0 + margin * tolerance_});
-      result.push_back({j, -1.0, 1.0 - margin * tolerance_});
-    }
-    return result;
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, 1.0 + margin * tolerance_}, {-1.0, 1.0 - margin * tolerance_}};
   }
 
  private:

@@ -3,6 +3,7 @@
 #include "fabseq/responses/layer_statistics.h"
 #include "fabseq/responses/response_type.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fabseq {
@@ -25,106 +26,66 @@ struct UniformitySettings {
   UniformityForm form = UniformityForm::sum_of_squares;
 };
 
+/// `sum_of_squares`: sum over layers of D_j. `variance`: mean over the layers that are not empty of the
+/// squared coefficient of variation, which has no unit.
 template <int Dim>
 class Uniformity : public Response<Dim> {
  public:
-  explicit Uniformity(const ResponseContext<Dim>& context) : context_(context) {}
-  static std::unique_ptr<Response<Dim>> make(const ResponseContext<Dim>& context,
-                                             const UniformitySettings& settings);
+  Uniformity(const ResponseContext<Dim>& context, const UniformitySettings& settings)
+      : context_(context), variance_(settings.form == UniformityForm::variance) {}
 
-  std::string type() const override { return "layer_uniformity"; }
+  std::vector<double> values(const PipelineState<Dim>& state) const override {
+    const auto statistics = layer_statistics(context_, state.time, state.layers);
+    double total = 0.0;
+    for (const LayerStatistics& layer : statistics) {
+      if (!variance_) total += layer.deviation;
+      if (variance_ && !is_empty(layer, statistics.size()))
+        total += std::pow(layer.coefficient_of_variation(), 2);
+    }
+    return {variance_ ? total / filled_layers(statistics) : total};
+  }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    const LayerStatistics statistics = layer_statistics(context_, state.time, state.layers);
+    const auto statistics = layer_statistics(context_, state.time, state.layers);
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
     std::vector<double> d_magnitude(magnitude.size(), 0.0);
     for (int j = 0; j < state.layers.count(); ++j) {
-      const Partials partials = this->partials(statistics, j);
+      const LayerStatistics& layer = statistics[j];
+      const Partials partials = this->partials(statistics, layer);
       if (partials.deviation == 0.0) continue;
       auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[j], magnitude.size());
       for (std::size_t e = 0; e < magnitude.size(); ++e) {
-        const double difference = magnitude[e] - statistics.mean[j];
+        const double difference = magnitude[e] - layer.mean;
         const double density = state.layers.layer[j][e] + layer_density_floor;
         d_layer[e] += weight * (partials.deviation * difference * difference + partials.weight +
-                                partials.mean * difference / statistics.weight[j]);
+                                partials.mean * difference / layer.weight);
         d_magnitude[e] +=
-            weight * density * (2.0 * partials.deviation * difference + partials.mean / statistics.weight[j]);
+            weight * density * (2.0 * partials.deviation * difference + partials.mean / layer.weight);
       }
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
   }
 
- protected:
-  virtual Partials partials(const LayerStatistics& statistics, int layer) const = 0;
-  const ResponseContext<Dim>& context() const { return context_; }
-
  private:
+  /// F_j = D_j, or D_j / (N' m_j^2 W_j).
+  Partials partials(const std::vector<LayerStatistics>& all, const LayerStatistics& layer) const {
+    if (!variance_) return {1.0, 0.0, 0.0};
+    if (is_empty(layer, all.size())) return {};
+    const double factor = 1.0 / (filled_layers(all) * layer.mean * layer.mean * layer.weight);
+    return {factor, -factor * layer.deviation / layer.weight, -2.0 * factor * layer.deviation / layer.mean};
+  }
+  bool is_empty(const LayerStatistics& layer, std::size_t layers) const {
+    return layer.volume <= empty_layer_fraction * (context_.part.volume() / static_cast<double>(layers));
+  }
+  int filled_layers(const std::vector<LayerStatistics>& all) const {
+    return static_cast<int>(std::count_if(
+        all.begin(), all.end(), [&](const LayerStatistics& layer) { return !is_empty(layer, all.size()); }));
+  }
+
   ResponseContext<Dim> context_;
+  bool variance_;
 };
-
-/// `sum_of_squares`: sum over layers of D_j.
-template <int Dim>
-class SumOfSquaredDeviations : public Uniformity<Dim> {
- public:
-  using Uniformity<Dim>::Uniformity;
-
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    double total = 0.0;
-    for (const double deviation : layer_statistics(this->context(), state.time, state.layers).deviation)
-      total += deviation;
-    return {total};
-  }
-
- protected:
-  Partials partials(const LayerStatistics&, int) const override { return {1.0, 0.0, 0.0}; }
-};
-
-/// `variance`: mean over the layers that are not empty of the squared coefficient of variation, which has no
-/// unit.
-template <int Dim>
-class Variance : public Uniformity<Dim> {
- public:
-  using Uniformity<Dim>::Uniformity;
-
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const LayerStatistics statistics = layer_statistics(this->context(), state.time, state.layers);
-    double total = 0.0;
-    for (int j = 0; j < state.layers.count(); ++j)
-      if (!is_empty(statistics, j)) total += std::pow(statistics.coefficient_of_variation(j), 2);
-    return {total / filled_layers(statistics)};
-  }
-
- protected:
-  /// F_j = D_j / (N' m_j^2 W_j).
-  Partials partials(const LayerStatistics& statistics, int layer) const override {
-    if (is_empty(statistics, layer)) return {};
-    const double mean = statistics.mean[layer];
-    const double weight = statistics.weight[layer];
-    const double factor = 1.0 / (filled_layers(statistics) * mean * mean * weight);
-    return {factor, -factor * statistics.deviation[layer] / weight,
-            -2.0 * factor * statistics.deviation[layer] / mean};
-  }
-
- private:
-  bool is_empty(const LayerStatistics& statistics, int layer) const {
-    const double mean_volume = this->context().part.volume() / static_cast<double>(statistics.volume.size());
-    return statistics.volume[layer] <= empty_layer_fraction * mean_volume;
-  }
-  int filled_layers(const LayerStatistics& statistics) const {
-    int count = 0;
-    for (std::size_t j = 0; j < statistics.volume.size(); ++j)
-      count += is_empty(statistics, static_cast<int>(j)) ? 0 : 1;
-    return count;
-  }
-};
-
-template <int Dim>
-std::unique_ptr<Response<Dim>> Uniformity<Dim>::make(const ResponseContext<Dim>& context,
-                                                     const UniformitySettings& settings) {
-  if (settings.form == UniformityForm::variance) return std::make_unique<Variance<Dim>>(context);
-  return std::make_unique<SumOfSquaredDeviations<Dim>>(context);
-}
 
 const Registered<Uniformity, UniformitySettings> registered(
     {.name = "layer_uniformity",

@@ -10,7 +10,6 @@ namespace {
 template <int Dim>
 class Layerwise : public Response<Dim> {
  public:
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {

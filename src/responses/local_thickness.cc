@@ -40,8 +40,6 @@ class LocalThickness : public Response<Dim> {
         ends_{context.tool.thickness[1] * context.target_thickness,
               context.tool.thickness[0] * context.target_thickness} {}
 
-  std::string type() const override { return "local_thickness"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
     const std::vector<double> duration = durations(state.layers);
@@ -74,9 +72,7 @@ class LocalThickness : public Response<Dim> {
     add_duration_derivative(state.layers, d_duration, adjoint.densities);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, limit_, margin);
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
 
  private:
   static double sign(int side) { return side == 0 ? 1.0 : -1.0; }

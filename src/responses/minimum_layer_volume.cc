@@ -28,8 +28,6 @@ class MinimumLayerVolume : public Response<Dim> {
   MinimumLayerVolume(const ResponseContext<Dim>& context, const MinimumLayerVolumeSettings& settings)
       : grid_(context.part.grid()), least_(settings.fraction * context.part.volume()) {}
 
-  std::string type() const override { return "minimum_layer_volume"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result = layer_volumes(grid_, state.layers);
     for (double& value : result) value = least_ - value;
@@ -45,10 +43,8 @@ class MinimumLayerVolume : public Response<Dim> {
   }
 
   /// The margin refers to the least volume, since the allowed range has no width of its own.
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int j = 0; j < components; ++j) result.push_back({j, 1.0, -(1.0 - margin) * least_, least_});
-    return result;
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {{1.0, -(1.0 - margin) * least_, least_}};
   }
 
  private:

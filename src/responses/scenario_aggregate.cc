@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/scenario_aggregate.h"
+#include "fabseq/responses/distortion_measures.h"
 
 #include <algorithm>
 #include <utility>
@@ -43,7 +43,6 @@ class EachScenario : public Response<Dim> {
  public:
   explicit EachScenario(OfScenarios<Dim> scenarios) : scenarios_(std::move(scenarios)) {}
 
-  std::string type() const override { return scenarios_.distortion().type(); }
   bool uses_displacements() const override { return true; }
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result;
@@ -66,7 +65,6 @@ class WorstScenario : public Response<Dim> {
  public:
   explicit WorstScenario(OfScenarios<Dim> scenarios) : each_(std::move(scenarios)) {}
 
-  std::string type() const override { return each_.type(); }
   bool uses_displacements() const override { return true; }
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> all = each_.values(state);
@@ -93,7 +91,6 @@ class MeanOfScenarios : public Response<Dim> {
   MeanOfScenarios(OfScenarios<Dim> scenarios, bool of_deviations)
       : scenarios_(std::move(scenarios)), of_deviations_(of_deviations) {}
 
-  std::string type() const override { return scenarios_.distortion().type(); }
   bool uses_displacements() const override { return true; }
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const auto all = combinations(state);

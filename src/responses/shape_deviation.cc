@@ -5,7 +5,6 @@
 #include "fabseq/grid/rigid_fit.h"
 #include "fabseq/responses/distortion_functionals.h"
 #include "fabseq/responses/distortion_measures.h"
-#include "fabseq/responses/set_functions.h"
 
 #include <cmath>
 #include <functional>
@@ -19,14 +18,13 @@ template <int Dim>
 class ShapeDeviation : public Response<Dim> {
  public:
   ShapeDeviation(const SetDisplacement<Dim>& set, const DistortionSettings& settings)
-      : set_(set), settings_(settings), extent_(extent_of(set)), motions_(set.comm()) {
+      : set_(set), settings_(settings), extent_(set), motions_(set.comm()) {
     const int rigid = settings.fits("rotation") ? rigid_motion_count<Dim> : Dim;
     for (int k = 0; k < rigid; ++k)
       add_motion([&](int axis, const Point<Dim>& x) { return rigid_motion<Dim>(k, axis, x); });
     if (settings.fits("scale")) add_motion([](int axis, const Point<Dim>& x) { return x[axis]; });
   }
 
-  std::string type() const override { return "distortion"; }
   bool uses_displacements() const override { return true; }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
@@ -43,8 +41,8 @@ class ShapeDeviation : public Response<Dim> {
   }
 
   /// The linear displacements that the fit leaves: uniform strain, as a rule.
-  std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
-    if (!settings_.offers_squares(scaling)) return nullptr;
+  std::optional<SumOfSquares<Dim>> squares(TermScaling scaling) const override {
+    if (!settings_.offers_squares(scaling)) return std::nullopt;
     OrthonormalFunctions linear = motions_;
     for (int component = 0; component < Dim; ++component)
       for (int along = 0; along < Dim; ++along)
@@ -54,9 +52,8 @@ class ShapeDeviation : public Response<Dim> {
     modes.modes.assign(linear.functions().begin() + static_cast<std::ptrdiff_t>(motions_.count()),
                        linear.functions().end());
     modes.complete = static_cast<std::int64_t>(linear.count()) == Dim * set_.nodes().count;
-    return std::make_unique<DistortionFunctionals<Dim>>(set_, std::move(modes),
-                                                        1.0 / static_cast<double>(set_.nodes().count),
-                                                        settings_.least_squares.has_value());
+    return sum_of_squares(set_, std::move(modes), 1.0 / static_cast<double>(set_.nodes().count),
+                          settings_.least_squares.has_value());
   }
 
  private:

@@ -23,8 +23,6 @@ class SubpartVolume : public Response<Dim> {
         volume_fraction_(context.part.grid().element_volume() / context.part.volume()),
         tolerance_(settings.tolerance) {}
 
-  std::string type() const override { return "subpart_volume"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const SubParts& sub_parts = state.layers.sub_parts;
     if (sub_parts.count() == 0) return undefined_;  // the planar baseline
@@ -46,11 +44,7 @@ class SubpartVolume : public Response<Dim> {
       derivative += weight * share_of_element(sub_parts);
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    std::vector<ConstraintRow> result;
-    for (int i = 0; i < components; ++i) result.push_back({i, 1.0, margin * tolerance_});
-    return result;
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {{1.0, margin * tolerance_}}; }
 
  private:
   /// Volume of a full element relative to a sub-part's equal share.

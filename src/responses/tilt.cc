@@ -41,8 +41,6 @@ class Tilt : public Response<Dim> {
     epsilon_ = 0.25 * (std::cos(radians(from)) - std::cos(radians(to)));
   }
 
-  std::string type() const override { return "tilt"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double total = 0.0;
     for_each(state, [&](std::size_t e, int sub_part, double density) {
@@ -74,9 +72,7 @@ class Tilt : public Response<Dim> {
     });
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, limit_, margin);
-  }
+  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
 
  private:
   static double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }

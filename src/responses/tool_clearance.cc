@@ -45,8 +45,6 @@ class ToolClearance : public Response<Dim> {
         halo_(context.part.grid(), width(context)),
         density_(halo_.gather(standing_density(context.part))) {}
 
-  std::string type() const override { return "tool_clearance"; }
-
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const Field field = gather(state);
     double total = 0.0;
@@ -88,8 +86,8 @@ class ToolClearance : public Response<Dim> {
     for (std::size_t e = 0; e < elements; ++e) d_time[e] += of_others[e];
   }
 
-  std::vector<ConstraintRow> rows(int components, double margin) const override {
-    return excess_bounds(components, settings_.limit, margin);
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {excess_bound(settings_.limit, margin)};
   }
 
  private:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/part/wall_thickness.h"
@@ -7,34 +8,26 @@
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 
-#include <cstdio>
-
 namespace fabseq {
 
 namespace {
-
-template <class... Arguments>
-void print_line(const char* format, Arguments... arguments) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, arguments...);
-  print(line);
-}
 
 template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
   const RunSize size = run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), ranks);
-  print_line("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns, size.layers,
-             1 + size.cases + size.functionals);
+  print(formatted("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns,
+                  size.layers, 1 + size.cases + size.functionals));
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
   const OptimizerSettings& optimizer = setup.config.optimizer;
-  print_line("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
-             path == SolverPath::lanes ? "lanes" : "reference path", ranks,
-             memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
-             iteration_seconds_estimate(size, path), optimizer.max_iterations);
+  print(formatted("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
+                  path == SolverPath::lanes ? "lanes" : "reference path", ranks,
+                  memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
+                  iteration_seconds_estimate(size, path), optimizer.max_iterations));
   if (optimizer.coarse_iterations > 0)
-    print_line("before that, on grids of half the resolution: %d iterations", optimizer.coarse_iterations);
+    print(formatted("before that, on grids of half the resolution: %d iterations",
+                    optimizer.coarse_iterations));
 }
 
 /// The mesh that the part comes from, and how much of it the elements have.
@@ -42,7 +35,7 @@ template <int Dim>
 void print_mesh(const Setup<Dim>& setup) {
   const auto& mesh = setup.config.part.mesh;
   if (!mesh) return;
-  print_line("mesh: %zu triangles, volume %.6g", mesh->triangle_count(), mesh->volume());
+  print(formatted("mesh: %zu triangles, volume %.6g", mesh->triangle_count(), mesh->volume()));
   print("placed in " + to_text<3>(mesh->lower()) + " to " + to_text<3>(mesh->upper()));
 }
 
@@ -50,9 +43,9 @@ template <int Dim>
 void print_walls(const Part<Dim>& part) {
   const ThinWall<Dim> wall = thinnest_wall(part);
   if (wall.elements >= thick_wall)
-    print_line("thinnest wall: %g elements or more", thick_wall);
+    print(formatted("thinnest wall: %g elements or more", thick_wall));
   else
-    print_line("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str());
+    print(formatted("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str()));
 }
 
 }  // namespace
@@ -62,13 +55,14 @@ void run_check(const Setup<Dim>& setup) {
   const Part<Dim>& part = setup.part;
   const std::vector<double> distance = geodesic_distance(part);
   print("config " + setup.config.name);
-  print_line("part: %lld elements of %lld (fill %.4f), volume %.6g", static_cast<long long>(part.count()),
-             static_cast<long long>(setup.grid.all_elements().count()),
-             static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
-             part.volume());
+  print(formatted("part: %lld elements of %lld (fill %.4f), volume %.6g",
+                  static_cast<long long>(part.count()),
+                  static_cast<long long>(setup.grid.all_elements().count()),
+                  static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
+                  part.volume()));
   print_mesh(setup);
   print("bounding box " + to_text<Dim>(part.lower()) + " to " + to_text<Dim>(part.upper()));
-  print_line("pieces: %zu", part.pieces().size());
+  print(formatted("pieces: %zu", part.pieces().size()));
   for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
     const Piece<Dim>& piece = part.pieces()[i];
     print("  " + std::to_string(piece.elements) + " elements in " + to_text<Dim>(piece.min) + " to " +
@@ -84,17 +78,17 @@ void run_check(const Setup<Dim>& setup) {
   }
   const double height = geodesic_height(part, distance);
   print_walls(part);
-  print_line("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height);
+  print(formatted("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height));
   const LayerTraits& layers = setup.layers->traits();
-  print_line("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
-             layers.count, layers.kind.c_str(), setup.baseline->count());
-  print_line("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
-             elements_per_layer(setup, height), setup.characteristic_length, part.longest_edge());
+  print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
+                  layers.count, layers.kind.c_str(), setup.baseline->count()));
+  print(formatted("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
+                  elements_per_layer(setup, height), setup.characteristic_length, part.longest_edge()));
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
-  print_line("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
-             setup.design_support.on_nodes() ? "nodes" : "elements", layers.variables.count(),
-             layers.variables.label.c_str());
+  print(formatted("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
+                  setup.design_support.on_nodes() ? "nodes" : "elements", layers.variables.count(),
+                  layers.variables.label.c_str()));
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_cost(setup);

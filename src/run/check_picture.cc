@@ -11,7 +11,6 @@
 #include "fabseq/run/voxel_picture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 namespace fabseq {

@@ -2,6 +2,7 @@
 #include "fabseq/run/checkpoints.h"
 
 #include "fabseq/files/checkpoint.h"
+#include "fabseq/files/history.h"
 
 namespace fabseq {
 
@@ -10,8 +11,8 @@ void Checkpoints<Dim>::continue_from(const Restart& restart) {
   const auto position = static_cast<std::int64_t>(restart.state.number("history/bytes"));
   clock_.restore(restart.state);
   due_ = !restart.in_place;  // at once: this directory has none
-  if (!restart.in_place) return history_.copy_from(restart.directory, position);
-  history_.cut_back(position);
+  if (!restart.in_place) return copy_history(directory_, restart.directory, position);
+  cut_history(directory_, position);
   // Should this have been the older slot because the newer is damaged, the next goes in the place of that
   // one.
   directory_.write("checkpoint/newest", restart.slot + "\n");
@@ -34,7 +35,7 @@ void Checkpoints<Dim>::write() {
   if (written_ == iteration()) return;
   const auto scope = timer_.enter(Phase::output);
   save_problem(setup_, kept_);
-  kept_.set_scalar("history/bytes", history_.sync());
+  kept_.set_scalar("history/bytes", sync_history(directory_));
   clock_.save(kept_);
   write_checkpoint(directory_, setup_.design_layout(), kept_);
   written_ = iteration();

@@ -67,16 +67,6 @@ void coarsen_domain(const Setup<Dim>& fine, Json& document) {
   if (Json* mesh = find_member(part, "mesh")) (*mesh)["least_elements"] = 0.0;  // as on the fine grid
 }
 
-/// What "auto" stands for, lest it be another thing on the coarse grid.
-template <int Dim>
-void fix_automatic_values(const Setup<Dim>& fine, Json& document) {
-  if (find_member(document.at("layers"), "count") != nullptr)
-    document["layers"]["count"] = fine.layers->count();
-  document["baseline"]["layers"] = fine.baseline->count();
-  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
-    document["sequence"]["characteristic_length"] = fine.characteristic_length;
-}
-
 /// Shares the coarse iterations out: to this grid, and, if there are more, to the coarser ones.
 void share_out_iterations(const OptimizerSettings& settings, Json& optimizer) {
   const int share = (settings.coarse_iterations + settings.coarse_grids - 1) / settings.coarse_grids;
@@ -114,9 +104,8 @@ void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& documen
 
 template <int Dim>
 Json coarse_document(const Setup<Dim>& fine) {
-  Json document = fine.config.effective;
+  Json document = fine.document();
   coarsen_domain(fine, document);
-  fix_automatic_values(fine, document);
   share_out_iterations(fine.config.optimizer, document["optimizer"]);
   document["output"]["sensitivity"] = false;
   widen_node_sets(fine, make_config(document, "", fine.config.part.mesh), document);
@@ -180,10 +169,8 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =
       fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
-  FieldSet<Dim> fields{&fine.grid, {}};
-  fields.add_elements("design", design);
   Hdf5Writer file(fine.world(), refined);
-  file.template write_fields<Dim>(fields);
+  file.template write_field<Dim>(fine.grid, {"design", false, 1, design});
   if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
     file.write_array(variables.name,
                      read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",

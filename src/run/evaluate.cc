@@ -12,11 +12,6 @@
 
 namespace fabseq {
 
-double evaluation_tolerance(const Config& config) { return std::min(config.solver.finest_tolerance(), 1e-9); }
-
-namespace {
-
-/// A gradient row for every component of every response.
 std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values) {
   std::vector<GradientRow> rows;
   for (std::size_t r = 0; r < values.size(); ++r)
@@ -25,15 +20,15 @@ std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& 
   return rows;
 }
 
+namespace {
+
 /// NAME/design, and NAME/time_points or NAME/angles, where they are variables.
 template <int Dim>
 void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string& name,
                     const Design& gradient, bool has_field) {
   if (has_field) {
     const std::vector<double> field = setup.design_field(gradient.field);
-    FieldSet<Dim> fields{&setup.grid, {}};
-    fields.add(setup.design_support.on_nodes(), name + "/design", field);
-    file.template write_fields<Dim>(fields);
+    file.template write_field<Dim>(setup.grid, {name + "/design", setup.design_support.on_nodes(), 1, field});
   }
   write_layer_variables(file, setup.layers->variables(), name + "/", gradient);
 }
@@ -42,7 +37,7 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
 
 template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  const double tolerance = evaluation_tolerance(setup.config);
+  const double tolerance = std::min(setup.config.solver.finest_tolerance(), 1e-9);
   Pipeline<Dim> pipeline(setup, tolerance, timer);
   Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
@@ -50,7 +45,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
   const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
-  const SequenceReport<Dim> report = report_sequence(setup, problem, pipeline, state, /*with_shape=*/false);
+  const SequenceReport report = report_sequence(setup, problem, pipeline, state, /*with_shape=*/false);
   const std::vector<GradientRow> rows = all_components(report.values);
   const auto gradients = pipeline.gradients(problem.responses(), state, rows);
 

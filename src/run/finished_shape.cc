@@ -62,22 +62,10 @@ void measure_stock(const Part<Dim>& part, std::vector<double> displacement, Devi
   deviation.inward = max(part.grid().comm(), deviation.inward);
 }
 
+/// On the owned nodes that `counts` marks.
 template <int Dim>
-Deviation deviation_of(const Model<Dim>& model, const std::vector<double>& displacement) {
-  Deviation result;
-  result.part = displacement_size(model.part, displacement);
-  if (const auto nodes = measured_nodes(model))
-    result.nodes = displacement_size(model.part, displacement, nodes);
-  measure_stock(model.part, displacement, result);
-  return result;
-}
-
-}  // namespace
-
-template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
-                                   const std::optional<std::vector<char>>& nodes) {
-  const std::vector<char>& counts = nodes ? *nodes : part.touched_nodes();
+DisplacementSize size_on(const std::vector<char>& counts, const Part<Dim>& part,
+                         const std::vector<double>& displacement) {
   double largest = 0.0, total = 0.0, count = 0.0;
   for (std::size_t node = 0; node < counts.size(); ++node) {
     if (counts[node] == 0) continue;
@@ -91,18 +79,24 @@ DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<doub
   return {max(comm, largest), std::sqrt(sum(comm, total) / sum(comm, count))};
 }
 
+/// Marks the owned nodes of all node sets that the objective measures; none if it measures none.
 template <int Dim>
 std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model) {
   std::optional<std::vector<char>> result;
   for (const Term& term : model.settings.objective)
-    for (const std::string& name : term.type->node_sets(term)) {
+    for (const std::string& name : term.type->facts(term).node_sets) {
       if (!result) result.emplace(model.part.touched_nodes().size(), 0);
       for (const int node : model.node_sets.at(name).owned) (*result)[node] = 1;
     }
   return result;
 }
 
-namespace {
+template <int Dim>
+Deviation deviation_of(const Model<Dim>& model, const std::vector<double>& displacement) {
+  Deviation result{displacement_sizes(model, displacement)};
+  measure_stock(model.part, displacement, result);
+  return result;
+}
 
 /// What the release adds; empty where the part would fall apart, and, with `failure` the reason, if the solve
 /// fails: what was simulated shall not be lost.
@@ -130,6 +124,14 @@ std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline
 }  // namespace
 
 template <int Dim>
+DisplacementSizes displacement_sizes(const Model<Dim>& model, const std::vector<double>& displacement) {
+  DisplacementSizes result;
+  result.part = size_on(model.part.touched_nodes(), model.part, displacement);
+  if (const auto nodes = measured_nodes(model)) result.nodes = size_on(*nodes, model.part, displacement);
+  return result;
+}
+
+template <int Dim>
 FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                              const PipelineState<Dim>& state) {
   FinishedShape result;
@@ -142,8 +144,7 @@ FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipel
   return result;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(displacement_size);
-FABSEQ_INSTANTIATE_FUNCTION(measured_nodes);
+FABSEQ_INSTANTIATE_FUNCTION(displacement_sizes);
 FABSEQ_INSTANTIATE_FUNCTION(finished_shape);
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/gradient_check.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 namespace fabseq {
@@ -94,10 +94,7 @@ GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pi
   const auto run = [&](const Design& x) { return pipeline.run(x, model.layers->traits().first_beta, false); };
   const auto state = run(design);
   const auto values = pipeline.values(problem.responses_and_functionals(), state);
-  std::vector<GradientRow> rows;
-  for (std::size_t r = 0; r < values.size(); ++r)
-    for (std::size_t c = 0; c < values[r].size(); ++c)
-      rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
+  const std::vector<GradientRow> rows = all_components(values);
   const auto gradients = pipeline.gradients(problem.responses_and_functionals(), state, rows);
   GradientCheck check;
   for (double step = 1e-1; step > 0.5e-7; step /= std::sqrt(step_ratio_squared)) check.steps.push_back(step);
@@ -107,7 +104,7 @@ GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pi
       const auto [response, component, weight] = rows[row][0];
       GradientError& error = check.errors.emplace_back();
       error.name = problem.component_name(response, component);
-      error.type = problem.responses_and_functionals()[response]->type();
+      error.type = problem.types()[response];
       error.variables = variables;
       error.value = values[response][component];
       error.adjoint = slope_along(model.world(), gradients[row], design, along, space);
@@ -192,7 +189,8 @@ Json GradientCheck::json() const {
 
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, gradient_check_tolerance, timer);
+  constexpr double tolerance = 1e-12;
+  Pipeline<Dim> pipeline(setup, tolerance, timer);
   Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   if (!pipeline.sequence().has_design()) {
     print("this sequence has no design variables: there are no gradients to check");
@@ -207,15 +205,10 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   directory.write("gradient_check.json", to_text(check.json(), 2) + "\n");
   directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
   print("component             type                    variables           adjoint   best relative error");
-  for (const GradientError& error : check.errors) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(),
-                  error.type.c_str(), error.variables.c_str(), error.adjoint, error.best());
-    print(line);
-  }
-  char line[80];
-  std::snprintf(line, sizeof line, "largest: %.1e; table and plot in ", check.worst());
-  print(line + directory.path());
+  for (const GradientError& error : check.errors)
+    print(formatted("%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(), error.type.c_str(),
+                    error.variables.c_str(), error.adjoint, error.best()));
+  print(formatted("largest: %.1e; table and plot in ", check.worst()) + directory.path());
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_check_gradients);

@@ -20,8 +20,8 @@ std::string iterations_on(const Setup<Dim>& setup) {
 /// Binary layers of the design that the config starts from, whatever file this run starts from. The optimized
 /// sequence shall not be lost because these solves fail.
 template <int Dim>
-std::optional<SequenceReport<Dim>> start_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                                Pipeline<Dim>& pipeline, double beta) {
+std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                           Pipeline<Dim>& pipeline, double beta) {
   const Design start = starting_design(setup, pipeline.sequence(), CommandLine());
   try {
     return report_sequence(setup, problem, pipeline, pipeline.run(start, beta, true));
@@ -32,8 +32,8 @@ std::optional<SequenceReport<Dim>> start_report(const Setup<Dim>& setup, const P
 }
 
 template <int Dim>
-SequenceReport<Dim> planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                  const LayerModel<Dim>& layers, PhaseTimer& timer) {
+SequenceReport planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                             const LayerModel<Dim>& layers, PhaseTimer& timer) {
   Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.finest_tolerance(),
                          timer);
   return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
@@ -46,13 +46,33 @@ std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const P
                                                 int count, PhaseTimer& timer) {
   if (count == setup.baseline->count()) return std::nullopt;
   try {
-    SequenceReport<Dim> report =
-        planar_report(setup, problem, *make_uniform_layer_model(count, setup.part), timer);
+    SequenceReport report =
+        planar_report(setup, problem, *make_layer_model({.count = count}, {}, setup.part), timer);
     return static_cast<SequenceNumbers&&>(report);
   } catch (const NumericalError& error) {
     warn(std::string("no block baseline_matched in summary.json: ") + error.what());
     return std::nullopt;
   }
+}
+
+/// What the best design comes to, the one that the config starts from, at the same sharpness, and as many
+/// planar layers.
+template <int Dim>
+FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                           const BestIterate& best, PhaseTimer& timer) {
+  FinalReports reports;
+  const auto report = [&](bool binary) {
+    const auto state = pipeline.run(best.design(), best.beta(), binary);
+    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
+    return report_sequence(setup, problem, pipeline, state);
+  };
+  reports.binary = report(true);
+  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few.
+  pipeline.forget_results();
+  reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
+  reports.optimized = report(false);
+  reports.start = start_report(setup, problem, pipeline, best.beta());
+  return reports;
 }
 
 }  // namespace
@@ -65,7 +85,7 @@ CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
   print("begins with " + iterations_on(coarse->setup()));
   PhaseTimer timer;
   try {
-    optimize(coarse->command_line(command_line, output.path()), coarse->setup(), timer);
+    optimize(coarse->command_line(command_line, output.directory().path()), coarse->setup(), timer);
   } catch (const Stopped& reason) {
     output.end_before_the_first("stopped", reason.what());
     throw;
@@ -74,7 +94,7 @@ CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
     throw;
   }
   CommandLine others = command_line;
-  others.design_file = CoarseGrid<Dim>::refine(setup, output.path());
+  others.design_file = CoarseGrid<Dim>::refine(setup, output.directory().path());
   print("goes on with " + iterations_on(setup));
   return others;
 }
@@ -105,7 +125,7 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
 }
 
 template <int Dim>
-SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
+SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
   return planar_report(setup, problem, *setup.baseline, timer);
 }
 
@@ -117,28 +137,10 @@ std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>
 }
 
 template <int Dim>
-FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                const BestIterate& best, PhaseTimer& timer) {
-  FinalReports<Dim> reports;
-  const auto report = [&](bool binary) {
-    const auto state = pipeline.run(best.design(), best.beta(), binary);
-    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
-    return report_sequence(setup, problem, pipeline, state);
-  };
-  reports.binary = report(true);
-  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few.
-  pipeline.forget_results();
-  reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
-  reports.optimized = report(false);
-  reports.start = start_report(setup, problem, pipeline, best.beta());
-  return reports;
-}
-
-template <int Dim>
 void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
             RunOutput<Dim>& output, PhaseTimer& timer) {
   const BestIterate& best = run.best;
-  const FinalReports<Dim> reports = final_reports(setup, run.problem, pipeline, best, timer);
+  const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
   warn_beyond_yield(reports.binary, setup.config.material);
   if (!setup.config.output.sensitivity) return;
@@ -156,7 +158,6 @@ FABSEQ_INSTANTIATE_FUNCTION(starting_state);
 FABSEQ_INSTANTIATE_FUNCTION(require_design);
 FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
 FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
-FABSEQ_INSTANTIATE_FUNCTION(final_reports);
 FABSEQ_INSTANTIATE_FUNCTION(finish);
 
 }  // namespace fabseq

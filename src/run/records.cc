@@ -74,23 +74,27 @@ void add_build(Json& record, const BuildNumbers& numbers) {
   if (numbers.hours) record["build_hours"] = *numbers.hours;
   if (const auto& stress = numbers.stress)
     record["stress"] =
-        Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", *stress->share_beyond_yield}});
+        Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", stress->share_beyond_yield}});
+}
+
+Json sizes_record(const DisplacementSizes& sizes) {
+  return Json::object(
+      {{"displacement", to_record(sizes.part)}, {"nodes", sizes.nodes ? to_record(*sizes.nodes) : Json()}});
 }
 
 Json deposition_record(const DepositionNumbers& numbers) {
   Json terms = Json::array();
   for (const auto& [name, type, value] : numbers.distortions)
     terms.push_back(Json::object({{"name", name}, {"value", value}, {"length", std::sqrt(value)}}));
-  return Json::object({{"displacement", to_record(numbers.part)},
-                       {"nodes", numbers.nodes ? to_record(*numbers.nodes) : Json()},
-                       {"distortion", terms}});
+  Json record = sizes_record(numbers);
+  record["distortion"] = terms;
+  return record;
 }
 
 Json to_record(const Deviation& deviation) {
-  return Json::object(
-      {{"displacement", to_record(deviation.part)},
-       {"nodes", deviation.nodes ? to_record(*deviation.nodes) : Json()},
-       {"stock", Json::object({{"outward", deviation.outward}, {"inward", deviation.inward}})}});
+  Json record = sizes_record(deviation);
+  record["stock"] = Json::object({{"outward", deviation.outward}, {"inward", deviation.inward}});
+  return record;
 }
 
 Json finished_record(const FinishedShape& shape) {
@@ -141,9 +145,11 @@ Json to_record(const DisplacementSize& size) {
 void add_members(Json& record, const SequenceNumbers& numbers) {
   record["responses"] = response_table(numbers.responses);
   record["layers"] = layer_table(numbers.layers);
-  record["displacement"] = to_record(numbers.displacement_size);
-  record["deposition"] = Json::object({{"follow", deposition_record(numbers.depositions.follow)},
-                                       {"nominal", deposition_record(numbers.depositions.nominal)}});
+  const auto& [own, other, own_model] = numbers.depositions;
+  const bool is_nominal = own_model == DepositionModel::nominal;
+  record["displacement"] = to_record(own.part);
+  record["deposition"] = Json::object({{"follow", deposition_record(is_nominal ? other : own)},
+                                       {"nominal", deposition_record(is_nominal ? own : other)}});
   if (numbers.build) add_build(record, *numbers.build);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
@@ -199,15 +205,14 @@ Json to_record(const Summary& summary) {
     record["feasible"] = finish->best.feasible();
     record["beta"] = finish->best.beta();
     record["worst_constraint"] = finish->best.worst_constraint();
-    record["optimized"] = to_record(finish->optimized);
-    record["binary"] = to_record(finish->binary);
-    if (finish->start != nullptr) record["start"] = to_record(*finish->start);
+    record["optimized"] = to_record(finish->reports.optimized);
+    record["binary"] = to_record(finish->reports.binary);
+    if (const auto& start = finish->reports.start) record["start"] = to_record(*start);
   }
   if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
-  if (const auto& finish = summary.finish; finish && finish->matched != nullptr)
-    record["baseline_matched"] = to_record(*finish->matched);
   if (const auto& finish = summary.finish) {
-    record["interior_minima"] = finish->interior_minima;
+    if (const auto& matched = finish->reports.matched) record["baseline_matched"] = to_record(*matched);
+    record["interior_minima"] = finish->reports.interior_minima;
     set_layer_variables(record, finish->layer_variables, finish->best.design());
   }
   return record;

@@ -4,29 +4,28 @@
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/run/records.h"
-#include "fabseq/sequence/given_sequence.h"
 
 #include <utility>
 
 namespace fabseq {
 
 template <int Dim>
-void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports<Dim>& reports,
-                  const SequenceReport<Dim>& baseline, const BestIterate& best) {
+void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports& reports,
+                  const SequenceReport& baseline, const BestIterate& best) {
   const std::vector<double> design = setup.design_field(best.design().field);
   const std::vector<double> substrate = setup.substrate_field();
   FieldSet<Dim> fields{&setup.grid, {}};
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   fields.add(setup.design_support.on_nodes(), "design", design);
-  reports.optimized.add_fields(fields, "");
+  add_sequence_fields(fields, reports.optimized, "");
   fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
   if (const auto& finished = reports.binary.finished; finished && !finished->release.empty())
     fields.add_nodes("binary/release_displacement", finished->release, Dim);
   if (const auto& stress = reports.binary.build_fields.von_mises)
     fields.add_elements("binary/von_mises", *stress);
-  baseline.add_fields(fields, "planar/");
-  if (reports.start) reports.start->add_fields(fields, "start/");
+  add_sequence_fields(fields, baseline, "planar/");
+  if (reports.start) add_sequence_fields(fields, *reports.start, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", best.design());

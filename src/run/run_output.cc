@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/run_output.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/files/history.h"
 #include "fabseq/machine/interior_extrema.h"
-#include "fabseq/run/records.h"
-#include "fabseq/run/result.h"
 
-#include <cstdio>
 #include <utility>
 
 namespace fabseq {
-
-namespace {
-
-std::string dump_name(int iteration) {
-  char name[32];
-  std::snprintf(name, sizeof name, "iteration_%04d", iteration);
-  return name;
-}
-
-}  // namespace
 
 template <int Dim>
 RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line,
@@ -31,15 +20,14 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
       directory_(make_output_directory(setup, command_line, restart && restart->in_place)),
       // Each layer group looks for itself: those that are still at work then leave it, too.
       stop_file_(setup.groups.domain(), directory_.file("stop")),
-      history_(directory_),
       clock_(timer),
-      checkpoints_(setup, directory_, history_, clock_, timer),
+      checkpoints_(setup, directory_, clock_, timer),
       terminal_(setup.world(), setup.config.optimizer.max_iterations) {
   if (restart) checkpoints_.continue_from(*restart);
 }
 
 template <int Dim>
-void RunOutput<Dim>::baseline(SequenceReport<Dim> report, const std::string& solver) {
+void RunOutput<Dim>::baseline(SequenceReport report, const std::string& solver) {
   baseline_ = std::move(report);
   print(solver);
   if (!setup_.group_choice.explanation.empty()) print(setup_.group_choice.explanation);
@@ -55,8 +43,9 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
-      write_iteration_fields(setup_, directory_, dump_name(iterate.iteration), pipeline, design.field,
-                             state.process.displacement, check_build(setup_, pipeline, state).fields);
+      write_iteration_fields(setup_, directory_, formatted("iteration_%04d", iterate.iteration), pipeline,
+                             design.field, state.process.displacement,
+                             check_build(setup_, pipeline, state).fields);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
@@ -65,7 +54,7 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     line.temperature_range = {state.time.lowest_temperature, state.time.highest_temperature};
   line.peak_memory_bytes = peak_memory_bytes(setup_.world());
   line.tolerance = pipeline.tolerance();
-  history_.append(to_record(line));
+  append_to_history(directory_, to_record(line));
   terminal_.iteration(iterate, line.seconds.total);
 }
 
@@ -98,13 +87,11 @@ void RunOutput<Dim>::write_summary(const Summary& summary) const {
 }
 
 template <int Dim>
-void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best) {
+void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports& reports, const BestIterate& best) {
   terminal_.end_progress();
   write_result(setup_, directory_, reports, *baseline_, best);
   Summary record = summary(end);
-  record.finish.emplace(Finish{
-      best, reports.optimized, reports.binary, reports.start ? &*reports.start : nullptr,
-      reports.matched ? &*reports.matched : nullptr, reports.interior_minima, setup_.layers->variables()});
+  record.finish.emplace(Finish{reports, best, setup_.layers->variables()});
   write_summary(record);
   terminal_.table(record, directory_.path());
 }
@@ -125,7 +112,8 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   try {
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
-    write_iteration_fields(setup_, directory_, dump_name(checkpoints_.iteration() + 1) + "_failed", pipeline,
+    write_iteration_fields(setup_, directory_,
+                           formatted("iteration_%04d_failed", checkpoints_.iteration() + 1), pipeline,
                            checkpoints_.design(), {}, {});
   } catch (const OutputError& second) {
     warn(second.what());

@@ -13,6 +13,7 @@
 #include "fabseq/run/tasks.h"
 
 #include <cmath>
+#include <utility>
 
 namespace fabseq {
 
@@ -40,56 +41,42 @@ std::string obstacle_of_finer_grid(const Setup<Dim>& setup) {
          " GB of memory; output.finer_grid true has it all the same";
 }
 
-/// Adds the rows of a change.
-class Rows {
- public:
-  explicit Rows(SensitivityTable& table) : table_(table) {}
-
-  void add(const std::string& change, const VariedNumbers& sequence, const VariedNumbers& planar) {
-    table_.rows.push_back({change, "", sequence, planar});
-  }
-  void skip(const std::string& change, const std::string& reason) {
-    warn("sensitivity, " + change + ": " + reason);
-    table_.rows.push_back({change, reason, {}, {}});
-  }
-
- private:
-  SensitivityTable& table_;
-};
+SensitivityRow skipped_row(const std::string& change, const std::string& reason) {
+  warn("sensitivity, " + change + ": " + reason);
+  return {change, reason, {}, {}};
+}
 
 template <int Dim>
-void add_row(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation, Rows& rows,
-             PhaseTimer& timer) {
+SensitivityRow row_of(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
+                      PhaseTimer& timer) {
   if (const std::string obstacle = variation.finer ? obstacle_of_finer_grid(setup) : ""; !obstacle.empty())
-    return rows.skip(variation.name, obstacle);
+    return skipped_row(variation.name, obstacle);
   try {
     const VariedPair pair = simulate_varied(setup, given, variation, false, timer);
-    rows.add(variation.name, pair.sequence.own, pair.planar.own);
+    return {variation.name, "", pair.sequence.own, pair.planar.own};
   } catch (const InputError& error) {
-    rows.skip(variation.name, error.what());
+    return skipped_row(variation.name, error.what());
   } catch (const NumericalError& error) {
-    rows.skip(variation.name, error.what());
+    return skipped_row(variation.name, error.what());
   }
 }
 
 template <int Dim>
 SensitivityTable sensitivity_table(const Setup<Dim>& setup, const GivenDesign<Dim>& given,
                                    PhaseTimer& timer) {
-  SensitivityTable table{setup.config.name, distortion_names(setup.config.objective), {}};
-  Rows rows(table);
-  const std::vector<Variation> variations =
-      all_variations(setup.config, fixed_document(setup), setup.layers->count(), setup.baseline->count());
-  const VariedPair unchanged = simulate_varied(setup, given, variations.front(), true, timer);
-  rows.add(variations.front().name, unchanged.sequence.own, unchanged.planar.own);
-  rows.add("noise of each layer's strain, 10 %", *unchanged.sequence.noise, *unchanged.planar.noise);
+  const std::vector<Variation> variations = all_variations(setup);
+  const auto [sequence, planar] = simulate_varied(setup, given, variations.front(), true, timer);
+  std::vector<SensitivityRow> rows = {
+      {variations.front().name, "", sequence.own, planar.own},
+      {"noise of each layer's strain, 10 %", "", *sequence.noise, *planar.noise}};
   for (std::size_t i = 1; i < variations.size(); ++i) {
     stop_if_requested(setup.world());
-    add_row(setup, given, variations[i], rows, timer);
+    rows.push_back(row_of(setup, given, variations[i], timer));
   }
   const bool is_nominal = setup.config.process.deposition == DepositionModel::nominal;
-  rows.add(std::string("deposition ") + (is_nominal ? "follow" : "nominal"),
-           *unchanged.sequence.other_deposition, *unchanged.planar.other_deposition);
-  return table;
+  rows.push_back({std::string("deposition ") + (is_nominal ? "follow" : "nominal"), "",
+                  *sequence.other_deposition, *planar.other_deposition});
+  return {setup.config.name, distortion_names(setup.config.objective), std::move(rows)};
 }
 
 }  // namespace

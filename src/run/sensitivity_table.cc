@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
 #include "fabseq/run/sensitivity.h"
 
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 namespace fabseq {
@@ -43,18 +43,12 @@ Json worst_record(const SensitivityTable& table, SensitivityTable::Ratio ratio) 
 
 /// A number of the table, a dash where there is none.
 std::string cell(const char* format, const std::optional<double>& value, int width) {
-  char text[40];
-  if (!value)
-    std::snprintf(text, sizeof text, "%*s", width, "-");
-  else
-    std::snprintf(text, sizeof text, format, *value);
-  return text;
+  return value ? formatted(format, *value) : formatted("%*s", width, "-");
 }
 
 std::string line_of(const SensitivityRow& row) {
-  char name[60];
-  std::snprintf(name, sizeof name, "%-36s", row.change.c_str());
-  if (!row.skipped.empty()) return std::string(name) + " skipped: " + row.skipped;
+  const std::string name = formatted("%-36s", row.change.c_str());
+  if (!row.skipped.empty()) return name + " skipped: " + row.skipped;
   return name + cell("%12.4e", first_length(row.sequence), 12) +
          cell("%12.4e", first_length(row.planar), 12) + cell("%9.3g", row.length_ratio(), 9) +
          cell("%12.4e", row.sequence.rms, 12) + cell("%12.4e", row.planar.rms, 12) +
@@ -135,10 +129,9 @@ std::string SensitivityTable::csv() const {
 }
 
 std::vector<std::string> SensitivityTable::text() const {
-  char heading[160];
-  std::snprintf(heading, sizeof heading, "%-36s%12s%12s%9s%12s%12s%9s%12s%12s", "change", "length", "planar",
-                "ratio", "rms", "planar", "ratio", "max", "planar");
-  std::vector<std::string> result = {"", heading};
+  std::vector<std::string> result = {
+      "", formatted("%-36s%12s%12s%9s%12s%12s%9s%12s%12s", "change", "length", "planar", "ratio", "rms",
+                    "planar", "ratio", "max", "planar")};
   for (const SensitivityRow& row : rows) result.push_back(line_of(row));
   const auto add_worst = [&](const char* of, Ratio ratio) {
     if (const SensitivityRow* row = worst(ratio))

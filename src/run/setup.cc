@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/setup.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/refusal.h"
@@ -10,10 +11,6 @@
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/preconditioner.h"
-
-#include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace fabseq {
 
@@ -35,11 +32,9 @@ void Setup<Dim>::require_walls() const {
   if (mesh == nullptr || mesh->least_elements == 0.0) return;
   const ThinWall<Dim> wall = thinnest_wall(this->part);
   if (wall.elements >= mesh->least_elements) return;
-  std::array<char, 64> found{}, allowed{};
-  std::snprintf(found.data(), found.size(), "%.2g elements across the wall at ", wall.elements);
-  std::snprintf(allowed.data(), allowed.size(), "%g or more", mesh->least_elements);
-  refuse("/part/mesh", found.data() + to_text<Dim>(wall.at),
-         std::string(allowed.data()) + " (smaller domain.element, or part.mesh.least_elements)");
+  refuse("/part/mesh",
+         formatted("%.2g elements across the wall at %s", wall.elements, to_text<Dim>(wall.at).c_str()),
+         formatted("%g or more (smaller domain.element, or part.mesh.least_elements)", mesh->least_elements));
 }
 
 /// Refuses terms after a release that there cannot be.
@@ -47,7 +42,7 @@ template <int Dim>
 void Setup<Dim>::require_release() const {
   const auto require_for = [&](const std::string& list, const std::vector<Term>& terms) {
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      if (!terms[i].type->measures_release(terms[i])) continue;
+      if (!terms[i].type->facts(terms[i]).measures_release) continue;
       const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
       if (!reason.empty())
         refuse("/" + list + "/" + std::to_string(i) + "/after_release", "true, but " + reason,
@@ -66,6 +61,17 @@ void Setup<Dim>::warn_about_method() const {
   if (!obstacle.empty())
     warn("/solver/reference_method: multigrid halves the grid, which has " + obstacle +
          "; gamg is taken in its place");
+}
+
+template <int Dim>
+Json Setup<Dim>::document() const {
+  Json document = config.effective;
+  if (find_member(document.at("layers"), "count") != nullptr)
+    document["layers"]["count"] = this->layers->count();
+  document["baseline"]["layers"] = this->baseline->count();
+  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
+    document["sequence"]["characteristic_length"] = this->characteristic_length;
+  return document;
 }
 
 template <int Dim>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -15,9 +16,7 @@
 #include "fabseq/run/tasks.h"
 #include "fabseq/run/terminal.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace fabseq {
@@ -48,39 +47,34 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimula
   }
 }
 
-/// Displacement and stress, before or after the release.
+/// Residual stress, before or after the release.
 template <int Dim>
-struct Distorted {
-  DisplacementSize displacement;
-  std::vector<double> stress;
+struct Stress {
+  std::vector<double> field;
   StressExtremes<Dim> extremes;
 
-  Distorted(const Part<Dim>& part, const std::vector<double>& displacement_, std::vector<double> stress_)
-      : displacement(displacement_size(part, displacement_)),
-        stress(std::move(stress_)),
-        extremes(stress_extremes(part, stress)) {}
+  Stress(const Part<Dim>& part, std::vector<double> field_)
+      : field(std::move(field_)), extremes(stress_extremes(part, field)) {}
 };
 
 /// What a simulation found out.
 template <int Dim>
 struct Simulation {
   Design design;
-  SequenceReport<Dim> report;
-  Distorted<Dim> finished;
+  SequenceReport report;
+  Stress<Dim> stress;
   std::vector<double> increment_norms;  ///< of each layer
-  std::optional<Distorted<Dim>> released = std::nullopt;
+  std::optional<Stress<Dim>> released = std::nullopt;
 
   const FinishedShape& shape() const { return *report.finished; }
 };
 
 template <int Dim>
-Distorted<Dim> after_release(const ElasticModel<Dim>& model, const Part<Dim>& part,
-                             const Simulation<Dim>& simulation) {
-  std::vector<double> displacement = simulation.report.displacement;
+Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& part,
+                            const Simulation<Dim>& simulation) {
   std::vector<double> stress = finished_stress(model, simulation.shape().release);
-  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += simulation.shape().release[i];
-  for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.finished.stress[i];
-  return {part, displacement, std::move(stress)};
+  for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.stress.field[i];
+  return {part, std::move(stress)};
 }
 
 /// result.h5 and result.xdmf.
@@ -96,9 +90,9 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
-  simulation.report.add_fields(fields, "");
-  fields.add_elements("residual_stress", simulation.finished.stress, voigt_size<Dim>);
-  if (released) fields.add_elements("released_stress", released->stress, voigt_size<Dim>);
+  add_sequence_fields(fields, simulation.report, "");
+  fields.add_elements("residual_stress", simulation.stress.field, voigt_size<Dim>);
+  if (released) fields.add_elements("released_stress", released->field, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", simulation.design);
@@ -130,9 +124,9 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
   add_members(record, simulation.report);
   set_layer_variables(record, setup.layers->variables(), simulation.design);
   record["layer_displacement_norms"] = simulation.increment_norms;
-  record["residual_stress"] = to_record(simulation.finished.extremes);
+  record["residual_stress"] = to_record(simulation.stress.extremes);
   if (const auto& released = simulation.released)
-    record["released"] = Json::object({{"displacement", to_record(released->displacement)},
+    record["released"] = Json::object({{"displacement", to_record(simulation.shape().released->part)},
                                        {"residual_stress", to_record(released->extremes)}});
   record["seconds"] = seconds_record(seconds);
   record["peak_memory_bytes"] = peak_memory_bytes(setup.world());
@@ -141,15 +135,11 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
 
 template <int Dim>
 void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
-  for (const std::string& line : simulation_table(simulation.report, setup.config.unit)) print(line);
-  std::array<char, 120> text{};
-  const double stress = simulation.finished.extremes.von_mises;
+  for (const std::string& row : simulation_table(simulation.report, setup.config.unit)) print(row);
+  std::string line = formatted("largest equivalent stress %.4g", simulation.stress.extremes.von_mises);
   if (const auto& released = simulation.released)
-    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g, after the release %.4g", stress,
-                  released->extremes.von_mises);
-  else
-    std::snprintf(text.data(), text.size(), "largest equivalent stress %.4g", stress);
-  print(text.data());
+    line += formatted(", after the release %.4g", released->extremes.von_mises);
+  print(line);
   print_responses(simulation.report);
   warn_beyond_yield(simulation.report, setup.config.material);
 }
@@ -169,11 +159,11 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const ProcessSimulation<Dim>& process = pipeline.process();
   Simulation<Dim> simulation{design,
                              report_sequence(setup, problem, pipeline, state),
-                             {setup.part, state.process.displacement, residual_stress(process, state.layers)},
+                             {setup.part, residual_stress(process, state.layers)},
                              increment_norms(process, state.layers.count(), setup.grid.comm())};
   const FinishedShape& shape = simulation.shape();
   if (!shape.release.empty())
-    simulation.released = after_release(process.model(), setup.part, simulation);
+    simulation.released = released_stress(process.model(), setup.part, simulation);
   else if (shape.failure.empty())
     warn("no release_displacement: " +
          release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));

@@ -1,29 +1,99 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/summary_table.h"
 
+#include "fabseq/base/formatted.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <functional>
 #include <optional>
-#include <utility>
 
 namespace fabseq {
 
 namespace {
 
-using Value = std::function<std::optional<double>(const SequenceNumbers&)>;
+/// What a line of the table says of one sequence.
+struct Row {
+  std::string label;
+  const char* format;           ///< of the value; nullptr: the label is a heading
+  std::optional<double> value;  ///< none: the sequence has none; of a heading: nothing stands below it
+  bool is_length = false;       ///< compared by ratios
+};
 
-std::string padded(const std::string& text, std::size_t width) {
-  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
+/// A member of what there may not be.
+template <class Struct>
+std::optional<double> member(const std::optional<Struct>& of, double Struct::*value) {
+  return of ? std::optional((*of).*value) : std::nullopt;
+}
+
+std::optional<double> in_percent(const std::optional<double>& share) {
+  return share ? std::optional(100.0 * *share) : std::nullopt;
+}
+
+/// How far the part is from the drawing.
+void add_deviation(std::vector<Row>& rows, const char* heading, const std::optional<Deviation>& measured) {
+  const Deviation of = measured.value_or(Deviation{});
+  rows.push_back({heading, nullptr, measured ? std::optional(0.0) : std::nullopt});
+  const auto add = [&](const char* label, const std::optional<double>& length) {
+    rows.push_back({label, "%.4g", measured ? length : std::nullopt, true});
+  };
+  add("  objective's nodes, rms", member(of.nodes, &DisplacementSize::rms));
+  add("  objective's nodes, largest", member(of.nodes, &DisplacementSize::largest));
+  add("  whole part, rms", of.part.rms);
+  add("  whole part, largest", of.part.largest);
+  add("  skin outside the drawing", of.outward);
+  add("  skin inside the drawing", of.inward);
+}
+
+void add_build(std::vector<Row>& rows, const BuildNumbers& build) {
+  const auto share = [](const std::optional<MarkedElements>& marked) {
+    return in_percent(member(marked, &MarkedElements::share));
+  };
+  const auto count = [](const MarkedElements& marked) { return static_cast<double>(marked.elements); };
+  const auto& thickness = build.local_thickness;
+  rows.insert(
+      rows.end(),
+      {{"  local thickness, least", "%.4g", member(thickness, &ThicknessRange::least)},
+       {"  local thickness, largest", "%.4g", member(thickness, &ThicknessRange::largest)},
+       {"  outside its range, % of part", "%.1f", thickness ? share(thickness->outside) : std::nullopt},
+       {"  out of the torch's reach, %", "%.1f", share(build.blocked)},
+       {"  largest tilt, degrees", "%.1f", member(build.tilt, &TiltNumbers::largest)},
+       {"  tilted beyond the limit, %", "%.1f", build.tilt ? share(build.tilt->beyond) : std::nullopt},
+       {"  elements that hang in the air", "%.0f", count(build.hanging)},
+       {"  nothing earlier beside them", "%.0f", count(build.interior_minima)},
+       {"  nothing later beside them", "%.0f", count(build.interior_maxima)},
+       {"build time, h", "%.3g", build.hours},
+       {"wire, kg", "%.4g", build.wire},
+       {"stress beyond yield, % of part", "%.1f",
+        in_percent(member(build.stress, &StressNumbers::share_beyond_yield))}});
+}
+
+/// The same rows for every sequence.
+std::vector<Row> rows_of(const SequenceNumbers& of) {
+  std::vector<Row> rows;
+  const double objective = of.first_objective();
+  rows.push_back({"first distortion", "%.4g",
+                  of.first_is_distortion() ? std::optional(std::sqrt(objective)) : std::nullopt, true});
+  add_deviation(rows, "as built", of.finished->as_built);
+  add_deviation(rows, "after the release", of.finished->released);
+  rows.push_back({"layers", "%.0f", of.used_layers()});
+  add_build(rows, *of.build);
+  return rows;
 }
 
 std::string number(const std::optional<double>& value, const char* format) {
-  if (!value) return "-";
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), format, *value);
-  return text.data();
+  return value ? formatted(format, *value) : "-";
+}
+
+/// Cells under titles of their width.
+std::string line(const std::string& label, const std::vector<std::string>& cells,
+                 const std::vector<std::string>& titles) {
+  constexpr int least_width = 11;
+  std::string text = formatted("%-30s", label.c_str());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int width = std::max(least_width, static_cast<int>(titles[i].size()) + 2);
+    text += formatted("%*s", width, cells[i].c_str());
+  }
+  return text;
 }
 
 /// A sequence with the title of its column; nullptr: there is none.
@@ -32,163 +102,39 @@ struct Column {
   const SequenceNumbers* sequence;
 };
 
-/// Builds the lines: a label, a cell per sequence and, if there are several, two ratios.
-class Table {
- public:
-  Table(const std::string& unit, std::vector<Column> columns) : columns_(std::move(columns)) {
-    std::vector<std::string> titles;
-    for (const Column& column : columns_) titles.push_back(column.title);
-    if (compares()) titles.insert(titles.end(), {"planar/binary", "start/binary"});
-    line(unit.empty() ? "lengths" : "lengths in " + unit, titles);
+/// A label, a cell per sequence and, if there are several, two ratios of lengths. Rows that the last sequence
+/// has no value for are left out.
+std::vector<std::string> table(const std::string& unit, const std::vector<Column>& columns) {
+  const bool compares = columns.size() > 1;
+  std::vector<std::string> titles;
+  std::vector<std::vector<Row>> rows;  // of each column; empty without a sequence
+  for (const auto& [title, sequence] : columns) {
+    titles.push_back(title);
+    rows.push_back(sequence == nullptr ? std::vector<Row>() : rows_of(*sequence));
   }
-
-  /// A row of lengths, with ratios; left out if no sequence has it.
-  void lengths(const std::string& label, const Value& value) {
-    const auto of = of_all(value);
-    if (!of.back()) return;
-    std::vector<std::string> cells = texts(of, "%.4g");
-    if (compares())
-      for (const std::size_t other : {planar, start}) cells.push_back(ratio(of[other], *of.back()));
-    line(label, cells);
-  }
-  /// A row without ratios, left out if no sequence has it.
-  void numbers(const std::string& label, const char* format, const Value& value) {
-    const auto of = of_all(value);
-    if (of.back()) line(label, texts(of, format));
-  }
-  void heading(const std::string& text) { lines.push_back(text); }
-
-  std::vector<std::string> lines;
-
- private:
-  using Values = std::vector<std::optional<double>>;
-  static constexpr std::size_t start = 0, planar = 1;
-
-  bool compares() const { return columns_.size() > 1; }
-  /// Values in the order of the columns, of which the binary layers are the last.
-  Values of_all(const Value& value) const {
-    Values result;
-    for (const Column& column : columns_)
-      result.push_back(column.sequence != nullptr ? value(*column.sequence) : std::nullopt);
-    return result;
-  }
-  static std::vector<std::string> texts(const Values& values, const char* format) {
-    std::vector<std::string> result;
-    for (const auto& value : values) result.push_back(number(value, format));
-    return result;
-  }
-  static std::string ratio(const std::optional<double>& length, double of_binary) {
-    return length && of_binary > 0.0 ? number(*length / of_binary, "%.1f") : "-";
-  }
-  void line(const std::string& label, const std::vector<std::string>& cells) {
-    constexpr std::size_t label_width = 30, least_width = 11;
-    std::string text = label + std::string(label.size() < label_width ? label_width - label.size() : 0, ' ');
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const std::size_t title = i < columns_.size() ? columns_[i].title.size() : 13;
-      text += padded(cells[i], std::max(least_width, title + 2));
-    }
-    lines.push_back(text);
-  }
-
-  std::vector<Column> columns_;
-};
-
-using OfDeviation = std::function<std::optional<double>(const Deviation&)>;
-
-/// A row of what is measured on the part as built, or after its release.
-void add_deviation(Table& table, const std::string& label, bool released, const OfDeviation& value) {
-  table.lengths(label, [&](const SequenceNumbers& of) -> std::optional<double> {
-    if (!of.finished || (released && !of.finished->released)) return std::nullopt;
-    return value(released ? *of.finished->released : of.finished->as_built);
-  });
-}
-
-void add_deviations(Table& table, bool released) {
-  const auto nodes = [](double DisplacementSize::*size) {
-    return [=](const Deviation& of) -> std::optional<double> {
-      return of.nodes ? std::optional((*of.nodes).*size) : std::nullopt;
+  if (compares) titles.insert(titles.end(), {"planar/binary", " start/binary"});  // of the same width
+  std::vector<std::string> lines = {line(unit.empty() ? "lengths" : "lengths in " + unit, titles, titles)};
+  for (std::size_t i = 0; i < rows.back().size(); ++i) {
+    const auto& [label, format, last, is_length] = rows.back()[i];
+    if (!last) continue;
+    const auto value = [&, i](std::size_t column) {
+      return rows[column].empty() ? std::nullopt : rows[column][i].value;
     };
-  };
-  const auto part = [](double DisplacementSize::*size) {
-    return [=](const Deviation& of) { return std::optional(of.part.*size); };
-  };
-  add_deviation(table, "  objective's nodes, rms", released, nodes(&DisplacementSize::rms));
-  add_deviation(table, "  objective's nodes, largest", released, nodes(&DisplacementSize::largest));
-  add_deviation(table, "  whole part, rms", released, part(&DisplacementSize::rms));
-  add_deviation(table, "  whole part, largest", released, part(&DisplacementSize::largest));
-  add_deviation(table, "  skin outside the drawing", released,
-                [](const Deviation& of) { return std::optional(of.outward); });
-  add_deviation(table, "  skin inside the drawing", released,
-                [](const Deviation& of) { return std::optional(of.inward); });
-}
-
-void add_distortion(Table& table) {
-  table.lengths("first distortion", [](const SequenceNumbers& of) -> std::optional<double> {
-    return std::sqrt(of.first_objective());
-  });
-}
-
-/// How far the part is from the drawing, as built and, if `numbers` say so, after the release.
-void add_finished(Table& table, const SequenceNumbers& numbers) {
-  table.heading("as built");
-  add_deviations(table, false);
-  if (!numbers.finished || !numbers.finished->released) return;
-  table.heading("after the release");
-  add_deviations(table, true);
-}
-
-using OfBuild = std::function<std::optional<double>(const BuildNumbers&)>;
-
-Value of_build(const OfBuild& value) {
-  return [=](const SequenceNumbers& of) { return of.build ? value(*of.build) : std::nullopt; };
-}
-
-Value of_thickness(const std::function<std::optional<double>(const ThicknessRange&)>& value) {
-  return of_build(
-      [=](const BuildNumbers& of) { return of.local_thickness ? value(*of.local_thickness) : std::nullopt; });
-}
-
-void add_build(Table& table) {
-  constexpr double percent = 100.0;
-  const auto share = [](std::optional<double> value) {
-    return value ? std::optional(percent * *value) : std::nullopt;
-  };
-  table.numbers("layers", "%.0f",
-                [](const SequenceNumbers& of) { return std::optional<double>(of.used_layers()); });
-  table.numbers("  local thickness, least", "%.4g",
-                of_thickness([](const ThicknessRange& of) { return std::optional(of.least); }));
-  table.numbers("  local thickness, largest", "%.4g",
-                of_thickness([](const ThicknessRange& of) { return std::optional(of.largest); }));
-  table.numbers("  outside its range, % of part", "%.1f", of_thickness([=](const ThicknessRange& of) {
-                  return of.outside ? share(of.outside->share) : std::nullopt;
-                }));
-  table.numbers("  out of the torch's reach, %", "%.1f", of_build([=](const BuildNumbers& of) {
-                  return of.blocked ? share(of.blocked->share) : std::nullopt;
-                }));
-  table.numbers("  largest tilt, degrees", "%.1f", of_build([](const BuildNumbers& of) {
-                  return of.tilt ? std::optional(of.tilt->largest) : std::nullopt;
-                }));
-  table.numbers("  tilted beyond the limit, %", "%.1f", of_build([=](const BuildNumbers& of) {
-                  return of.tilt ? share(of.tilt->beyond.share) : std::nullopt;
-                }));
-  const auto add_count = [&](const char* label, MarkedElements BuildNumbers::*marked) {
-    table.numbers(label, "%.0f", of_build([=](const BuildNumbers& of) {
-                    return std::optional(static_cast<double>((of.*marked).elements));
-                  }));
-  };
-  add_count("  elements that hang in the air", &BuildNumbers::hanging);
-  add_count("  nothing earlier beside them", &BuildNumbers::interior_minima);
-  add_count("  nothing later beside them", &BuildNumbers::interior_maxima);
-  table.numbers("build time, h", "%.3g", of_build([](const BuildNumbers& of) { return of.hours; }));
-  table.numbers("wire, kg", "%.4g", of_build([](const BuildNumbers& of) { return of.wire; }));
-  table.numbers("stress beyond yield, % of part", "%.1f", of_build([=](const BuildNumbers& of) {
-                  return of.stress ? share(of.stress->share_beyond_yield) : std::nullopt;
-                }));
+    std::vector<std::string> cells;
+    for (std::size_t c = 0; c < columns.size() && format != nullptr; ++c)
+      cells.push_back(number(value(c), format));
+    for (const std::size_t other : {1, 0}) {
+      if (!compares || !is_length) break;
+      cells.push_back(value(other) && *last > 0.0 ? number(*value(other) / *last, "%.1f") : "-");
+    }
+    lines.push_back(cells.empty() ? label : line(label, cells, titles));
+  }
+  return lines;
 }
 
 /// What is to be known of the planar layers, which all others are compared with.
 std::string words_on_planar(const SequenceNumbers& planar) {
-  if (!planar.build || planar.build->hanging.elements == 0) return "";
+  if (planar.build->hanging.elements == 0) return "";
   std::string place;
   for (const double coordinate : planar.build->hanging.at)
     place += (place.empty() ? "[" : ",") + number(coordinate, "%.6g");
@@ -199,27 +145,19 @@ std::string words_on_planar(const SequenceNumbers& planar) {
 }  // namespace
 
 std::vector<std::string> summary_table(const Summary& summary) {
-  const Finish& finish = *summary.finish;
-  std::vector<Column> columns = {{"start", finish.start}, {"planar", summary.baseline}};
-  if (finish.matched != nullptr)
-    columns.push_back(
-        {"planar, " + std::to_string(finish.matched->layers.size()) + " layers", finish.matched});
-  columns.push_back({"optimized", &finish.optimized});
-  columns.push_back({"binary", &finish.binary});
-  Table table(summary.unit, std::move(columns));
-  if (summary.baseline->first_is_distortion()) add_distortion(table);
-  add_finished(table, finish.binary);
-  add_build(table);
-  if (const std::string words = words_on_planar(*summary.baseline); !words.empty()) table.heading(words);
-  return std::move(table.lines);
+  const auto& [optimized, binary, start, matched, interior_minima] = summary.finish->reports;
+  std::vector<Column> columns = {{"start", start ? &*start : nullptr}, {"planar", summary.baseline}};
+  if (matched)
+    columns.push_back({"planar, " + std::to_string(matched->layers.size()) + " layers", &*matched});
+  columns.push_back({"optimized", &optimized});
+  columns.push_back({"binary", &binary});
+  std::vector<std::string> lines = table(summary.unit, columns);
+  if (const std::string words = words_on_planar(*summary.baseline); !words.empty()) lines.push_back(words);
+  return lines;
 }
 
 std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const std::string& unit) {
-  Table table(unit, {{"simulated", &numbers}});
-  if (numbers.first_is_distortion()) add_distortion(table);
-  add_finished(table, numbers);
-  add_build(table);
-  return std::move(table.lines);
+  return table(unit, {{"simulated", &numbers}});
 }
 
 }  // namespace fabseq

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/svg.h"
 
-#include <array>
-#include <cstdio>
+#include "fabseq/base/formatted.h"
 
 namespace fabseq::svg {
 
@@ -18,10 +17,6 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-std::string number(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.2f", value);
-  return text.data();
-}
+std::string number(double value) { return formatted("%.2f", value); }
 
 }  // namespace fabseq::svg

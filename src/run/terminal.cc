@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/terminal.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/run/summary_table.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
@@ -20,9 +20,7 @@ namespace {
 
 std::string duration_text(double seconds) {
   const auto total = static_cast<long long>(std::llround(std::clamp(seconds, 0.0, 1e9)));
-  char text[40];
-  std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", total / 3600, total / 60 % 60, total % 60);
-  return text;
+  return formatted("%lld:%02lld:%02lld", total / 3600, total / 60 % 60, total % 60);
 }
 
 /// Parent of a process, 0 if unknown.
@@ -62,49 +60,10 @@ std::string response_name(const std::string& component) {
 
 }  // namespace
 
-std::string progress_text(const ProgressLine& line, double mean_seconds) {
-  char text[200];
-  const int width = static_cast<int>(std::to_string(line.max_iterations).size());
-  std::snprintf(text, sizeof text, "iteration %*d/%d", width, line.iteration, line.max_iterations);
-  std::string result = text;
-  if (!std::isnan(line.objective_ratio)) {
-    std::snprintf(text, sizeof text, "  planar/objective %.4g", line.objective_ratio);
-    result += text;
-  }
-  if (!std::isnan(line.worst_constraint)) {
-    std::snprintf(text, sizeof text, "  worst constraint %+.2e", line.worst_constraint);
-    result += text;
-  }
-  std::snprintf(text, sizeof text, "  beta %.4g  %.3g s/iteration", line.beta, line.seconds);
-  result += text;
-  return result + "  left " + duration_text(mean_seconds * (line.max_iterations - line.iteration));
-}
-
 bool stdout_is_terminal() {
   if (isatty(STDOUT_FILENO) == 0) return false;
   if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) return true;
   return launcher_has_terminal();
-}
-
-Progress::Progress(MPI_Comm comm, bool on_terminal)
-    : is_first_(rank_of(comm) == 0), on_terminal_(on_terminal) {}
-
-void Progress::print(const ProgressLine& line) {
-  // The last iterations count most: what one costs changes along the way.
-  constexpr double memory = 0.8;
-  mean_seconds_ =
-      mean_seconds_ == 0.0 ? line.seconds : memory * mean_seconds_ + (1.0 - memory) * line.seconds;
-  if (!is_first_) return;
-  const std::string text = progress_text(line, mean_seconds_);
-  // The escape clears what is left of a longer line.
-  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
-  line_open_ = on_terminal_;
-}
-
-void Progress::finish() {
-  if (!line_open_) return;
-  write_text(STDOUT_FILENO, "\n");
-  line_open_ = false;
 }
 
 void print_responses(const SequenceNumbers& numbers) {
@@ -116,57 +75,66 @@ void print_responses(const SequenceNumbers& numbers) {
     const auto [least, most] =
         std::minmax_element(first, last, [](const auto& a, const auto& b) { return a.value < b.value; });
     const std::string label = name + " (" + first->type + "): ";
-    char text[120];
-    if (last - first == 1)
-      std::snprintf(text, sizeof text, "%.8g", first->value);
-    else
-      std::snprintf(text, sizeof text, "%.6g to %.6g, %td components", least->value, most->value,
-                    last - first);
-    print(label + text);
+    print(label + (last - first == 1
+                       ? formatted("%.8g", first->value)
+                       : formatted("%.6g to %.6g, %td components", least->value, most->value, last - first)));
   }
 }
 
 void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material) {
   const auto& stress = numbers.build->stress;
-  if (!stress || *stress->share_beyond_yield == 0.0) return;
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
+  if (!stress || stress->share_beyond_yield == 0.0) return;
+  warn(formatted(
       "the residual stress reaches %.4g; it is above the yield stress %.4g in %.3g %% of the part, where "
       "a linear model overstates it",
-      stress->von_mises, *material.yield_stress, 100.0 * *stress->share_beyond_yield);
-  warn(text);
+      stress->von_mises, *material.yield_stress, 100.0 * stress->share_beyond_yield));
 }
+
+Terminal::Terminal(MPI_Comm comm, int max_iterations, bool on_terminal)
+    : is_first_(rank_of(comm) == 0), max_iterations_(max_iterations), on_terminal_(on_terminal) {}
 
 void Terminal::baseline(const SequenceNumbers& planar) {
   planar_objective_ = planar.first_objective();
-  char line[160];
-  std::snprintf(line, sizeof line, ", first objective term %.4e", planar_objective_);
   const bool is_defined = std::isfinite(planar_objective_);  // not so for alignment of sub-parts
-  print("planar baseline: " + std::to_string(planar.layers.size()) + " layers" + (is_defined ? line : ""));
+  print("planar baseline: " + std::to_string(planar.layers.size()) + " layers" +
+        (is_defined ? formatted(", first objective term %.4e", planar_objective_) : ""));
+}
+
+std::string Terminal::progress_text(const Iterate& iterate, double seconds) const {
+  const ProblemValues& values = iterate.values;
+  const int width = static_cast<int>(std::to_string(max_iterations_).size());
+  std::string text = formatted("iteration %*d/%d", width, iterate.iteration, max_iterations_);
+  const double objective = values.objective.empty() ? 0.0 : values.objective[0][0];
+  if (objective > 0.0 && !std::isnan(planar_objective_))
+    text += formatted("  planar/objective %.4g", planar_objective_ / objective);
+  if (!values.constraints.empty()) text += formatted("  worst constraint %+.2e", values.worst_constraint);
+  return text + formatted("  beta %.4g  %.3g s/iteration  left ", iterate.beta, seconds) +
+         duration_text(mean_seconds_ * (max_iterations_ - iterate.iteration));
 }
 
 void Terminal::iteration(const Iterate& iterate, double seconds) {
-  const ProblemValues& values = iterate.values;
-  ProgressLine line;
-  line.iteration = iterate.iteration;
-  line.max_iterations = max_iterations_;
-  if (!values.objective.empty() && values.objective[0][0] > 0.0)
-    line.objective_ratio = planar_objective_ / values.objective[0][0];
-  if (!values.constraints.empty()) line.worst_constraint = values.worst_constraint;
-  line.beta = iterate.beta;
-  line.seconds = seconds;
-  progress_.print(line);
+  // The last iterations count most: what one costs changes along the way.
+  constexpr double memory = 0.8;
+  mean_seconds_ = mean_seconds_ == 0.0 ? seconds : memory * mean_seconds_ + (1.0 - memory) * seconds;
+  if (!is_first_) return;
+  const std::string text = progress_text(iterate, seconds);
+  // The escape clears what is left of a longer line.
+  write_text(STDOUT_FILENO, on_terminal_ ? "\r" + text + "\033[K" : text + "\n");
+  line_open_ = on_terminal_;
+}
+
+void Terminal::end_progress() {
+  if (!line_open_) return;
+  write_text(STDOUT_FILENO, "\n");
+  line_open_ = false;
 }
 
 void Terminal::table(const Summary& summary, const std::string& directory) const {
   print("");
   for (const std::string& line : summary_table(summary)) print(line);
-  char seconds[40];
-  std::snprintf(seconds, sizeof seconds, "%.1f s", summary.seconds.total);
   print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
         summary.end.reason + "), best feasible: " + (summary.finish->best.feasible() ? "yes" : "no") + ", " +
-        seconds + "; results in " + directory);
+        formatted("%.1f s", summary.seconds.total) + "; results in " + directory);
 }
 
 }  // namespace fabseq

@@ -4,7 +4,6 @@
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/optimize/stages.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/run/deposition_report.h"
 #include "fabseq/run/sequence_report.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/refined_field.h"
@@ -31,10 +30,10 @@ std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, cons
   std::vector<std::optional<double>> result;
   for (std::size_t k = 0; k < problem.objective_count(); ++k) {
     const Term& term = model.settings.objective[k];
-    const auto response = problem.responses().subspan(k, 1);
-    if (response[0]->type() != "distortion") continue;
+    if (term.type->name != "distortion") continue;
     result.emplace_back();
-    if (term.type->is_quadratic(term)) result.back() = pipeline.values(response, state)[0][0];
+    if (term.type->facts(term).is_quadratic)
+      result.back() = pipeline.values(problem.responses().subspan(k, 1), state)[0][0];
   }
   return result;
 }
@@ -57,7 +56,7 @@ VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, P
     }
   }
   for (double& value : deviation) value = std::sqrt(value);
-  const DisplacementSize size = displacement_size(model.part, deviation);
+  const DisplacementSize size = displacement_sizes(model, deviation).part;
   numbers.largest.reset();
   numbers.rms = std::hypot(numbers.rms, size.rms);
   numbers.largest_deviation = size.largest;
@@ -70,10 +69,9 @@ Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<D
                 const Design& design, double beta, bool binary, bool more) {
   const auto state = pipeline.run(design, beta, binary);
   const BothDepositions both = report_depositions(model, problem, pipeline, state);
-  const bool is_nominal = model.settings.process.deposition == DepositionModel::nominal;
-  Varied result{numbers_of(is_nominal ? both.nominal : both.follow), std::nullopt, std::nullopt};
+  Varied result{numbers_of(both.own), std::nullopt, std::nullopt};
   if (!more) return result;
-  result.other_deposition = numbers_of(is_nominal ? both.follow : both.nominal);
+  result.other_deposition = numbers_of(both.other);
   result.noise = with_noise(model, problem, pipeline, state, result.own);
   return result;
 }

@@ -1,34 +1,23 @@
 // SPDX-License-Identifier: MIT
 /// The changes of the sensitivity table.
+#include "fabseq/base/formatted.h"
 #include "fabseq/run/variation.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace fabseq {
 
 namespace {
 
-std::string with_number(const char* format, double number) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, number);
-  return text;
-}
-
 /// "+10 %", "-10 %"
-std::string percent(double factor) { return with_number("%+.0f %%", 100.0 * (factor - 1.0)); }
+std::string percent(double factor) { return formatted("%+.0f %%", 100.0 * (factor - 1.0)); }
 
-class List {
- public:
-  explicit List(const Json& fixed) : fixed_(fixed) {}
+struct List {
+  const Json fixed;  ///< what each of them starts from
+  std::vector<Variation> variations = {};
 
-  Variation& add(const std::string& name) { return list_.emplace_back(Variation{name, fixed_}); }
-  std::vector<Variation> take() { return std::move(list_); }
-
- private:
-  const Json& fixed_;
-  std::vector<Variation> list_;
+  Variation& add(const std::string& name) { return variations.emplace_back(Variation{name, fixed}); }
 };
 
 /// Components of a strain that is fixed; of one that turns with the layers, the factors of its axes.
@@ -54,14 +43,14 @@ void add_poisson(List& list, const Config& config) {
   for (const double factor : {1.0 + size_of_change, 1.0 - size_of_change}) {
     // A material may come near 0.5, at which it has no more room to give.
     const double value = std::min(factor * poisson, 0.5 * (poisson + 0.5));
-    list.add(with_number("Poisson's ratio %.3g", value)).document["material"]["poisson"] = value;
+    list.add(formatted("Poisson's ratio %.3g", value)).document["material"]["poisson"] = value;
   }
 }
 
 /// Of layers whose number follows from their thickness.
 void add_thicknesses(List& list, double thickness, int baseline_layers) {
   const auto add = [&](const char* name, double factor) {
-    Json& document = list.add(with_number(name, factor * thickness)).document;
+    Json& document = list.add(formatted(name, factor * thickness)).document;
     document["layers"]["thickness"] = factor * thickness;
     document["baseline"]["layers"] = std::max(1, static_cast<int>(std::lround(baseline_layers / factor)));
   };
@@ -89,16 +78,9 @@ void add_finer_grid(List& list) {
   variation.document["part"]["keep"] = "connected";
 }
 
-}  // namespace
-
 template <int Dim>
 Json fixed_document(const Setup<Dim>& setup) {
-  Json document = setup.config.effective;
-  if (find_member(document.at("layers"), "count") != nullptr)
-    document["layers"]["count"] = setup.layers->count();
-  document["baseline"]["layers"] = setup.baseline->count();
-  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
-    document["sequence"]["characteristic_length"] = setup.characteristic_length;
+  Json document = setup.document();
   document["solver"]["layer_groups"] = setup.groups.count();
   // Sharpness is no matter of the config here; its relations to the number of layers shall refuse nothing.
   document.erase("projection");
@@ -106,24 +88,27 @@ Json fixed_document(const Setup<Dim>& setup) {
   return document;
 }
 
-std::vector<Variation> all_variations(const Config& config, const Json& fixed, int layers,
-                                      int baseline_layers) {
-  List list(fixed);
+}  // namespace
+
+template <int Dim>
+std::vector<Variation> all_variations(const Setup<Dim>& setup) {
+  const Config& config = setup.config;
+  List list{fixed_document(setup)};
   list.add("unchanged");
   add_strains(list, config);
   add_poisson(list, config);
-  if (const Json* thickness = find_member(fixed.at("layers"), "thickness"))
-    add_thicknesses(list, thickness->get<double>(), baseline_layers);
+  if (const Json* thickness = find_member(list.fixed.at("layers"), "thickness"))
+    add_thicknesses(list, thickness->get<double>(), setup.baseline->count());
   else
-    add_layers(list, layers, baseline_layers);
+    add_layers(list, setup.layers->count(), setup.baseline->count());
   list.add("layers smooth, as optimized").smooth = true;
   add_finer_grid(list);
   const bool absent = config.process.void_model == VoidModel::absent;
   const char* other_void = absent ? "quiet" : "absent";
   list.add(std::string("void ") + other_void).document["process"]["void"] = other_void;
-  return list.take();
+  return std::move(list.variations);
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(fixed_document);
+FABSEQ_INSTANTIATE_FUNCTION(all_variations);
 
 }  // namespace fabseq

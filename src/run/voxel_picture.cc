@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/run/voxel_picture.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/run/svg.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace fabseq {
 
@@ -34,12 +34,10 @@ std::array<Point<3>, 4> face(const Point<3>& low, const Point<3>& high, int axis
 }  // namespace
 
 std::string hex(const VoxelPicture::Color& color, double brightness_) {
-  std::array<char, 8> text{};
   std::array<int, 3> byte{};
   for (int i = 0; i < 3; ++i)
     byte[i] = static_cast<int>(std::lround(255.0 * std::clamp(color[i] * brightness_, 0.0, 1.0)));
-  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", byte[0] & 255, byte[1] & 255, byte[2] & 255);
-  return text.data();
+  return formatted("#%02x%02x%02x", byte[0], byte[1], byte[2]);
 }
 
 VoxelPicture::VoxelPicture(const Index<3>& cells, const Point<3>& size, bool flat)

@@ -78,10 +78,20 @@ class Sweeper {
     }
   }
 
-  /// Sweeps in all directions over the owned entries. Returns true if a value changed by more than `settled`.
+  /// Sweeps in all directions over the owned entries: if bit a of `direction` is set, from the upper end of
+  /// axis a. Returns true if a value changed by more than `settled`.
   bool sweep() {
+    const IndexBox<Dim>& owned = network_.owned;
     bool changed = false;
-    for (int direction = 0; direction < (1 << Dim); ++direction) changed |= sweep(direction);
+    for (int direction = 0; direction < (1 << Dim); ++direction)
+      owned.for_each([&](const Index<Dim>& forward, std::int64_t) {
+        Index<Dim> index = forward;
+        for (int axis = 0; axis < Dim; ++axis)
+          if ((direction >> axis) & 1)
+            index[axis] = 2 * owned.start[axis] + owned.size[axis] - 1 - forward[axis];
+        const unsigned links = network_.links[owned.offset(index)];
+        if (links != 0) changed |= update(network_.box.offset(index), links);
+      });
     return changed;
   }
   /// Takes over the values of the neighbouring ranks. Returns true if any of them is new. Collective.
@@ -101,21 +111,6 @@ class Sweeper {
   }
 
  private:
-  /// Sweeps once. If bit a of `direction` is set, the sweep starts from the upper end of axis a.
-  bool sweep(int direction) {
-    const IndexBox<Dim>& owned = network_.owned;
-    bool changed = false;
-    owned.for_each([&](const Index<Dim>& forward, std::int64_t) {
-      Index<Dim> index = forward;
-      for (int axis = 0; axis < Dim; ++axis)
-        if ((direction >> axis) & 1)
-          index[axis] = 2 * owned.start[axis] + owned.size[axis] - 1 - forward[axis];
-      const unsigned links = network_.links[owned.offset(index)];
-      if (links != 0) changed |= update(network_.box.offset(index), links);
-    });
-    return changed;
-  }
-
   bool update(std::int64_t here, unsigned links) {
     std::array<Upwind, Dim> neighbors;
     for (int axis = 0; axis < Dim; ++axis) {
@@ -214,11 +209,7 @@ std::vector<double> geodesic_distance_of_nodes(const Part<Dim>& part, std::span<
     network.distance.push_back(start[node] != 0 ? 0.0 : far_away);
     if (start[node] != 0) network.links[node] = 0U;
   }
-  network.gather = [&grid](const std::vector<double>& owned) {
-    std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-    grid.exchange(1).to_ghosted(owned, ghosted);
-    return ghosted;
-  };
+  network.gather = [&grid](const std::vector<double>& owned) { return grid.exchange(1).ghosted(owned); };
   return sweep_until_settled(grid.comm(), network);
 }
 

@@ -27,24 +27,22 @@ Point<Dim> unit_direction(const Part<Dim>& part, const std::vector<double>& dire
 template <int Dim>
 struct Heights {
   std::vector<double> centers;
-  double lowest = 0.0, highest = 0.0;
+  double lowest = std::numeric_limits<double>::max(), highest = std::numeric_limits<double>::lowest();
 
   Heights(const Part<Dim>& part, const Point<Dim>& direction) {
     const Grid<Dim>& grid = part.grid();
     double half = 0.0;
     for (int axis = 0; axis < Dim; ++axis) half += 0.5 * grid.spacing()[axis] * std::abs(direction[axis]);
-    double low = std::numeric_limits<double>::max();
-    double high = std::numeric_limits<double>::lowest();
     for (const int element : part.elements()) {
       const Point<Dim> center = grid.element_center(grid.owned_elements().index(element));
       double height = 0.0;
       for (int axis = 0; axis < Dim; ++axis) height += center[axis] * direction[axis];
       centers.push_back(height);
-      low = std::min(low, height - half);
-      high = std::max(high, height + half);
+      lowest = std::min(lowest, height - half);
+      highest = std::max(highest, height + half);
     }
-    lowest = min(grid.comm(), low);
-    highest = max(grid.comm(), high);
+    lowest = min(grid.comm(), lowest);
+    highest = max(grid.comm(), highest);
   }
 };
 
@@ -73,10 +71,8 @@ template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
-  double outside = 0.0;
-  for (const double t : result.time)
-    if (!(t >= 0.0 && t <= 1.0)) outside = std::isnan(t) || std::abs(t) > std::abs(outside) ? t : outside;
-  if (any(part.grid().comm(), outside != 0.0))
+  const auto outside = [](double t) { return !(t >= 0.0 && t <= 1.0); };
+  if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
   return result;

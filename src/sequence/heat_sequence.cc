@@ -24,14 +24,6 @@ bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
   return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
 }
 
-/// Number of rows that a block of right-hand sides takes: at most `most`, and few enough for PETSc's indices
-/// to count the values at all nodes of the grid.
-template <int Dim>
-std::size_t rows_at_once(const Grid<Dim>& grid, int most) {
-  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / grid.all_nodes().count();
-  return std::clamp<std::int64_t>(limit, 1, most);
-}
-
 /// K_0 T of each part element, [part element][corner], where K_0 is the conductivity matrix for unit
 /// diffusivity. `temperature`: T on the ghosted node box. Local.
 template <int Dim>
@@ -58,8 +50,7 @@ std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span
   const Grid<Dim>& grid = part.grid();
   const auto& corners = part.first_corners();
   const int lanes = adjoints.lanes;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes);
-  grid.exchange(lanes).to_ghosted(adjoints.values, ghosted);
+  const std::vector<double> ghosted = grid.exchange(lanes).ghosted(adjoints.values);
   std::vector<std::vector<double>> result(lanes, std::vector<double>(corners.size()));
   std::vector<double> sums(lanes);
   for (std::size_t e = 0; e < corners.size(); ++e) {
@@ -142,7 +133,6 @@ const PseudoTime<Dim>& HeatSequence<Dim>::update(std::span<const double> design)
 /// T is 1 at the fixed nodes plus a correction that vanishes there: K_ff T_f = -K_fd 1.
 template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
-  const Grid<Dim>& grid = part_.grid();
   const LaneVector load = prescribed_load();
   LaneVector correction = load;
   run_in_groups(across_, [&] {
@@ -156,14 +146,11 @@ void HeatSequence<Dim>::solve_temperature() {
   });
   solver_->give_back_memory();
   time_.temperature = std::move(correction.values);
-  if (size_of(across_) > 1) {
-    MPI_Bcast(time_.temperature.data(), static_cast<int>(time_.temperature.size()), MPI_DOUBLE, 0, across_);
-    MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
-  }
+  broadcast(across_, time_.temperature);
+  MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
-  ghosted_temperature_.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(time_.temperature, ghosted_temperature_);
+  ghosted_temperature_ = part_.grid().exchange(1).ghosted(time_.temperature);
 }
 
 /// Load -K 1_d, where 1_d is 1 at the fixed nodes. Only elements with a fixed node contribute.
@@ -172,18 +159,18 @@ LaneVector HeatSequence<Dim>::prescribed_load() const {
   constexpr int corners = corner_count<Dim>;
   const Grid<Dim>& grid = part_.grid();
   const auto& offsets = grid.corner_offsets();
+  const ElementMatrices<Dim>& element = model_->element;
+  const auto& mass = element.mass(model_->lumped);
   const std::vector<double> fixed(model_->domain.fixed.begin(), model_->domain.fixed.end());
-  std::vector<double> ghosted_fixed(static_cast<std::size_t>(grid.ghosted_nodes().count()));
+  const std::vector<double> ghosted_fixed = grid.exchange(1).ghosted(fixed);
   std::vector<double> ghosted_load(ghosted_fixed.size(), 0.0);
-  grid.exchange(1).to_ghosted(fixed, ghosted_fixed);
   for (std::size_t e = 0; e < diffusivity_.size(); ++e) {
     const int first = model_->domain.first_corners[e];
     for (int j = 0; j < corners; ++j) {
       if (ghosted_fixed[first + offsets[j]] == 0.0) continue;
       for (int i = 0; i < corners; ++i)
-        ghosted_load[first + offsets[i]] -=
-            diffusivity_[e] * model_->element.conductivity()[i * corners + j] +
-            model_->reaction * model_->mass()[i * corners + j];
+        ghosted_load[first + offsets[i]] -= diffusivity_[e] * element.conductivity()[i * corners + j] +
+                                            model_->reaction * mass[i * corners + j];
     }
   }
   LaneVector load(static_cast<int>(fixed.size()), 1, 1);
@@ -204,13 +191,14 @@ void HeatSequence<Dim>::derive_time() {
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  const bool was_inside = !(time_.lowest_temperature < -temperature_tolerance) &&
-                          !(time_.highest_temperature > 1.0 + temperature_tolerance);
+  const auto leaves_range = [this] {
+    return time_.lowest_temperature < -temperature_tolerance ||
+           time_.highest_temperature > 1.0 + temperature_tolerance;
+  };
+  const bool left_before = leaves_range();
   time_.lowest_temperature = min(grid.comm(), lowest);
   time_.highest_temperature = max(grid.comm(), highest);
-  const bool inside = time_.lowest_temperature >= -temperature_tolerance &&
-                      time_.highest_temperature <= 1.0 + temperature_tolerance;
-  if (!inside && was_inside) {
+  if (leaves_range() && !left_before) {
     std::ostringstream text;
     text << "the virtual temperature leaves [0, 1]: " << time_.lowest_temperature << " to "
          << time_.highest_temperature;
@@ -220,7 +208,9 @@ void HeatSequence<Dim>::derive_time() {
 
 template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
-  const std::size_t together = rows_at_once(part_.grid(), lanes_);
+  // PETSc's indices must be able to count the values at all nodes of the grid.
+  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / part_.grid().all_nodes().count();
+  const std::size_t together = std::clamp<std::int64_t>(limit, 1, lanes_);
   adjoint_iterations_.clear();
   const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;

@@ -28,15 +28,12 @@ RepeatedAveraging<Dim>::RepeatedAveraging(const Part<Dim>& part, const DesignSup
       support_(support),
       element_(part.grid().spacing(), part.grid().domain().thickness, 0.0),
       passes_(passes_of(part.grid(), radius)) {
-  if (!is_identity()) weight_ = to_nodes(std::vector<double>(part.elements().size(), 1.0));
+  if (passes_ > 0) weight_ = to_nodes(std::vector<double>(part.elements().size(), 1.0));
 }
 
 template <int Dim>
 std::vector<double> RepeatedAveraging<Dim>::to_elements(std::span<const double> of_nodes) const {
-  const Grid<Dim>& grid = part_.grid();
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(of_nodes, ghosted);
-  return element_means<Dim>(part_, element_, ghosted).mean;
+  return element_means<Dim>(part_, element_, part_.grid().exchange(1).ghosted(of_nodes)).mean;
 }
 
 template <int Dim>

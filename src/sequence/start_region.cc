@@ -29,23 +29,11 @@ std::vector<char> nodes_in_region(const Part<Dim>& part, const std::optional<Sha
   return result;
 }
 
-template <int Dim>
-std::vector<char> elements_with_centre_in(const Part<Dim>& part, const Shape& shape) {
-  const Grid<Dim>& grid = part.grid();
-  const double tolerance = shape_tolerance * grid.smallest_spacing();
-  std::vector<char> result;
-  for (const int element : part.elements())
-    result.push_back(
-        shape.contains(grid.element_center(grid.owned_elements().index(element)), tolerance) ? 1 : 0);
-  return result;
-}
-
 /// Part field: 1 for elements with at least `least` of the flagged nodes. Collective.
 template <int Dim>
 std::vector<char> elements_with_corners(const Part<Dim>& part, const std::vector<char>& nodes, int least) {
   const Grid<Dim>& grid = part.grid();
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
-  grid.exchange(1).to_ghosted(std::vector<double>(nodes.begin(), nodes.end()), ghosted);
+  const auto ghosted = grid.exchange(1).ghosted(std::vector<double>(nodes.begin(), nodes.end()));
   std::vector<char> result;
   for (const int first : part.first_corners()) {
     int count = 0;
@@ -68,8 +56,13 @@ std::vector<char> elements_in_region(const Part<Dim>& part, const std::optional<
     for (const double distance : part.contact_distance()) elements.push_back(std::isfinite(distance) ? 1 : 0);
     return elements;
   }
-  elements = elements_with_centre_in(part, *shape);
-  if (count(part.grid().comm(), elements) > 0) return elements;
+  const Grid<Dim>& grid = part.grid();
+  const double tolerance = shape_tolerance * grid.smallest_spacing();
+  for (const int element : part.elements()) {
+    const Point<Dim> center = grid.element_center(grid.owned_elements().index(element));
+    elements.push_back(shape->contains(center, tolerance) ? 1 : 0);
+  }
+  if (count(grid.comm(), elements) > 0) return elements;
   return elements_with_corners(part, nodes_in_region(part, shape), 1);
 }
 

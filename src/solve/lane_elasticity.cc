@@ -18,7 +18,6 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
     : grid_(grid),
       domain_(domain),
       problem_(grid.domain().thickness, poisson),
-      poisson_(poisson),
       reference_settings_(reference),
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
@@ -135,8 +134,7 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
   warn(grid_.comm(), text.str());
   if (!fallback_)
     fallback_ = std::make_unique<ReferenceElasticity<Dim>>(
-        grid_, domain_, ElementMatrices<Dim>(grid_.spacing(), grid_.domain().thickness, poisson_).stiffness(),
-        reference_settings_);
+        grid_, domain_, problem_.matrices(grid_.spacing()).stiffness, reference_settings_);
   std::vector<double> stiffness(numbers_.size());
   for (std::size_t e = 0; e < numbers_.size(); ++e) stiffness[e] = stiffness_[e * lanes_ + lane];
   LaneVector one_load(load.nodes, load.components, 1), solution(load.nodes, load.components, 1);

@@ -43,7 +43,7 @@ LaneFreeBody<Dim>::LaneFreeBody(const Grid<Dim>& grid, const SystemDomain& domai
 
 template <int Dim>
 SolveReport LaneFreeBody<Dim>::solve(std::span<const double> load, std::span<double> displacement,
-                                     double tolerance, int max_iterations) {
+                                     double tolerance) {
   static const LogEvent event("fabseq free body");
   const auto scope = event.enter();
   LaneVector owned(static_cast<int>(load.size() / Dim), Dim, 1);
@@ -51,7 +51,7 @@ SolveReport LaneFreeBody<Dim>::solve(std::span<const double> load, std::span<dou
   LaneArray forces, solution;
   layout_.to_mesh(owned, 1, forces);
   motions_->balance(forces);
-  const LaneStop stop{.tolerance = tolerance, .max_iterations = max_iterations};
+  const LaneStop stop{.tolerance = tolerance, .max_iterations = lane_iterations};
   SolveReport report = report_of(solver_.solve(forces, solution, 1, stop)[0]);
   layout_.to_owned(solution, 1, owned);
   std::copy(owned.values.begin(), owned.values.end(), displacement.begin());

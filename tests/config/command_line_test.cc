@@ -148,7 +148,8 @@ TEST(CommandLineTest, RestartAndWallTime) {
 
 TEST(CommandLineTest, EveryFlatOptionIsUniqueAndNamesAKey) {
   std::set<std::string> seen;
-  for (const std::string& option : flat_options()) {
+  for (const ConfigKey* key : keys_with_option()) {
+    const std::string& option = key->option;
     EXPECT_TRUE(seen.insert(option).second) << option;
     EXPECT_EQ(option.front(), '-');
     const CommandLine line = parse({"-config", "c", option.c_str(), "1"});

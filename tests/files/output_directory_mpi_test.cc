@@ -99,29 +99,28 @@ TEST(OutputDirectory, FailsOnAllRanksWhenTheDiskIsFull) {
   if (!disk.mounted()) GTEST_SKIP() << "needs the privilege to mount a tmpfs";
   const OutputDirectory directory(PETSC_COMM_WORLD, disk.path(), false);
   directory.write("summary.json", "first");
-  directory.append_line("history.jsonl", "{\"iteration\": 1}");
+  append_to_history(directory, Json::object({{"iteration", 1}}));
   const std::string large(200000, 'x');
   std::string text = error_text<OutputError>([&] { directory.write("summary.json", large); });
   EXPECT_TRUE(contains(text, "summary.json") && contains(text, "No space left")) << text;
-  text = error_text<OutputError>([&] { directory.append_line("history.jsonl", large); });
+  text = error_text<OutputError>([&] { append_to_history(directory, large); });
   EXPECT_TRUE(contains(text, "history.jsonl")) << text;
   if (is_first()) {
     EXPECT_EQ(file_text(directory.file("summary.json")), "first");
-    EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\": 1}\n");
+    EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\":1}\n");
   }
   EXPECT_EQ(listing(disk.path()), "history.jsonl lock summary.json ");
   // With room again, the run could go on.
-  EXPECT_NO_THROW(directory.append_line("history.jsonl", "{\"iteration\": 2}"));
+  EXPECT_NO_THROW(append_to_history(directory, Json::object({{"iteration", 2}})));
 }
 
 TEST(History, HoldsOneObjectALineReadableAtOnce) {
   const test::ScratchDirectory scratch;
   const OutputDirectory directory(PETSC_COMM_WORLD, scratch.path(), false);
   for (int iteration = 1; iteration <= 3; ++iteration) {
-    const History history(directory);  // a later one goes on where the first ended
     Json entry = Json::object({{"iteration", Json(iteration)}, {"objective", Json(0.1 * iteration)}});
     entry["rank"] = Json(rank_of(PETSC_COMM_WORLD));
-    history.append(entry);
+    append_to_history(directory, entry);
     if (!is_first()) continue;
     std::istringstream lines(file_text(directory.file("history.jsonl")));
     std::string line, last;
@@ -142,21 +141,20 @@ TEST(History, GoesBackToAPosition) {
   const test::ScratchDirectory scratch;
   const OutputDirectory directory(PETSC_COMM_WORLD, scratch.file("a"), false);
   const OutputDirectory other(PETSC_COMM_WORLD, scratch.file("b"), false);
-  const History history(directory), copy(other);
-  EXPECT_EQ(history.sync(), 0);
-  history.append(Json::object({{"iteration", 1}}));
-  const std::int64_t position = history.sync();
-  history.append(Json::object({{"iteration", 2}}));
-  copy.copy_from(directory.path(), position);
-  history.cut_back(position);
+  EXPECT_EQ(sync_history(directory), 0);
+  append_to_history(directory, Json::object({{"iteration", 1}}));
+  const std::int64_t position = sync_history(directory);
+  append_to_history(directory, Json::object({{"iteration", 2}}));
+  copy_history(other, directory.path(), position);
+  cut_history(directory, position);
   if (is_first()) {
     EXPECT_EQ(file_text(directory.file("history.jsonl")), "{\"iteration\":1}\n");
     EXPECT_EQ(file_text(other.file("history.jsonl")), "{\"iteration\":1}\n");
   }
   testing::internal::CaptureStderr();
-  history.cut_back(position + 1);
+  cut_history(directory, position + 1);
   EXPECT_EQ(contains(testing::internal::GetCapturedStderr(), "history.jsonl has lost lines"), is_first());
-  EXPECT_EQ(history.sync(), position);
+  EXPECT_EQ(sync_history(directory), position);
 }
 
 TEST(OutputDirectory, AContinuedRunKeepsItsFiles) {
@@ -181,7 +179,7 @@ TEST(OutputDirectory, IsNotMadeAgainOnceItHasVanished) {
   MPI_Barrier(PETSC_COMM_WORLD);
   for (const std::string& text :
        {error_text<OutputError>([&] { directory.make_folder("fields"); }),
-        error_text<OutputError>([&] { directory.append_line("history.jsonl", "{}"); })})
+        error_text<OutputError>([&] { append_to_history(directory, Json::object()); })})
     EXPECT_TRUE(contains(text, "No such file or directory")) << text;
   EXPECT_EQ(listing(scratch.path()), "");
 }
@@ -206,29 +204,40 @@ TEST(Verdict, LowestFailingRankSpeaksForAll) {
             "anything else");
 }
 
-TEST(Progress, SaysWhereTheRunIs) {
-  ProgressLine line;
-  line.iteration = 7;
-  line.max_iterations = 400;
-  line.beta = 100.0;
-  line.seconds = 2.5;
-  EXPECT_EQ(progress_text(line, 10.0), "iteration   7/400  beta 100  2.5 s/iteration  left 1:05:30");
-  line.objective_ratio = 5.8;
-  line.worst_constraint = -0.02;
-  EXPECT_EQ(progress_text(line, 0.0),
-            "iteration   7/400  planar/objective 5.8  worst constraint -2.00e-02  beta 100  2.5 s/iteration  "
-            "left 0:00:00");
+/// What is printed of planar layers with an objective of 29 and of an iteration after them.
+std::string progress_text(const Iterate& iterate) {
+  Terminal terminal(PETSC_COMM_WORLD, 400, false);
+  SequenceNumbers planar;
+  planar.responses = {{"objective_0", "distortion", 29.0}};
+  testing::internal::CaptureStdout();
+  terminal.baseline(planar);
+  terminal.iteration(iterate, 10.0);
+  return testing::internal::GetCapturedStdout();
 }
 
-TEST(Progress, RewritesItsLineOnATerminalAndAppendsToALog) {
-  ProgressLine line;
-  line.max_iterations = 2;
-  line.seconds = 1.0;
+TEST(Terminal, SaysWhereTheRunIs) {
+  Iterate iterate;
+  iterate.iteration = 7;
+  iterate.beta = 100.0;
+  const std::string baseline = "planar baseline: 0 layers, first objective term 2.9000e+01\n";
+  const std::string begin = baseline + "iteration   7/400",
+                    end = "  beta 100  10 s/iteration  left 1:05:30\n";
+  EXPECT_EQ(progress_text(iterate), is_first() ? begin + end : "");
+  iterate.values.objective = {{5.0}};
+  iterate.values.constraints = {{0.3}};
+  iterate.values.worst_constraint = -0.02;
+  EXPECT_EQ(progress_text(iterate),
+            is_first() ? begin + "  planar/objective 5.8  worst constraint -2.00e-02" + end : "");
+}
+
+TEST(Terminal, RewritesItsLineAndAppendsToALog) {
+  Iterate iterate;
   for (const bool on_terminal : {false, true}) {
     testing::internal::CaptureStdout();
     {
-      Progress progress(PETSC_COMM_WORLD, on_terminal);
-      for (line.iteration = 1; line.iteration <= 2; ++line.iteration) progress.print(line);
+      Terminal terminal(PETSC_COMM_WORLD, 2, on_terminal);
+      for (iterate.iteration = 1; iterate.iteration <= 2; ++iterate.iteration)
+        terminal.iteration(iterate, 1.0);
     }
     const std::string text = testing::internal::GetCapturedStdout();
     const std::string first = "iteration 1/2  beta 0  1 s/iteration  left 0:00:01";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Supports of coarse levels against those of the whole grid, coarsened step by step.
-#include "fabseq/lanes/coarse_supports.h"
+#include "fabseq/lanes/lane_hierarchy.h"
 
 #include <gtest/gtest.h>
 

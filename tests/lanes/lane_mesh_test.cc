@@ -83,7 +83,6 @@ TYPED_TEST(LaneMeshTest, RunsAreAsLongAsTheyCanBe) {
         Index<Dim> expected = run.index;
         expected[0] += i;
         EXPECT_EQ(nodes[next], expected);
-        EXPECT_EQ(box.nodes.offset(expected) / box.nodes.size[0], run.line);
       }
       Index<Dim> behind = run.index;
       behind[0] += run.length;

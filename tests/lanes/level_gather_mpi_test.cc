@@ -36,7 +36,7 @@ struct Stages {
       touched[parents.offset(element)] = 1;
     });
     stage = LaneMesh<Dim>(parents, touched);
-    gather = LevelGather<Dim>(PETSC_COMM_WORLD, stage, fine, factors, coarse);
+    gather = LevelGather<Dim>(PETSC_COMM_WORLD, stage, coarse);
     for (int axis = 0; axis < Dim; ++axis) {
       elements.size[axis] = (size[axis] + 1) / 2;
       nodes.size[axis] = elements.size[axis] + 1;

@@ -32,11 +32,22 @@ double step_down(double time, double point, double beta) {
                    (std::tanh(beta * point) + std::tanh(beta * (1.0 - point)));
 }
 
+LayerDensities densities_of(const CurvedLayers& layers, const std::vector<double>& time) {
+  LayerDensities result;
+  layers.set_densities(time, result);
+  return result;
+}
+
+/// The part's density does not matter.
+std::vector<double> layer_index(const std::vector<double>& time, const std::vector<double>& time_points) {
+  return CurvedLayers({}, time_points, 10.0, false).layer_index(time, {});
+}
+
 TEST(CurvedLayers, FollowTheFormula) {
   const auto density = grey_density();
   const auto time = even_times();
   const LayerDensities layers =
-      CurvedLayers(density, uniform_time_points(count), 23.0, false).densities(time);
+      densities_of(CurvedLayers(density, uniform_time_points(count), 23.0, false), time);
   ASSERT_EQ(layers.count(), count);
   ASSERT_EQ(layers.time_points.size(), count + 1u);
   for (int j = 0; j <= count; ++j) EXPECT_NEAR(layers.time_points[j], j / 7.0, 1e-16);
@@ -50,7 +61,7 @@ TEST(CurvedLayers, SumUpToThePart) {
   for (const double beta : {0.5, 10.0, 300.0})
     for (const bool binary : {false, true}) {
       const LayerDensities layers =
-          CurvedLayers(density, uniform_time_points(count), beta, binary).densities(even_times());
+          densities_of(CurvedLayers(density, uniform_time_points(count), beta, binary), even_times());
       for (int e = 0; e < elements; ++e) {
         double total = 0.0;
         for (int j = 0; j < count; ++j) {
@@ -66,7 +77,7 @@ TEST(CurvedLayers, SumUpToThePart) {
 TEST(CurvedLayers, GrowFromStageToStageAndAreOlderNearThePlate) {
   const std::vector<double> density(elements, 1.0);
   const LayerDensities layers =
-      CurvedLayers(density, uniform_time_points(count), 40.0, false).densities(even_times());
+      densities_of(CurvedLayers(density, uniform_time_points(count), 40.0, false), even_times());
   for (int j = 0; j < count; ++j)
     for (int e = 0; e < elements; ++e) {
       EXPECT_GE(layers.layer[j][e], -1e-15);
@@ -84,7 +95,7 @@ TEST(CurvedLayers, BinaryElementsOnATimePointBelongToTheEarlierLayer) {
   const std::vector<double> time = {0.0, 0.25, 0.25 + 0.9e-12, 0.25 + 1.1e-12, 0.5 - 1e-9, 0.75, 1.0};
   const std::vector<double> expected = {1, 1, 1, 2, 2, 3, 4};
   const std::vector<double> density(time.size(), 0.5);
-  const LayerDensities layers = CurvedLayers(density, uniform_time_points(4), 10.0, true).densities(time);
+  const LayerDensities layers = densities_of(CurvedLayers(density, uniform_time_points(4), 10.0, true), time);
   for (std::size_t e = 0; e < time.size(); ++e)
     for (int j = 0; j < 4; ++j) {
       EXPECT_EQ(layers.layer[j][e], j + 1 == expected[e] ? 0.5 : 0.0) << e << ' ' << j;
@@ -102,8 +113,10 @@ TEST(CurvedLayers, SmoothLayersBecomeBinaryOnes) {
   const std::vector<double> density(elements, 1.0);
   std::vector<double> time = even_times();
   for (double& t : time) t = 0.99 * t + 0.0031;  // off the time points
-  const LayerDensities smooth = CurvedLayers(density, uniform_time_points(count), 1e5, false).densities(time);
-  const LayerDensities binary = CurvedLayers(density, uniform_time_points(count), 1e5, true).densities(time);
+  const LayerDensities smooth =
+      densities_of(CurvedLayers(density, uniform_time_points(count), 1e5, false), time);
+  const LayerDensities binary =
+      densities_of(CurvedLayers(density, uniform_time_points(count), 1e5, true), time);
   for (int j = 0; j < count; ++j)
     EXPECT_LT(test::relative_difference(smooth.layer[j], binary.layer[j]), 1e-12);
 }
@@ -143,7 +156,7 @@ TEST(CurvedLayers, DerivativeAgreesWithDifferences) {
     const std::vector<double> ones(elements, 1.0);
     for (int e = 0; e < elements; ++e) {
       const auto value = [&](double step) {
-        return functional(layers.densities(test::moved(time, step, ones)), e);
+        return functional(densities_of(layers, test::moved(time, step, ones)), e);
       };
       EXPECT_NEAR(derivative[e], 3.0 + test::central_difference(value, 1e-4), 1e-6 * beta);
     }
@@ -165,7 +178,7 @@ TEST(CurvedLayers, TimePointDerivativeAgreesWithDifferences) {
       const auto value = [&](double step) {
         std::vector<double> points = uneven_time_points();
         points[j] += step;
-        const LayerDensities layers = CurvedLayers(density, points, beta, false).densities(time);
+        const LayerDensities layers = densities_of(CurvedLayers(density, points, beta, false), time);
         double total = 0.0;
         for (int e = 0; e < elements; ++e) total += functional(layers, e);
         return total;
@@ -201,7 +214,7 @@ TEST(CurvedLayers, BinaryLayersHaveNoDerivative) {
 TEST(CurvedLayers, OneLayerIsThePart) {
   const auto density = grey_density();
   const LayerDensities layers =
-      CurvedLayers(density, uniform_time_points(1), 10.0, false).densities(even_times());
+      densities_of(CurvedLayers(density, uniform_time_points(1), 10.0, false), even_times());
   EXPECT_EQ(layers.stage[0], density);
   EXPECT_EQ(layers.layer[0], density);
 }

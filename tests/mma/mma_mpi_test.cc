@@ -61,7 +61,7 @@ Problem cantilever() {
   problem.start.assign(5, 5.0);
   problem.lower.assign(5, 1.0);
   problem.upper.assign(5, 10.0);
-  problem.rows = MmaRows::constraints(1);
+  problem.rows.add_constraints(1);
   problem.function = [](const std::vector<double>& x) {
     const std::vector<double> c = {61, 37, 19, 7, 1};
     Evaluation e;
@@ -91,7 +91,7 @@ TEST(Mma, SolvesTheTwoBarTruss) {
   problem.start = {1.5, 0.5};
   problem.lower = {0.2, 0.1};
   problem.upper = {4.0, 1.6};
-  problem.rows = MmaRows::constraints(2);
+  problem.rows.add_constraints(2);
   problem.function = [](const std::vector<double>& x) {
     const double root = std::sqrt(1.0 + x[1] * x[1]);
     const double slope = x[1] / root;
@@ -119,9 +119,7 @@ TEST(Mma, SolvesLeastSquares) {
   problem.start = {0.0, 0.0, 0.0};
   problem.lower.assign(3, -5.0);
   problem.upper.assign(3, 5.0);
-  problem.rows.a.assign(8, 0.0);
-  problem.rows.c.assign(8, 0.0);
-  problem.rows.d.assign(8, 2.0);
+  problem.rows.add_residuals(4);
   problem.iterations = 150;
   problem.settings.asymptote_floor = 1e-3;
   problem.function = [&](const std::vector<double>& x) {
@@ -158,7 +156,7 @@ Problem many_constraints() {
   problem.start.assign(n, 1.0);
   problem.lower.assign(n, 0.1);
   problem.upper.assign(n, 3.0);
-  problem.rows = MmaRows::constraints(m);
+  problem.rows.add_constraints(m);
   problem.iterations = 60;
   problem.function = [](const std::vector<double>& x) {
     Evaluation e;
@@ -212,8 +210,7 @@ TEST(Mma, SolvesMinimax) {
   problem.start = {2.0};
   problem.lower = {-4.0};
   problem.upper = {4.0};
-  problem.rows = MmaRows::constraints(2);
-  problem.rows.a.assign(2, 1.0);
+  problem.rows.add_largest_of(2);
   problem.function = [](const std::vector<double>& x) {
     Evaluation e;
     e.objective_gradient = {0.0};
@@ -231,7 +228,6 @@ TEST(Mma, WorksWithoutRows) {
   problem.start = {0.5, 0.5};
   problem.lower = {0.0, 0.0};
   problem.upper = {1.0, 1.0};
-  problem.rows = MmaRows::constraints(0);
   problem.settings.asymptote_floor = 1e-3;
   problem.function = [](const std::vector<double>& x) {
     Evaluation e;
@@ -278,8 +274,9 @@ TEST(Mma, RefusesNumbersThatAreNone) {
   Mma mma(PETSC_COMM_WORLD, x.size(), {});
   const std::vector<std::vector<double>> rows = {std::vector<double>(x.size(), 1.0)};
   const std::vector<double> values = {-1.0};
-  EXPECT_THROW(mma.update(x, gradient, values, rows, lower, upper, 0.1, MmaRows::constraints(1)),
-               NumericalError);
+  MmaRows constraint;
+  constraint.add_constraints(1);
+  EXPECT_THROW(mma.update(x, gradient, values, rows, lower, upper, 0.1, constraint), NumericalError);
 }
 
 }  // namespace

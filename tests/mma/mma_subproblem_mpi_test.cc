@@ -37,7 +37,8 @@ class Random {
 enum class Kind { constraints, least_squares, minimax, mixture };
 
 MmaRows random_rows(Random& random, Kind kind, std::size_t m) {
-  MmaRows rows = MmaRows::constraints(static_cast<int>(m));
+  MmaRows rows;
+  rows.add_constraints(m);
   for (std::size_t i = 0; i < m; ++i) {
     const bool residual = kind == Kind::least_squares || (kind == Kind::mixture && i % 2 == 1);
     rows.c[i] = residual ? 0.0 : random.power(1.0, 4.0);

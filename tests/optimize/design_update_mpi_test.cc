@@ -42,8 +42,8 @@ class Minimization {
           2.0 * (design_.layer_variables[j] - target_.layer_variables[j]);
       sum_of_points += design_.layer_variables[j];
     }
-    gradients.constraint_values = {sum_of_points};
-    gradients.constraints = {{std::vector<double>(design_.field.size(), 0.0), {1.0, 1.0, 1.0}}};
+    gradients.constraints = {
+        {sum_of_points, {std::vector<double>(design_.field.size(), 0.0), {1.0, 1.0, 1.0}}}};
     return update_->update(design_, gradients, move_limit).change;
   }
   /// Field of all ranks, then time points.
@@ -135,13 +135,13 @@ TEST(DesignUpdate, ResidualsAreLeastSquares) {
     gradients.objective = design;
     for (double& entry : gradients.objective.field) entry *= 2.0 * weight;
     for (int k = 0; k < 2; ++k) {
-      Design& gradient = gradients.residuals.emplace_back(design);
+      Design gradient = design;
       double value = 0.0;
       for (std::size_t i = 0; i < count; ++i) {
         gradient.field[i] = coefficient(k, i);
         value += coefficient(k, i) * design.field[i];
       }
-      gradients.residual_values.push_back(sum(MPI_COMM_WORLD, value) - wanted[k]);
+      gradients.residuals.push_back({sum(MPI_COMM_WORLD, value) - wanted[k], gradient});
     }
     report = update.update(design, gradients, 0.2 * std::pow(0.93, step));
   }
@@ -164,8 +164,8 @@ TEST(DesignUpdate, AResidualKnowsItsCurvature) {
   DesignUpdate update(MPI_COMM_WORLD, {}, false, {}, design, MmaSettings{});
   ProblemGradients gradients;
   gradients.objective = {std::vector<double>(count, 0.0), {}};
-  gradients.residual_values = {0.23};  // 0 where all variables are 0.01 smaller
-  gradients.residuals = {{std::vector<double>(count, 1.0), {}}};
+  // 0 where all variables are 0.01 smaller
+  gradients.residuals = {{0.23, {std::vector<double>(count, 1.0), {}}}};
   update.update(design, gradients, 0.2);
   for (const double value : design.field) EXPECT_NEAR(value, 0.49, 1e-3);
 }

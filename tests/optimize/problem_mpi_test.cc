@@ -113,9 +113,8 @@ TYPED_TEST(ProblemTest, GradientsAgreeWithDifferencesOfMeritAndRows) {
       2e-3);
   EXPECT_NEAR(test::dot(gradients.objective.field, direction), expected[0], 1e-6 * std::abs(expected[0]));
   ASSERT_EQ(gradients.constraints.size(), 2u * (4 + 3));
-  ASSERT_EQ(gradients.constraint_values.size(), gradients.constraints.size());
   for (std::size_t row = 0; row < gradients.constraints.size(); ++row)
-    EXPECT_NEAR(test::dot(gradients.constraints[row].field, direction), expected[row + 1],
+    EXPECT_NEAR(test::dot(gradients.constraints[row].gradient.field, direction), expected[row + 1],
                 1e-6 * std::abs(expected[row + 1]))
         << row;
 }
@@ -139,10 +138,10 @@ TYPED_TEST(ProblemTest, RowsHaveTheMarginAndTheWorstHasNone) {
     test::PipelineCase<TypeParam::value> pipeline(Settings{{"optimizer.constraint_margin", margin}});
     const auto state = pipeline.run(pipeline.wavy_design());
     const ProblemValues values = pipeline.problem.evaluate(pipeline.pipeline, state);
-    const auto rows = pipeline.problem.gradients(pipeline.pipeline, state, values).constraint_values;
+    const auto rows = pipeline.problem.gradients(pipeline.pipeline, state, values).constraints;
     const auto expected = expected_rows(values, std::stod(margin));
     ASSERT_EQ(rows.size(), expected.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_NEAR(rows[i], expected[i], 1e-14);
+    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_NEAR(rows[i].value, expected[i], 1e-14);
     const auto plain = expected_rows(values, 1.0);
     EXPECT_NEAR(values.worst_constraint, *std::max_element(plain.begin(), plain.end()), 1e-14);
   }
@@ -154,7 +153,7 @@ TYPED_TEST(ProblemTest, WithoutConstraintsEverythingIsFeasible) {
   const ProblemValues values = pipeline.problem.evaluate(pipeline.pipeline, state);
   EXPECT_EQ(values.worst_constraint, 0.0);
   EXPECT_TRUE(values.constraints.empty());
-  EXPECT_TRUE(pipeline.problem.gradients(pipeline.pipeline, state, values).constraint_values.empty());
+  EXPECT_TRUE(pipeline.problem.gradients(pipeline.pipeline, state, values).constraints.empty());
 }
 
 TYPED_TEST(ProblemTest, NamesComponentsAsTheContractDoes) {

@@ -34,7 +34,7 @@ TYPED_TEST(InherentStrainTest, IsTangentialWithinTheLayerAndNormalAcross) {
   const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 1.0);
   std::vector<double> gradient;
   for (int i = 0; i < 5 * Dim; ++i) gradient.push_back(3.0 * test::noise(i) - 1.0);
-  const auto strains = strain.strains(gradient);
+  const auto strains = strain.strains(gradient, {}).of_elements;
   for (std::size_t e = 0; e < 5; ++e) {
     const auto first = strains.begin() + static_cast<std::ptrdiff_t>(e * voigt_size<Dim>);
     const auto tensor = test::strain_tensor<Dim>(std::vector<double>(first, first + voigt_size<Dim>));
@@ -56,9 +56,11 @@ TYPED_TEST(InherentStrainTest, IsScaledAxisByAxis) {
   const auto s = scale<Dim>();
   const std::vector<double> gradient =
       Dim == 2 ? std::vector<double>{0.4, -0.8} : std::vector<double>{0.4, -0.8, 0.3};
-  const auto plain =
-      InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 1.0).strains(gradient);
-  const auto scaled = InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, s), 1.0).strains(gradient);
+  const auto plain = InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 1.0)
+                         .strains(gradient, {})
+                         .of_elements;
+  const auto scaled =
+      InherentStrain<Dim>(turning<Dim>(-0.01, 0.004, s), 1.0).strains(gradient, {}).of_elements;
   for (int a = 0; a < Dim; ++a) EXPECT_NEAR(scaled[a], s[a] * plain[a], 1e-16);
   EXPECT_NEAR(scaled[Dim], std::sqrt(s[0] * s[1]) * plain[Dim], 1e-16);
   if (Dim == 3) {
@@ -70,7 +72,7 @@ TYPED_TEST(InherentStrainTest, IsScaledAxisByAxis) {
 TYPED_TEST(InherentStrainTest, IsTangentialAllAroundWithoutAGradient) {
   constexpr int Dim = TypeParam::value;
   const InherentStrain<Dim> strain(turning<Dim>(-0.01, 0.004, std::vector<double>(Dim, 1.0)), 2.0);
-  const auto strains = strain.strains(std::vector<double>(Dim, 0.0));
+  const auto strains = strain.strains(std::vector<double>(Dim, 0.0), {}).of_elements;
   for (int c = 0; c < voigt_size<Dim>; ++c) EXPECT_EQ(strains[c], c < Dim ? -0.01 : 0.0);
 }
 
@@ -89,7 +91,7 @@ TYPED_TEST(InherentStrainTest, TurnsWithTheSubParts) {
   ASSERT_EQ(strains.of_layers.size(), 3u * voigt_size<Dim>);
   for (int j = 0; j < 3; ++j) {
     const auto first = sub_parts.directions.begin() + sub_parts.of_layer[j] * Dim;
-    const auto expected = strain.strains(std::vector<double>(first, first + Dim));
+    const auto expected = strain.strains(std::vector<double>(first, first + Dim), {}).of_elements;
     for (int c = 0; c < voigt_size<Dim>; ++c)
       EXPECT_NEAR(strains.of_layers[j * voigt_size<Dim> + c], expected[c], 1e-10);
   }
@@ -123,7 +125,7 @@ TYPED_TEST(InherentStrainTest, OthersDoNotTurn) {
   material.inherent_strain = test::some_strain<Dim>();
   const InherentStrain<Dim> strain(material, 1.0);
   EXPECT_FALSE(strain.turns());
-  EXPECT_TRUE(strain.strains(std::vector<double>(Dim, 1.0)).empty());
+  EXPECT_TRUE(strain.strains(std::vector<double>(Dim, 1.0), {}).uniform());
 }
 
 TYPED_TEST(InherentStrainTest, DerivativeAgreesWithDifferences) {
@@ -137,13 +139,14 @@ TYPED_TEST(InherentStrainTest, DerivativeAgreesWithDifferences) {
   }
   for (int i = 0; i < 4 * voigt_size<Dim>; ++i) weights.push_back(test::noise(i, 2) - 0.5);
   const auto value = [&](double step) {
-    const auto strains = strain.strains(test::moved(gradient, step, direction));
+    const auto strains = strain.strains(test::moved(gradient, step, direction), {}).of_elements;
     double total = 0.0;
     for (std::size_t i = 0; i < weights.size(); ++i) total += weights[i] * strains[i];
     return total;
   };
   std::vector<double> derivative(gradient.size(), 0.0);
-  strain.pull_back(gradient, weights, derivative);
+  DensityDerivatives of_densities(0);
+  strain.pull_back(gradient, {}, {weights, {}}, derivative, of_densities);
   double product = 0.0;
   for (std::size_t i = 0; i < direction.size(); ++i) product += derivative[i] * direction[i];
   const double expected = test::central_difference(value, 1e-3);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Change of angle (formulation 5) of perpendicular, parallel and slanted sets, under motions whose angles
 /// are known.
-#include "fabseq/responses/fitted_plane.h"
-
 #include <gtest/gtest.h>
 
 #include "support/measure_case.h"
@@ -138,18 +136,6 @@ TYPED_TEST(AngleChangeTest, NodesWithoutAPlaneAreRefused) {
   for (const char* keys : {R"("measure": "angle", "nodes": "corner", "to": "tip")",
                            R"("measure": "angle", "nodes": "tip", "to": "corner")"})
     EXPECT_EQ(test::refusal([&] { (void)measures.make(keys); }), message);
-}
-
-TEST(PrincipalAxesTest, TurnAnyMatrixIntoADiagonalOne) {
-  const std::array<Point<3>, 3> matrix = {{{2.0, -0.7, 0.3}, {-0.7, 1.1, 0.5}, {0.3, 0.5, 0.2}}};
-  const PrincipalAxes<3> axes = principal_axes<3>(matrix);
-  EXPECT_TRUE(std::is_sorted(axes.variance.begin(), axes.variance.end()));
-  for (int k = 0; k < 3; ++k)
-    for (int a = 0; a < 3; ++a) {
-      double product = 0.0;
-      for (int b = 0; b < 3; ++b) product += matrix[a][b] * axes.direction[k][b];
-      EXPECT_NEAR(product, axes.variance[k] * axes.direction[k][a], 1e-14);
-    }
 }
 
 }  // namespace

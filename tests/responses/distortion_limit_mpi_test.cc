@@ -45,11 +45,11 @@ TYPED_TEST(DistortionLimitTest, IsTheRootOfTheMeasure) {
 TYPED_TEST(DistortionLimitTest, HasOneRowRelativeToTheLimit) {
   test::MeasureCase<TypeParam::value> measures;
   const auto limit = measures.make(R"("nodes": "tip", "limit": 0.2)", TermList::constraints);
-  const auto rows = limit->rows(1, 0.95);
+  const auto rows = limit->rows(0.95);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_DOUBLE_EQ(rows[0].violation(0.19), 0.0);
   EXPECT_DOUBLE_EQ(rows[0].violation(0.39), 1.0);
-  EXPECT_DOUBLE_EQ(limit->rows(1, 1.0)[0].violation(0.2), 0.0);
+  EXPECT_DOUBLE_EQ(limit->rows(1.0)[0].violation(0.2), 0.0);
 }
 
 /// Through the whole pipeline, on the plate and after the release.

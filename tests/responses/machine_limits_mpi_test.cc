@@ -175,7 +175,7 @@ TEST(MachineLimitsTest, RowsBoundLogarithms) {
   test::PipelineCase<2> pipeline(Settings{{"tool", R"({"max_tilt": 50})"}});
   const auto tilt = test::make_response<2>(TermList::constraints, R"({"type": "tilt", "limit": 0.01})",
                                            pipeline.setup.context());
-  const ConstraintRow row = tilt->rows(1, 0.5)[0];
+  const ConstraintRow row = tilt->rows(0.5)[0];
   EXPECT_DOUBLE_EQ(row.violation(0.01), std::numbers::ln2);
   EXPECT_DOUBLE_EQ(row.violation(0.005), 0.0);
   EXPECT_DOUBLE_EQ(row.slope(0.02), 50.0);

@@ -241,12 +241,12 @@ TYPED_TEST(ResponsesTest, SmallLayersFadeOutOfTheThicknessConstraint) {
   test::PipelineCase<Dim> plain, fading(Settings{{"constraints.0.least_volume", "0.99"}});
   const auto state = plain.run(plain.wavy_design());
   const auto thickness = plain.pipeline.values(plain.problem.responses(), state)[6];
-  const auto volume = layer_statistics(plain.setup.context(), state.time, state.layers).volume;
+  const auto layers = layer_statistics(plain.setup.context(), state.time, state.layers);
   const double whole = 0.99 * plain.setup.part.volume() / 4;
   const auto faded = fading.pipeline.values(fading.problem.responses(), fading.run(fading.wavy_design()))[6];
   int small = 0;
   for (int j = 0; j < 4; ++j) {
-    const double x = std::min(1.0, volume[j] / whole), share = x * x * (3.0 - 2.0 * x);
+    const double x = std::min(1.0, layers[j].volume / whole), share = x * x * (3.0 - 2.0 * x);
     EXPECT_NEAR(faded[j] - 1.0, share * (thickness[j] - 1.0), 1e-9);
     small += x < 1.0 ? 1 : 0;
   }
@@ -265,9 +265,9 @@ TYPED_TEST(ResponsesTest, NothingIsLaterThanTheLastWholeLayer) {
   test::PipelineCase<Dim> pipeline(settings);
   const Design design = pipeline.wavy_point();
   const auto state = pipeline.run(design);
-  const auto volume = layer_statistics(pipeline.setup.context(), state.time, state.layers).volume;
+  const auto layers = layer_statistics(pipeline.setup.context(), state.time, state.layers);
   int last = 4;
-  while (volume[last - 1] < 0.9 * pipeline.setup.part.volume() / 4) --last;
+  while (layers[last - 1].volume < 0.9 * pipeline.setup.part.volume() / 4) --last;
   ASSERT_LT(last, 4);
   double total = 0.0;
   for (const double time : state.time.time)
@@ -275,7 +275,7 @@ TYPED_TEST(ResponsesTest, NothingIsLaterThanTheLastWholeLayer) {
   const double expected = std::pow(sum(PETSC_COMM_WORLD, total), 0.125);
   EXPECT_GT(expected, 0.25);
   EXPECT_NEAR(pipeline.pipeline.values(pipeline.problem.responses(), state)[6][0], expected, 1e-9);
-  const ConstraintRow row = pipeline.problem.responses()[6]->rows(1, 1.0).at(0);
+  const ConstraintRow row = pipeline.problem.responses()[6]->rows(1.0).at(0);
   EXPECT_NEAR(row.violation(expected), expected - 0.25, 1e-12);
   expect_exact_gradients_of_both<Dim>(settings);
   // As large as the others, the last layer may end where it does.

@@ -118,12 +118,12 @@ TYPED_TEST(ShapeDeviationTest, FunctionalsHoldWhatIsLeftOfLinearDisplacements) {
     const auto response = this->shape(pipeline, fit);
     const auto functionals = response->squares(TermScaling::current);
     ASSERT_TRUE(functionals);
-    EXPECT_EQ(functionals->count(), count);
-    EXPECT_FALSE(functionals->complete());
+    EXPECT_EQ(functionals->count, count);
+    EXPECT_FALSE(functionals->complete);
     const double whole = this->values(*response, state, linear)[0];
     EXPECT_GT(whole, 1e-3);
     double squares = 0.0;
-    for (const double r : this->values(*functionals, state, linear)) squares += r * r;
+    for (const double r : this->values(*functionals->functionals, state, linear)) squares += r * r;
     EXPECT_NEAR(squares, whole, 1e-12 * whole);
     EXPECT_FALSE(response->squares(TermScaling::first));
   }

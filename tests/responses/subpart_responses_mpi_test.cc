@@ -62,7 +62,6 @@ TYPED_TEST_SUITE(SubpartResponsesTest, test::Dimensions);
 TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
   Case<TypeParam::value> c;
   const auto response = subpart_volume(c);
-  EXPECT_EQ(response->type(), "subpart_volume");
   EXPECT_FALSE(response->uses_displacements());
   const auto values = response->values(c.state());
   ASSERT_EQ(values.size(), 3u);
@@ -77,10 +76,9 @@ TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
       for (const double derivative : adjoint.densities.sub_part[k])
         EXPECT_NEAR(derivative, k == i ? 0.7 * subparts / static_cast<double>(c.part().count()) : 0.0, 1e-15);
   }
-  const auto rows = response->rows(3, 0.5);
-  ASSERT_EQ(rows.size(), 3u);
-  EXPECT_NEAR(rows[2].violation(0.03), 0.02, 1e-15);
-  EXPECT_EQ(rows[2].component, 2);
+  const auto rows = response->rows(0.5);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(rows[0].violation(0.03), 0.02, 1e-15);
 }
 
 /// The baseline has no sub-parts.
@@ -119,7 +117,6 @@ TYPED_TEST(SubpartResponsesTest, AlignmentFollowsTheFormula) {
   const Case<TypeParam::value> c;
   for (const double band : {0.1, 0.25}) {
     const auto response = segmentation_alignment(c, band);
-    EXPECT_EQ(response->type(), "segmentation_alignment");
     EXPECT_NEAR(response->values(c.state())[0], expected_alignment(c, band), 1e-11);
   }
 }

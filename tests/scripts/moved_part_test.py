@@ -17,7 +17,7 @@ import surface_files
 from fake_results import element_centres, node_coordinates
 from layered_results import write_layers
 from moved_part import MovedPart
-from render_part import poly_data
+from vtk_data import poly_data
 
 SIZE, COUNTS = (3.0, 2.0, 2.4), (12, 8, 12)
 SLOPE = np.array([0.1, -0.05, 0.3])

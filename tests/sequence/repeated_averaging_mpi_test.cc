@@ -49,7 +49,7 @@ TYPED_TEST(RepeatedAveragingTest, NoRadiusNoChange) {
   for (const DesignLocation location : both) {
     const Case<Dim> direct(location);
     const RepeatedAveraging<Dim> filter(direct.on_grid.part, direct.support, 0.0);
-    EXPECT_TRUE(filter.is_identity());
+    EXPECT_EQ(filter.passes(), 0);
     EXPECT_EQ(filter.apply(direct.noise(1)), direct.noise(1));
     EXPECT_EQ(filter.apply_transpose(direct.noise(1)), direct.noise(1));
   }

@@ -90,7 +90,8 @@ TYPED_TEST(InterpolationTest, MultigridConvergesFast) {
   const ElementMatrices<Dim> element(supported.on_grid.grid.spacing(), 1.0, 0.3);
   AssembledSystem<Dim> system(supported.domain, supported.numbering,
                               {ReferenceMethod::multigrid, 1e-8, 1000, "test_"});
-  system.assemble({{element.stiffness(), {}}});
+  const std::vector<double> ones(supported.domain.first_corners.size(), 1.0);
+  system.assemble({{element.stiffness(), ones}});
   const auto load =
       test::node_field(supported.on_grid.grid, Dim, [](std::int64_t i) { return test::noise(i) - 0.5; });
   std::vector<double> solution(load.size());

@@ -65,7 +65,8 @@ struct LayeredCase {
     const auto time = part_field(on_grid.part, [&](std::int64_t number) { return wavy_time(number); });
     const CurvedLayers curved(on_grid.part.part_density(), uniform_time_points(settings.layers),
                               settings.beta, false);
-    const LayerDensities densities = curved.densities(time);
+    LayerDensities densities;
+    curved.set_densities(time, densities);
     std::vector<std::vector<double>> stage, layer;
     for (int j = 0; j < settings.layers; ++j) {
       stage.push_back(on_grid.part.expand(densities.stage[j]));

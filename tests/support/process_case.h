@@ -75,7 +75,9 @@ struct ProcessCase {
   }
   LayerDensities densities(const std::vector<double>& time, int count, double beta,
                            bool binary = false) const {
-    return CurvedLayers(part().part_density(), uniform_time_points(count), beta, binary).densities(time);
+    LayerDensities result;
+    CurvedLayers(part().part_density(), uniform_time_points(count), beta, binary).set_densities(time, result);
+    return result;
   }
   std::vector<double> whole(std::span<const double> node_values) const {
     return whole_node_field<Dim>(grid(), node_values, Dim);

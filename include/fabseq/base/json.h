@@ -23,5 +23,7 @@ std::string to_text(const Json& value, int indent = -1);
 /// Member of an object; nullptr if there is none or if `value` is no object.
 const Json* find_member(const Json& value, const std::string& key);
 Json* find_member(Json& value, const std::string& key);
+/// The same for a member of a member.
+const Json* find_member(const Json& value, const std::string& key, const std::string& inner_key);
 
 }  // namespace fabseq

@@ -21,15 +21,10 @@ class LogEvent {
     explicit Scope(PetscLogEvent event) : event_(event) {
       check(PetscLogEventBegin(event_, nullptr, nullptr, nullptr, nullptr));
     }
-    ~Scope() { (void)end(); }
+    ~Scope() { (void)PetscLogEventEnd(event_, nullptr, nullptr, nullptr, nullptr); }
     Scope(Scope&&) = delete;
 
    private:
-    PetscErrorCode end() const {
-      PetscFunctionBegin;
-      PetscCall(PetscLogEventEnd(event_, nullptr, nullptr, nullptr, nullptr));
-      PetscFunctionReturn(0);
-    }
     PetscLogEvent event_;
   };
   [[nodiscard]] Scope enter() const { return Scope(event_); }

@@ -69,10 +69,10 @@ void sum_in_place(MPI_Comm comm, std::span<int> values);
 /// Maximum over the ranks, entry by entry, in place. The length is the same on all ranks.
 void max_in_place(MPI_Comm comm, std::span<double> values);
 
-/// Returns rank 0's `text` on every rank.
-std::string broadcast(MPI_Comm comm, const std::string& text);
-/// Copies rank 0's `values` to every rank, in place. The length is the same on all ranks.
-void broadcast(MPI_Comm comm, std::span<double> values);
+/// Returns the `text` of rank `root` on every rank.
+std::string broadcast(MPI_Comm comm, const std::string& text, int root = 0);
+/// Copies the `values` of rank `root` to every rank, in place. The length is the same on all ranks.
+void broadcast(MPI_Comm comm, std::span<double> values, int root = 0);
 
 /// The entries of all ranks on every rank, rank after rank. Lengths may differ between ranks. Throws
 /// InputError on all ranks if there are more than 2^31 - 1 in all.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,11 +52,9 @@ std::string partial_name(const std::string& path);
 void replace_file(const std::string& path, std::string_view text);
 /// Appends `text` in one piece. If the file cannot take all of it, it is cut back to what it was.
 void append_to_file(const std::string& path, std::string_view text);
-/// Cuts a file back to its first `bytes` bytes, on the disk when it returns. A shorter or missing file stays
-/// as it is. Returns the size of the file.
-std::int64_t cut_file(const std::string& path, std::int64_t bytes);
-/// Syncs a file and returns its size; 0 if there is no such file.
-std::int64_t sync_file(const std::string& path);
+/// Cuts a file back to its first `most` bytes if it is longer, syncs it and returns its size; 0 if there is
+/// no such file.
+std::int64_t sync_file(const std::string& path, std::int64_t most = std::numeric_limits<std::int64_t>::max());
 /// Text of a file; "" if there is none or it cannot be read.
 std::string read_file_if_there(const std::string& path);
 

@@ -49,4 +49,11 @@ struct Config : ModelSettings {
 Config make_config(const Json& document, const std::string& directory,
                    std::shared_ptr<const PlacedMesh> mesh = nullptr);
 
+/// Checks relations between the keys of a config whose single values are valid, as make_config() does at its
+/// end. Throws InputError. Not collective.
+void check_rules(const Config& config);
+
+/// Checks what a task needs beyond a valid config. Throws InputError. Not collective.
+void check_task(const Config& config, Task task);
+
 }  // namespace fabseq

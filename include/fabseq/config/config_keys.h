@@ -7,7 +7,6 @@
 #include "fabseq/keys/section.h"
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace fabseq {
@@ -19,10 +18,8 @@ const std::vector<SectionKeys>& config_sections();
 /// Path of a key for -set: "layers.count"; for keys in lists with the type of the entry:
 /// "objective.layer_uniformity.weight".
 std::string dotted_path(const ConfigKey& key);
-/// The key that has the flat option `option`; nullptr if there is none.
-const ConfigKey* find_flat_option(std::string_view option);
-/// All flat options.
-std::vector<std::string> flat_options();
+/// The keys that have a flat option.
+std::vector<const ConfigKey*> keys_with_option();
 
 /// Checks every key of `document` against the sections and returns the document complete: keys in the order
 /// of the sections, defaults filled in, paths absolute (relative ones refer to `directory`), without the key

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace fabseq {
 
@@ -22,10 +21,6 @@ constexpr int element_unknowns = Dim* corner_count<Dim>;
 template <int Size>
 using SquareMatrix = std::array<double, static_cast<std::size_t>(Size) * Size>;
 
-/// Isotropic elasticity for unit Young's modulus, Voigt; plane stress in 2D.
-template <int Dim>
-SquareMatrix<voigt_size<Dim>> elasticity_matrix(double poisson);
-
 /// The matrices of a box element, Q4 (plane stress) or H8, with edge lengths `spacing`, by full Gauss
 /// integration (docs/formulation.md 1, 2.1, 4.1); in 2D integrals carry the thickness.
 template <int Dim>
@@ -33,6 +28,7 @@ class ElementMatrices {
  public:
   static constexpr int corners = corner_count<Dim>;
   static constexpr int unknowns = element_unknowns<Dim>;
+  using Gradient = std::array<double, unknowns>;  ///< [corner][axis]
 
   ElementMatrices(const Point<Dim>& spacing, double thickness, double poisson);
 
@@ -40,14 +36,10 @@ class ElementMatrices {
   const SquareMatrix<unknowns>& stiffness() const { return stiffness_; }
   /// Integral of grad N_i . grad N_j.
   const SquareMatrix<corners>& conductivity() const { return conductivity_; }
-  /// Integral of N_i N_j.
-  const SquareMatrix<corners>& consistent_mass() const { return consistent_mass_; }
-  /// Row sums of the consistent mass on the diagonal.
-  const SquareMatrix<corners>& lumped_mass() const { return lumped_mass_; }
-  /// Derivatives of the shape functions at the element's centre, [corner][axis], 1/length.
-  const std::array<double, static_cast<std::size_t>(corners) * Dim>& center_gradient() const {
-    return center_gradient_;
-  }
+  /// Integral of N_i N_j; or `lumped`, its row sums on the diagonal.
+  const SquareMatrix<corners>& mass(bool lumped) const { return lumped ? lumped_mass_ : consistent_mass_; }
+  /// Derivatives of the shape functions at the element's centre, 1/length.
+  const Gradient& center_gradient() const { return center_gradient_; }
   /// Integral of B^T C strain for unit Young's modulus: the load of an inherent strain (Voigt).
   std::array<double, unknowns> strain_load(std::span<const double> strain) const;
   /// C B(centre) u: stress at the element's centre for unit Young's modulus.
@@ -57,13 +49,14 @@ class ElementMatrices {
 
  private:
   using StrainMatrix = std::array<std::array<double, unknowns>, voigt_size<Dim>>;
-  static StrainMatrix strain_matrix(
-      const std::array<double, static_cast<std::size_t>(corners) * Dim>& gradient);
+  static StrainMatrix strain_matrix(const Gradient& gradient);
+  /// C strain, column by column.
+  StrainMatrix stress_matrix(const StrainMatrix& strain) const;
 
   SquareMatrix<voigt_size<Dim>> elasticity_;
   SquareMatrix<unknowns> stiffness_{};
   SquareMatrix<corners> conductivity_{}, consistent_mass_{}, lumped_mass_{};
-  std::array<double, static_cast<std::size_t>(corners) * Dim> center_gradient_{};
+  Gradient center_gradient_{};
   StrainMatrix center_stress_{};  ///< C B at the element's centre
   double volume_ = 0.0;
 };

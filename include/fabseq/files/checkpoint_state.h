@@ -41,8 +41,6 @@ class CheckpointState {
   const std::map<std::string, std::vector<double>>& fields() const { return fields_; }
 
  private:
-  const Json& scalar(const std::string& name) const;
-
   std::map<std::string, Json> scalars_;
   std::map<std::string, std::vector<double>> arrays_, fields_;
 };

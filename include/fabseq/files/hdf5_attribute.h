@@ -7,7 +7,6 @@
 
 #include <hdf5.h>
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,15 +14,13 @@
 namespace fabseq {
 
 /// Writes an attribute of `object`, replacing one of the same name: a boolean (as h5py does, an enum of FALSE
-/// and TRUE), an integer (64 bits), a number (a double, bit for bit) or a string (UTF-8, variable length).
-/// Returns false if HDF5 fails. Throws std::invalid_argument for null, arrays and objects.
+/// and TRUE), an integer (64 bits, with or without a sign), a number (a double, bit for bit) or a string
+/// (UTF-8, variable length). Returns false if HDF5 fails. Throws std::invalid_argument for null, arrays and
+/// objects.
 bool write_attribute(hid_t object, const std::string& name, const Json& value);
-/// The same for a checksum, an unsigned 64-bit integer.
-bool write_checksum(hid_t object, const std::string& name, std::uint64_t value);
 
 /// Value of an attribute that write_attribute() wrote; none if it is missing, damaged or of another type.
 std::optional<Json> read_attribute(hid_t object, const std::string& name);
-std::optional<std::uint64_t> read_checksum(hid_t object, const std::string& name);
 /// Names of all attributes, sorted.
 std::vector<std::string> attribute_names(hid_t object);
 

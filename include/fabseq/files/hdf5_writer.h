@@ -47,8 +47,6 @@ class Hdf5Writer {
   void write_array(const std::string& name, std::span<const double> values, int columns = 0);
   /// Writes an attribute of the file itself: a number, integer, string or boolean, of rank 0.
   void write_attribute(const std::string& name, const Json& value);
-  /// Writes an attribute of the file itself: an unsigned 64-bit integer, of rank 0.
-  void write_checksum(const std::string& name, std::uint64_t value);
   /// Completes the file and gives it its name; it is on the disk when the call returns. With `sealed`, the
   /// file gets a seal (fabseq/files/seal.h), by which a reader finds damage before HDF5 sees it: HDF5 may
   /// crash on a damaged file.

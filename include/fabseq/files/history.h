@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+/// \file
+/// The file history.jsonl of a run's directory: one JSON object per line (docs/reference.md, output, lists
+/// its keys). All calls are collective on the directory's communicator.
 #pragma once
 
 #include "fabseq/base/json.h"
@@ -9,28 +12,16 @@
 
 namespace fabseq {
 
-/// The file history.jsonl: one JSON object per line (docs/reference.md, output, lists its keys).
-class History {
- public:
-  /// `directory` must outlive the history. An existing file is continued.
-  explicit History(const OutputDirectory& directory) : directory_(directory) {}
+/// Appends `entry` of rank 0 as one line, which other programs can read when the call returns. Throws
+/// OutputError on all ranks if the line could not be written; no part of it is left then.
+void append_to_history(const OutputDirectory& directory, const Json& entry);
 
-  /// Appends `entry` of rank 0 as one line, which other programs can read when the call returns. Throws
-  /// OutputError on all ranks if the line could not be written. Collective on the directory's communicator.
-  void append(const Json& entry) const;
-
-  /// Syncs all lines to the disk and returns the size of the file, bytes, which is a position for cut_back().
-  /// Collective.
-  std::int64_t sync() const;
-  /// Cuts the file back to what it was when sync() returned `position`. Warns if it is shorter by now.
-  /// Collective.
-  void cut_back(std::int64_t position) const;
-  /// Replaces the file by the first `position` bytes of the history of another directory. Warns if that
-  /// history is shorter. Collective.
-  void copy_from(const std::string& directory, std::int64_t position) const;
-
- private:
-  const OutputDirectory& directory_;
-};
+/// Syncs all lines to the disk and returns the size of the file, bytes, which is a position for the others.
+std::int64_t sync_history(const OutputDirectory& directory);
+/// Cuts the file back to what it was when sync_history() returned `position`. Warns if it is shorter by now.
+void cut_history(const OutputDirectory& directory, std::int64_t position);
+/// Replaces the file by the first `position` bytes of the history of another directory. Warns if that
+/// history is shorter.
+void copy_history(const OutputDirectory& directory, const std::string& other, std::int64_t position);
 
 }  // namespace fabseq

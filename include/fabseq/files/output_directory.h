@@ -45,9 +45,6 @@ class OutputDirectory {
   /// Writes a whole file through a temporary name and a rename. Throws OutputError on all ranks if that
   /// fails. Collective.
   void write(const std::string& name, const std::string& text) const;
-  /// Appends a line to a file and hands it to the operating system. A line that does not fit leaves no part
-  /// of itself behind. Throws as write() does. Collective.
-  void append_line(const std::string& name, const std::string& line) const;
 
   /// Whether rank 0 sees a file of that name; the same on all ranks. Collective.
   bool has(const std::string& name) const;

@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_set.h"
 
+#include <hdf5.h>
 #include <mpi.h>
 
 #include <span>
@@ -24,7 +25,9 @@ class SlabGather {
   /// Number of slabs: the extent of the slowest axis.
   int count() const { return whole_.size[Dim - 1]; }
   /// Extents of the field in a file, slowest axis first: [z][y][x], and [component] if there are several.
-  std::vector<std::int64_t> shape() const;
+  std::vector<hsize_t> shape() const;
+  /// Number of values of the whole field.
+  std::int64_t size() const { return whole_.count() * components_; }
   /// Values of a slab on rank 0, [y][x][component], valid until the next call; an empty span on other ranks.
   std::span<const double> gather(int slab);
 

@@ -53,7 +53,7 @@ IndexBox<Dim> ringed(IndexBox<Dim> box) {
 template <int Dim>
 template <class Value, class Source>
 std::vector<Value> BoxGather<Dim>::gather(Source&& source, const Value& elsewhere) const {
-  const MpiStruct<Value> type;
+  const MpiType type = type_in_memory<Value>();
   std::vector<Value> result(static_cast<std::size_t>(wanted_.count()), elsewhere);
   std::vector<std::vector<Value>> incoming(neighbors_.size()), outgoing(neighbors_.size());
   std::vector<MPI_Request> requests;

@@ -8,15 +8,6 @@
 
 namespace fabseq {
 
-/// The corner of an element (step 1), or the element at a node (step -1), of that number, 0 to 2^Dim - 1: bit
-/// a stands for a step along axis a.
-template <int Dim>
-Index<Dim> stepped(const Index<Dim>& from, int number, int step) {
-  Index<Dim> result = from;
-  for (int axis = 0; axis < Dim; ++axis) result[axis] += step * (number >> axis & 1);
-  return result;
-}
-
 /// Gathers an element field on this rank's elements and on all elements of the grid up to `width` elements
 /// away along each axis, which may belong to several other ranks. Construction, gather() and scatter_add()
 /// are collective on the grid's communicator. The grid need not outlive the object.

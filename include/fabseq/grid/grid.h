@@ -55,6 +55,8 @@ class NodeExchange {
 
   /// Copies owned values, and the neighbours' values in the ghosted box, to `ghosted`.
   void to_ghosted(std::span<const double> owned, std::span<double> ghosted) const;
+  /// The same, to memory of their own.
+  std::vector<double> ghosted(std::span<const double> owned) const;
   /// Sums the values that the element loops of all ranks collected on `ghosted` at the owners of the nodes.
   /// `owned` is overwritten.
   void add_to_owned(std::span<const double> ghosted, std::span<double> owned) const;
@@ -64,11 +66,10 @@ class NodeExchange {
   VecHandle owned_, ghosted_;
 };
 
-/// A DMDA with a box stencil of width 1. `nodes`: for each axis, the number of nodes of each process along
-/// it. The caller owns the result. Collective on `comm`.
+/// A DMDA with a box stencil of width 1, whose nodes are dealt out as `nodes`. The caller owns the result.
+/// Collective on `comm`.
 template <int Dim>
-DmHandle make_node_dm(MPI_Comm comm, const Index<Dim>& processes,
-                      const std::array<std::vector<PetscInt>, Dim>& nodes, int components);
+DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components);
 
 /// A box grid of Q4 or H8 elements, decomposed as a DMDA. The element with index i belongs to the rank that
 /// owns its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are

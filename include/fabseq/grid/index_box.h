@@ -64,6 +64,15 @@ std::string to_text(const Point<Dim>& point) {
 template <int Dim>
 constexpr int corner_count = 1 << Dim;
 
+/// The corner of an element (step 1), or the element at a node (step -1), of that number, 0 to 2^Dim - 1: bit
+/// a stands for a step along axis a.
+template <int Dim>
+Index<Dim> stepped(const Index<Dim>& from, int number, int step) {
+  Index<Dim> result = from;
+  for (int axis = 0; axis < Dim; ++axis) result[axis] += step * (number >> axis & 1);
+  return result;
+}
+
 /// All indices with start[a] <= index[a] < start[a] + size[a].
 template <int Dim>
 struct IndexBox {

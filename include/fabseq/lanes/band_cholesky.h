@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,19 +15,11 @@ namespace fabseq {
 
 /// Numbers the unknowns of a mesh so that the band is narrow: along the shortest axis first.
 template <int Dim>
-class BandNumbering {
- public:
-  BandNumbering() = default;
+struct BandNumbering {
   BandNumbering(const LaneMesh<Dim>& mesh, int components);
 
-  /// Row of each unknown (node * components + component).
-  const std::vector<int>& rows() const { return rows_; }
-  /// Diagonals below the main one.
-  int bandwidth() const { return bandwidth_; }
-
- private:
-  std::vector<int> rows_;
-  int bandwidth_ = 0;
+  std::vector<int> rows;  ///< of each unknown (node * components + component)
+  int bandwidth = 0;      ///< diagonals below the main one
 };
 
 /// A symmetric positive definite band matrix and its factorization.

@@ -130,28 +130,20 @@ class HeatKernel {
         return Lanes<Width, Real>::broadcast(coefficients_[(element + k) * stride + which]);
       });
     };
-    set_forces(coefficient(0), coefficient(1), lower, upper, lower_forces, upper_forces);
-  }
-
- private:
-  template <class Coefficient, class FacesModes>
-  [[gnu::always_inline]] void set_forces(const Coefficient& diffusivity, const Coefficient& reaction,
-                                         const FacesModes& lower, const FacesModes& upper,
-                                         FacesModes& lower_forces, FacesModes& upper_forces) const {
+    const auto diffusivity = coefficient(0), reaction = coefficient(1);
+    const auto entry = [&](int mode) __attribute__((always_inline)) {
+      return diffusivity * conductivity_[mode] + reaction * mass_[mode];
+    };
 #pragma GCC unroll 4
     for (int mode = 0; mode < corner_count<Dim> / 2; ++mode) {
-      const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode, diffusivity, reaction);
-      const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1, diffusivity, reaction);
+      const auto even = (lower[0][mode] + upper[0][mode]) * entry(2 * mode);
+      const auto odd = (lower[0][mode] - upper[0][mode]) * entry(2 * mode + 1);
       lower_forces[0][mode] = even + odd;
       upper_forces[0][mode] = even - odd;
     }
   }
-  template <class Coefficient>
-  [[gnu::always_inline]] Coefficient entry(int mode, const Coefficient& diffusivity,
-                                           const Coefficient& reaction) const {
-    return diffusivity * conductivity_[mode] + reaction * mass_[mode];
-  }
 
+ private:
   std::array<Real, corner_count<Dim>> conductivity_, mass_;
   const Real* coefficients_;
 };

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -17,10 +18,7 @@ struct RiseOrder {
   std::int64_t depth = std::numeric_limits<std::int64_t>::max();  ///< falls with the stiffness
   std::int64_t element = 0;
 
-  bool operator<(const RiseOrder& other) const {
-    return depth != other.depth ? depth < other.depth : element < other.element;
-  }
-  bool operator<=(const RiseOrder& other) const { return !(other < *this); }
+  auto operator<=>(const RiseOrder&) const = default;
   /// The turn of an element of this stiffness, which is above 0.
   static RiseOrder of(double stiffness, std::int64_t element) { return {depth_of(stiffness), element}; }
   /// By the exponent and two bits of the fraction.
@@ -66,15 +64,14 @@ struct Saddle {
 
 /// What an island is, for one field.
 struct IslandLimits {
-  IslandLimits() = default;
   /// `least`, `largest`: the least stiffness above 0, and the largest. `peak_over_saddle`: the contrast.
   IslandLimits(double least, double largest, double peak_over_saddle, int most_islands);
 
   double floor = 0.0;           ///< softer elements do not rise
   double least_peak = 0.0;      ///< an island's peak is above, where it meets nothing
-  double contrast = 100.0;      ///< an island's peak over the saddle where it ends is above
+  double contrast = 0.0;        ///< an island's peak over the saddle where it ends is above
   std::int64_t core_depth = 0;  ///< elements of less depth are stiffer than any saddle where an island ends
-  int most = 8;                 ///< islands
+  int most = 0;                 ///< islands
 
   bool is_island(const Basin& basin) const {
     return basin.supported.depth == RiseOrder{}.depth && basin.peak > least_peak;

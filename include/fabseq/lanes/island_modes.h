@@ -18,10 +18,7 @@ namespace fabseq {
 /// The islands of one lane and the energy of their motions.
 template <int Dim>
 struct IslandMotions {
-  struct Place {
-    std::int64_t node = 0;
-    int island = 0;
-    bool counted = true;
+  struct Place : LaneIslands::Node {
     Point<Dim> position{};  ///< from the island's centre
   };
   int count = 0;
@@ -132,10 +129,7 @@ class IslandModes {
     auto run = level.mesh.node_runs().begin();
     for (const auto& node : islands.nodes) {
       while (node.node >= run->node + run->length) ++run;
-      Place& place = lane->places.emplace_back();
-      place.node = node.node;
-      place.island = node.island;
-      place.counted = node.counted;
+      Place& place = lane->places.emplace_back(Place{node, {}});
       Index<dim> index = run->index;
       index[0] += static_cast<int>(node.node - run->node);
       for (int axis = 0; axis < dim; ++axis) place.position[axis] = index[axis] * level.spacing[axis];

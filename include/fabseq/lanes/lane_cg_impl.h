@@ -6,10 +6,8 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/lanes/flush_to_zero.h"
-#include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_cg.h"
 #include "fabseq/lanes/lane_multigrid_impl.h"
-#include "fabseq/lanes/lane_outcome.h"
 
 #include <algorithm>
 #include <cmath>

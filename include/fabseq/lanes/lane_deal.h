@@ -39,11 +39,6 @@ class LaneDeal {
   void fetch_from_owners(std::span<const int> owners, const Layout& layout, const double* found, Real* parts);
 
  private:
-  /// A rank that holds some of the level above, and its nodes.
-  struct Holder {
-    int rank = 0;
-    std::vector<std::int64_t> numbers;
-  };
   template <class Real>
   struct Buffers {
     std::vector<PeerMessage<Real>> of_holder, of_owner;
@@ -54,7 +49,7 @@ class LaneDeal {
 
   MPI_Comm comm_ = MPI_COMM_SELF;
   int rank_ = 0;
-  std::vector<Holder> holders_;
+  std::vector<Peer> holders_;  ///< of some of the level above, with their nodes
   std::int64_t own_nodes_ = 0;
   std::tuple<Buffers<double>, Buffers<float>> buffers_;
 };

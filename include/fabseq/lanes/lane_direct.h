@@ -40,7 +40,7 @@ class LaneDirect {
  private:
   template <class, int, class>
   friend class LaneDirect;
-  static constexpr int factors = Problem::template operators<Width>;
+  static constexpr int factors = Problem::own_operators ? Width : 1;
 
   void assemble(Operator& matrix, int lane, BandCholesky& band);
   LaneDeal::Layout layout() const;
@@ -56,14 +56,14 @@ class LaneDirect {
 template <class Problem, int Width, class Real>
 std::array<bool, Width> LaneDirect<Problem, Width, Real>::factor(Operator& matrix, double shift) {
   const MPI_Comm comm = hierarchy_.level(0).comm;
-  const auto& rows = numbering_.rows();
+  const auto& rows = numbering_.rows;
   std::array<double, factors> failed{};
   for (int lane = 0; lane < Width; ++lane) owners_[lane] = Problem::own_operators ? lane % size_of(comm) : 0;
   for (int lane = 0; lane < factors; ++lane) {
     factors_[lane] = nullptr;
     if (owners_[lane] != rank_of(comm)) continue;
     factors_[lane] = std::make_shared<BandCholesky>();
-    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth());
+    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth);
     assemble(matrix, lane, *factors_[lane]);
     if (shift > 0.0) factors_[lane]->raise_diagonal(shift);
     if (!factors_[lane]->factor()) failed[lane] = 1.0;
@@ -81,7 +81,7 @@ void LaneDirect<Problem, Width, Real>::assemble(Operator& matrix, int lane, Band
   const LaneLevel<dim>& level = matrix.level();
   constexpr int stride = Operator::Kernel::stride;
   constexpr int size = Problem::element_size;
-  const auto& rows = numbering_.rows();
+  const auto& rows = numbering_.rows;
   std::vector<char> held(rows.size(), 0);
   for (const std::int64_t unknown : level.fixed) held[unknown] = 1;
   for (const auto& row : level.mesh.rows())
@@ -116,7 +116,7 @@ void LaneDirect<Problem, Width, Real>::select(const LaneDirect<Problem, Wider, R
 /// Lanes with factors of their own are solved one by one, the others side by side.
 template <class Problem, int Width, class Real>
 LaneDeal::Layout LaneDirect<Problem, Width, Real>::layout() const {
-  const auto& rows = numbering_.rows();
+  const auto& rows = numbering_.rows;
   if (Problem::own_operators) return {rows, components, 1, rows.size()};
   return {rows, components, Width, 1};
 }
@@ -150,7 +150,7 @@ void LaneDirect<Problem, Width, Real>::solve(Operator& matrix, const Real* right
 template <class Problem, int Width, class Real>
 void LaneDirect<Problem, Width, Real>::solve_lanes() {
   if constexpr (Problem::own_operators) {
-    const std::size_t rows = numbering_.rows().size();
+    const std::size_t rows = numbering_.rows.size();
     for (int lane = 0; lane < Width; ++lane)
       if (factors_[lane] != nullptr) factors_[lane]->solve({values_.data() + lane * rows, rows});
   } else if (factors_[0] != nullptr) {

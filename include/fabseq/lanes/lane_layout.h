@@ -31,7 +31,6 @@ class LaneLayout {
   const LaneLevel<Dim>& level_;
   int components_;
   std::vector<std::int64_t> places_;     ///< of each node of the mesh in the ghosted box
-  std::vector<char> counted_;            ///< whether this rank hands out the node's value
   mutable std::vector<double> ghosted_;  ///< kept: new memory costs more than what is done with it
 };
 

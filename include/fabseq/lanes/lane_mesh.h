@@ -35,7 +35,6 @@ class LaneMesh {
     std::int64_t node = 0;  ///< number of the first
     Index<Dim> index{};     ///< its index
     int length = 0;
-    std::int64_t line = 0;  ///< counted in the node box
   };
   /// Nodes next to each other whose sums are complete once a line has been passed, and which no row finishes.
   struct Segment {

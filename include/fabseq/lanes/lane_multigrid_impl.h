@@ -154,30 +154,26 @@ template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::conjugate_gradients(int index, int steps) {
   Level& level = levels_[index];
   Operator& matrix = *level.matrix;
-  Scalars energy;  // p . K p
-  energy.fill(0.0);
+  Scalars energy{};  // p . K p
   for (int step = 0; step < steps; ++step) {
     const Array& residual = step == 0 ? level.right : level.cg_residual;
     visit(index, residual.data(), level.scratch.data());
-    std::array<double, static_cast<std::size_t>(3) * Width> sums{};
-    const Scalars own = matrix.apply(level.scratch.data(), level.product.data());
-    const auto put = [&](int which, const Scalars& values) {
-      std::copy(values.begin(), values.end(), sums.begin() + static_cast<std::ptrdiff_t>(which) * Width);
-    };
-    put(0, own);
+    std::array<Scalars, 3> sums{matrix.apply(level.scratch.data(), level.product.data())};
+    auto& [own, decrease, overlap] = sums;  // z . w, z . r, z . q
     if (step == 0) {
-      put(1, matrix.dot(level.scratch.data(), residual.data()));
+      decrease = matrix.dot(level.scratch.data(), residual.data());
     } else {
       const auto both = matrix.dots(level.scratch.data(), residual.data(), level.image.data());
-      put(1, both[0]);
-      put(2, both[1]);
+      decrease = both[0];
+      overlap = both[1];
     }
-    if (matrix.level().distributed) sum_in_place(matrix.level().comm, sums);
+    if (matrix.level().distributed)
+      sum_in_place(matrix.level().comm, std::span<double>(sums.front().data(), 3 * Width));
     Scalars beta, alpha;
     for (int lane = 0; lane < Width; ++lane) {
-      beta[lane] = energy[lane] > 0.0 ? -sums[2 * Width + lane] / energy[lane] : 0.0;
-      energy[lane] = sums[lane] + beta[lane] * sums[2 * Width + lane];
-      alpha[lane] = energy[lane] > 0.0 ? sums[Width + lane] / energy[lane] : 0.0;
+      beta[lane] = energy[lane] > 0.0 ? -overlap[lane] / energy[lane] : 0.0;
+      energy[lane] = own[lane] + beta[lane] * overlap[lane];
+      alpha[lane] = energy[lane] > 0.0 ? decrease[lane] / energy[lane] : 0.0;
     }
     if (step == 0)
       advance<true>(level, alpha, beta, steps == 1);

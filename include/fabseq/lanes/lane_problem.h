@@ -7,8 +7,6 @@
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/lanes/element_kernels.h"
 
-#include <array>
-
 namespace fabseq {
 
 /// Linear elasticity (docs/formulation.md 4.1): every lane has stiffness factors of its own.
@@ -20,9 +18,6 @@ class LaneElasticityProblem {
   static constexpr int element_size = element_unknowns<Dim>;
   /// Whether lanes differ in their operator, not only in their right-hand side.
   static constexpr bool own_operators = true;
-  /// Operators of so many lanes.
-  template <int Width>
-  static constexpr int operators = Width;
   template <int Width, class Real = double>
   using Kernel = ElasticKernel<Dim, Width, Real>;
 
@@ -64,8 +59,6 @@ class LaneHeatProblem {
   static constexpr int components = 1;
   static constexpr int element_size = corner_count<Dim>;
   static constexpr bool own_operators = false;
-  template <int Width>
-  static constexpr int operators = 1;
   template <int Width, class Real = double>
   using Kernel = HeatKernel<Dim, Width, Real>;
 
@@ -81,7 +74,7 @@ class LaneHeatProblem {
     Matrices result;
     const ElementMatrices<Dim> element(spacing, thickness_, 0.0);
     result.conductivity = element.conductivity();
-    result.mass = lumped_ ? element.lumped_mass() : element.consistent_mass();
+    result.mass = element.mass(lumped_);
     result.conductivity_parity = ParityMatrix<Dim, 1>(result.conductivity);
     result.mass_parity = ParityMatrix<Dim, 1>(result.mass);
     // Sums of element matrices scaled by sums of their diagonals: no more than the larger of the two.

@@ -170,13 +170,14 @@ class RowSweep {
     for (int a = 0; a < components; ++a)
 #pragma GCC unroll 4
       for (int mode = 0; mode < face; ++mode)
-        upper[a][mode] = straddling<width>(lower[a][mode], next[a][mode]);
+        upper[a][mode] = lanes_from<group * width, width>(lower[a][mode], next[a][mode]);
     kernel_.template apply<group>(row_.element + i, lower, upper, forces, upper_forces);
 #pragma GCC unroll 3
     for (int a = 0; a < components; ++a)
 #pragma GCC unroll 4
       for (int mode = 0; mode < face; ++mode)
-        forces[a][mode] += straddling<(group - 1) * width>(before[a][mode], upper_forces[a][mode]);
+        forces[a][mode] +=
+            lanes_from<group * width, (group - 1) * width>(before[a][mode], upper_forces[a][mode]);
     transform_face(forces);
     add_group(i, forces);
   }
@@ -217,7 +218,7 @@ class RowSweep {
     for (int a = 0; a < components; ++a)
 #pragma GCC unroll 4
       for (int corner = 0; corner < face; ++corner)
-        piece[a][corner] = lanes_from<width, Piece * width>(from[a][corner]);
+        piece[a][corner] = lanes_from<width, Piece * width>(from[a][corner], from[a][corner]);
   }
 
   const Row& row_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <utility>
 #if defined(__AVX__)
 #include <immintrin.h>
@@ -79,12 +78,11 @@ struct Lanes {
     for (int i = 0; i < parts; ++i) part[i] += other.part[i];
     return *this;
   }
-  [[gnu::always_inline]] Lanes& operator-=(const Lanes& other) {
-    for (int i = 0; i < parts; ++i) part[i] -= other.part[i];
-    return *this;
-  }
   [[gnu::always_inline]] friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
-  [[gnu::always_inline]] friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
+  [[gnu::always_inline]] friend Lanes operator-(Lanes a, const Lanes& b) {
+    for (int i = 0; i < parts; ++i) a.part[i] -= b.part[i];
+    return a;
+  }
   [[gnu::always_inline]] friend Lanes operator*(Lanes a, const Lanes& b) {
     for (int i = 0; i < parts; ++i) a.part[i] *= b.part[i];
     return a;
@@ -131,61 +129,39 @@ struct Lanes<1, Real> {
     value += other.value;
     return *this;
   }
-  Lanes& operator-=(const Lanes& other) {
-    value -= other.value;
-    return *this;
-  }
   friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
-  friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) { return {a.value - b.value}; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.value * b.value}; }
   friend Lanes operator*(const Lanes& a, Real b) { return {a.value * b}; }
   friend Lanes operator/(const Lanes& a, const Lanes& b) { return {a.value / b.value}; }
   Real operator[](int) const { return value; }
 };
 
-/// The lanes of one, then those of the other; in one register.
-template <int Width, class Real>
-[[gnu::always_inline]] inline Lanes<2 * Width, Real> joined(const Lanes<Width, Real>& first,
-                                                            const Lanes<Width, Real>& second) {
+/// `Width` lanes of two registers behind each other, from lane `First` on; in one register.
+template <int Width, int First, int Each, class Real>
+[[gnu::always_inline]] inline Lanes<Width, Real> lanes_from(const Lanes<Each, Real>& before,
+                                                            const Lanes<Each, Real>& behind) {
   if constexpr (Width == 1) {
+    return {before.part[0][First]};
+  } else if constexpr (Each == 1) {
     Lanes<2, Real> result;
-    result.part[0] = typename Lanes<2, Real>::Part{first.value, second.value};
+    result.part[0] = typename Lanes<2, Real>::Part{before.value, behind.value};
     return result;
-  } else {
-    return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
-      Lanes<2 * Width, Real> result;
-      result.part[0] = __builtin_shufflevector(first.part[0], second.part[0], Lane...);
-      return result;
-    }
-    (std::make_integer_sequence<int, 2 * Width>());
-  }
-}
-
-/// The lanes from `First` on of two registers behind each other, as many as one has.
-template <int First, int Width, class Real>
-[[gnu::always_inline]] inline Lanes<Width, Real> straddling(const Lanes<Width, Real>& before,
-                                                            const Lanes<Width, Real>& behind) {
-  return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
-    Lanes<Width, Real> result;
-    result.part[0] = __builtin_shufflevector(before.part[0], behind.part[0], (First + Lane)...);
-    return result;
-  }
-  (std::make_integer_sequence<int, Width>());
-}
-
-/// `Width` lanes of a register, from `First` on.
-template <int Width, int First, int Whole, class Real>
-[[gnu::always_inline]] inline Lanes<Width, Real> lanes_from(const Lanes<Whole, Real>& whole) {
-  if constexpr (Width == 1) {
-    return {whole.part[0][First]};
   } else {
     return [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
       Lanes<Width, Real> result;
-      result.part[0] = __builtin_shufflevector(whole.part[0], whole.part[0], (First + Lane)...);
+      result.part[0] = __builtin_shufflevector(before.part[0], behind.part[0], (First + Lane)...);
       return result;
     }
     (std::make_integer_sequence<int, Width>());
   }
+}
+
+/// The lanes of one, then those of the other; in one register.
+template <int Width, class Real>
+[[gnu::always_inline]] inline Lanes<2 * Width, Real> joined(const Lanes<Width, Real>& first,
+                                                            const Lanes<Width, Real>& second) {
+  return lanes_from<2 * Width, 0>(first, second);
 }
 
 /// Register of `Count` pieces, piece k being piece(k): lanes of the same width.

@@ -23,10 +23,9 @@ template <int Dim>
 class LevelGather {
  public:
   LevelGather() = default;
-  /// `stage`: of this rank, without elements where it holds nothing of the finer level. `factors` lead from
-  /// that level to the next. Collective on `comm`, the grid's communicator, which must outlive the object.
-  LevelGather(MPI_Comm comm, const LaneMesh<Dim>& stage, const LevelShares<Dim>& fine,
-              const Index<Dim>& factors, const LevelShares<Dim>& coarse);
+  /// `stage`: of this rank, without elements where it holds nothing of the finer level. `coarse`: who holds
+  /// the next one. Collective on `comm`, the grid's communicator, which must outlive the object.
+  LevelGather(MPI_Comm comm, const LaneMesh<Dim>& stage, const LevelShares<Dim>& coarse);
 
   /// Process of the next level that each node of a stage goes to. Local.
   static std::vector<int> holders_of_nodes(const LaneMesh<Dim>& stage, const LevelShares<Dim>& coarse);
@@ -36,42 +35,30 @@ class LevelGather {
 
   /// coarse += stage; [node][entry] with `entries` for each node. `Real`: double or float.
   template <class Real>
-  void add_nodes(const Real* stage, Real* coarse, int entries);
+  void add_nodes(const Real* stage, Real* coarse, int entries) {
+    add(nodes_, stage, coarse, entries);
+  }
   /// coarse += stage; [element][entry].
   template <class Real>
-  void add_elements(const Real* stage, Real* coarse, int entries);
+  void add_elements(const Real* stage, Real* coarse, int entries) {
+    add(elements_, stage, coarse, entries);
+  }
   /// stage = coarse; [node][entry]. All holders of a node have the same bits.
   template <class Real>
   void fetch_nodes(const Real* coarse, Real* stage, int entries);
 
  private:
-  /// Nodes or elements that a rank has for another, by their numbers here; both have the same order.
-  struct Peer {
-    int rank = 0;
-    std::vector<std::int64_t> numbers;
-  };
   /// What leaves or reaches this rank's stage, and what reaches or leaves its part of the next level.
   struct Route {
     std::vector<Peer> stage, coarse;
   };
-  template <class Real>
-  struct Buffers {
-    std::vector<PeerMessage<Real>> outgoing, incoming;
-  };
-  /// Places in the whole level, by rank.
-  using Places = std::vector<PeerMessage<std::int64_t>>;
-
-  void deal_out(const LaneMesh<Dim>& stage, const LevelShares<Dim>& coarse, Places& elements, Places& nodes);
-  template <class Real>
-  Buffers<Real>& pack(const std::vector<Peer>& from, const std::vector<Peer>& to, const Real* values,
-                      int entries);
   template <class Real>
   void add(const Route& route, const Real* stage, Real* coarse, int entries);
 
   MPI_Comm comm_ = MPI_COMM_SELF;
   LaneMesh<Dim> mesh_;
   Route elements_, nodes_;
-  std::tuple<Buffers<double>, Buffers<float>> buffers_;
+  std::tuple<PeerBuffers<double>, PeerBuffers<float>> buffers_;
 };
 
 }  // namespace fabseq

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/lanes/lane_mesh.h"
+#include "fabseq/lanes/peer_messages.h"
 
 #include <mpi.h>
 
@@ -33,13 +34,9 @@ class SharedNodes {
   void sum(std::span<Real> values, int entries);
 
  private:
-  struct Neighbor {
-    int rank = 0;
-    std::vector<int> positions;  ///< of the nodes held in common, in the same order on both sides
-  };
   template <class Real>
   struct Buffers {
-    std::vector<std::vector<Real>> outgoing, incoming;  ///< one per neighbour
+    PeerBuffers<Real> messages;
     std::vector<Real> own;
   };
 
@@ -47,7 +44,7 @@ class SharedNodes {
   int rank_ = 0;
   std::vector<std::int64_t> nodes_;
   std::vector<char> counted_;
-  std::vector<Neighbor> neighbors_;  ///< ascending ranks
+  std::vector<Peer> neighbors_;  ///< ascending ranks, with positions of the nodes held in common
   std::tuple<Buffers<double>, Buffers<float>> buffers_;
 };
 

@@ -23,13 +23,12 @@ class CurvedLayers : public Layers {
   CurvedLayers(std::span<const double> density, std::vector<double> time_points, double beta, bool binary);
 
   int count() const { return static_cast<int>(time_points_.size()) - 1; }
-  /// Densities for a pseudo-time (part field).
-  LayerDensities densities(std::span<const double> time) const;
 
   void set_densities(std::span<const double> time, LayerDensities& densities) const override;
   void pull_back(std::span<const double> time, const LayerDensities& densities,
                  const DensityDerivatives& derivatives, std::span<double> d_time,
                  std::span<double> d_variables) const override;
+  /// The first layer whose time point is not earlier.
   std::vector<double> layer_index(std::span<const double> time,
                                   const LayerDensities& densities) const override;
 
@@ -44,9 +43,5 @@ class CurvedLayers : public Layers {
   double beta_;
   bool binary_;
 };
-
-/// Index of the layer (1 to N) that builds each element, by its pseudo-time: the first whose time point is
-/// not earlier. `time_points`: T_0 ... T_N.
-std::vector<double> layer_index(std::span<const double> time, std::span<const double> time_points);
 
 }  // namespace fabseq

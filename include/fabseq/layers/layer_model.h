@@ -35,8 +35,6 @@ struct LayerVariables {
 
 /// T_1 ... T_{N-1} of curved layers (docs/formulation.md 3.1); one layer has none.
 LayerVariables time_point_variables(int layers);
-/// Angles of the print directions of multi-planar layers (3.2). `longest_edge`: of the part.
-LayerVariables angle_variables(const MultiPlanarSettings& settings, int dimension, double longest_edge);
 
 /// What is fixed for all designs of a part.
 struct LayerTraits {
@@ -82,8 +80,5 @@ template <int Dim>
 std::unique_ptr<const LayerModel<Dim>> make_layer_model(const LayerSettings& layers,
                                                         const ProjectionSettings& projection,
                                                         const Part<Dim>& part);
-/// So many layers between isosurfaces at uniform times.
-template <int Dim>
-std::unique_ptr<const LayerModel<Dim>> make_uniform_layer_model(int count, const Part<Dim>& part);
 
 }  // namespace fabseq

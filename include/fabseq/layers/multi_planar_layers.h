@@ -39,7 +39,8 @@ class MultiPlanarLayers : public Layers {
     std::vector<double> height;    ///< by S_i
   };
 
-  /// H(t; tau_i) of the part elements; i from 0 to the number of sub-parts.
+  /// H(t; tau_i) = 1 - logistic(k1 (t - tau_i)) of the part elements, 1 before a timestamp and 0 after it; i
+  /// from 0 to the number of sub-parts.
   std::vector<double> built_until(std::span<const double> time, int boundary) const;
   /// Adds factor * dH(t; tau_i)/dt * weight.
   void add_step_derivative(std::span<const double> time, int boundary, double factor,

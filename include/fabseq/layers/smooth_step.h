@@ -3,7 +3,6 @@
 /// The smooth steps of curved and of multi-planar layers (docs/formulation.md 3.1, 3.2).
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -73,20 +72,6 @@ struct Logistic {
     const double value = decay / ((1.0 + decay) * (1.0 + decay));
     return std::abs(x) > negligible ? 0.0 : value;
   }
-};
-
-/// H(t; tau) = 1 - logistic(sharpness (t - tau)): 1 before a timestamp, 0 after it.
-class TimestampStep {
- public:
-  TimestampStep(double timestamp, double sharpness) : timestamp_(timestamp), sharpness_(sharpness) {}
-
-  double value(double time) const { return Logistic::value(sharpness_ * (timestamp_ - time)); }
-  double derivative(double time) const {
-    return -sharpness_ * Logistic::derivative(sharpness_ * (timestamp_ - time));
-  }
-
- private:
-  double timestamp_, sharpness_;
 };
 
 /// logistic(sharpness (1 - x^2)), x = (2 / w) (height - (j - 1/2) w): 1 inside slab j, 1/2 on its faces.

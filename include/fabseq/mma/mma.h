@@ -19,12 +19,14 @@ struct MmaBox;
 struct MmaRows {
   double a0 = 1.0;
   std::vector<double> a, c, d;  ///< one entry per row
-  /// m ordinary constraints: a = 0, c = 1000, d = 1.
-  static MmaRows constraints(int m);
-  /// Adds the pairs of so many least-squares residuals: a = 0, c = 0, d = 2.
-  void add_residuals(int count);
-  /// Adds so many values whose largest, z, is part of the objective: a = 1, c = 1000, d = 1.
-  void add_largest_of(int count);
+
+  /// Adds so many rows with these coefficients.
+  void add(std::size_t count, double row_a, double row_c, double row_d);
+  void add_constraints(std::size_t count) { add(count, 0.0, 1000.0, 1.0); }
+  /// The pairs of so many least-squares residuals.
+  void add_residuals(std::size_t count) { add(2 * count, 0.0, 0.0, 2.0); }
+  /// So many values whose largest, z, is part of the objective.
+  void add_largest_of(std::size_t count) { add(count, 1.0, 1000.0, 1.0); }
 };
 
 /// What an update found out.

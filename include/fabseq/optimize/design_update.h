@@ -42,8 +42,6 @@ class DesignUpdate {
   /// This rank's variables for MMA.
   std::vector<double> to_variables(const Design& design) const;
   std::vector<double> gradient_of_variables(Design gradient, const Design& design) const;
-  void add_residuals(ProblemGradients& gradients, const Design& design, MmaRows& kinds,
-                     std::vector<double>& values, std::vector<std::vector<double>>& rows) const;
   void save_vector(CheckpointState& state, const std::string& name, const std::vector<double>& values) const;
   std::vector<double> restored_vector(const CheckpointState& state, const std::string& name) const;
 

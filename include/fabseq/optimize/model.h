@@ -32,8 +32,7 @@ template <int Dim>
 class Model {
  public:
   Model(MPI_Comm world, const ModelSettings& settings_);
-  Model(const Model&) = delete;
-  Model& operator=(const Model&) = delete;
+  Model(Model&&) = delete;
 
   const ModelSettings& settings;
 
@@ -74,8 +73,5 @@ class Model {
             settings.layers.target ? settings.layers.target->value : 0.0};
   }
 };
-
-extern template class Model<2>;
-extern template class Model<3>;
 
 }  // namespace fabseq

@@ -14,10 +14,13 @@
 
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace fabseq {
+
+/// Borrowed.
+template <int Dim>
+using Responses = std::span<const std::unique_ptr<Response<Dim>>>;
 
 /// A component of a response with a factor; a gradient row is a sum of these.
 struct WeightedComponent {
@@ -64,11 +67,10 @@ class Pipeline {
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
   std::vector<double> last_layer_index() const { return layers_->layer_index(time_->time, densities_); }
   /// Values of all components of each of `responses`.
-  std::vector<std::vector<double>> values(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                          const PipelineState<Dim>& state);
+  std::vector<std::vector<double>> values(Responses<Dim> responses, const PipelineState<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run.
-  std::vector<Design> gradients(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                const PipelineState<Dim>& state, const std::vector<GradientRow>& rows);
+  std::vector<Design> gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
+                                const std::vector<GradientRow>& rows);
   /// Gives the memory of the last run's layers back, which gradients and reports need. Not collective.
   void forget_results();
   /// Later runs and gradients are solved to this tolerance, which is meant as the constructor's.
@@ -92,17 +94,15 @@ class Pipeline {
     std::vector<double> layer_variables;  ///< derivative by these, this rank's part
     StrainField strains;                  ///< dJ/d(inherent strain) where that turns, this group's part
   };
-  std::vector<Row> deal_out_rows(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                 const PipelineState<Dim>& state, const std::vector<GradientRow>& rows) const;
-  void pull_back_process(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                         const PipelineState<Dim>& state, std::vector<Row>& rows);
-  void add_explicit_derivatives(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                const PipelineState<Dim>& state, Row& row);
+  std::vector<Row> deal_out_rows(Responses<Dim> responses, const PipelineState<Dim>& state,
+                                 const std::vector<GradientRow>& rows) const;
+  void pull_back_process(Responses<Dim> responses, const PipelineState<Dim>& state, std::vector<Row>& rows);
+  void add_explicit_derivatives(Responses<Dim> responses, const PipelineState<Dim>& state, Row& row);
   void take_up_densities(const PipelineState<Dim>& state, Row& row) const;
   void pull_back_shared(const PipelineState<Dim>& state, std::vector<Row>& rows);
   void pull_back_layers(const PipelineState<Dim>& state, Row& row) const;
-  std::vector<std::vector<double>> pull_back_own(std::span<const std::unique_ptr<Response<Dim>>> responses,
-                                                 const PipelineState<Dim>& state, std::vector<Row>& rows);
+  std::vector<std::vector<double>> pull_back_own(Responses<Dim> responses, const PipelineState<Dim>& state,
+                                                 std::vector<Row>& rows);
   std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
   bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
 
@@ -121,8 +121,5 @@ class Pipeline {
   std::size_t layer_variables_ = 0;  ///< of the last run's design
   SolverIterations iterations_;
 };
-
-extern template class Pipeline<2>;
-extern template class Pipeline<3>;
 
 }  // namespace fabseq

@@ -14,17 +14,18 @@
 
 namespace fabseq {
 
+/// A function of the design, by its value and its gradient.
+struct ProblemRow {
+  double value = 0.0;
+  Design gradient;
+};
+
 /// What the optimizer is given at a design.
 struct ProblemGradients {
-  /// Gradient of the scaled objective less the residuals' squares and the largest of `largest_values`.
-  Design objective;
-  std::vector<double> constraint_values;  ///< f_i <= 0, one per row
-  std::vector<Design> constraints;        ///< gradient of each row
-  std::vector<double>
-      residual_values;            ///< s r_k of what counts: their squares are part of the scaled objective
-  std::vector<Design> residuals;  ///< gradient of each
-  std::vector<double> largest_values;  ///< the largest of them is part of the scaled objective
-  std::vector<Design> largest;         ///< gradient of each
+  Design objective;  ///< gradient of the scaled objective less the residuals' squares and the largest
+  std::vector<ProblemRow> constraints;  ///< f_i <= 0
+  std::vector<ProblemRow> residuals;    ///< s r_k of what counts: their squares are part of the objective
+  std::vector<ProblemRow> largest;      ///< the largest of them is part of the scaled objective
 };
 
 /// Values of all responses at a design; the same on all ranks.
@@ -55,12 +56,12 @@ class Problem {
   Problem(const Model<Dim>& model, double constraint_margin);
 
   /// What the config lists.
-  std::span<const std::unique_ptr<Response<Dim>>> responses() const {
-    return std::span(responses_).first(configured_);
-  }
+  Responses<Dim> responses() const { return std::span(responses_).first(configured_); }
   /// The same and after them what the optimizer gets in place of a term: the functionals of a sum of squares,
   /// the values of which it is the largest.
-  std::span<const std::unique_ptr<Response<Dim>>> responses_and_functionals() const { return responses_; }
+  Responses<Dim> responses_and_functionals() const { return responses_; }
+  /// Names of their types in the config; "least_squares" of functionals.
+  const std::vector<std::string>& types() const { return types_; }
   /// Index in responses() of the first constraint; the terms of the objective come before it.
   std::size_t objective_count() const { return terms_.size(); }
 
@@ -97,12 +98,6 @@ class Problem {
     bool always = false;       ///< residuals whatever their share of the term
   };
 
-  /// The term that is the largest of several values.
-  struct Largest {
-    std::size_t term = 0;      ///< index in terms_
-    std::size_t response = 0;  ///< of the values, index in responses_
-  };
-
   void add_largest();
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
@@ -113,13 +108,12 @@ class Problem {
   std::vector<Term> terms_;
   double margin_;
   std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
+  std::vector<std::string> types_;                         ///< of responses_
   std::size_t configured_ = 0;                             ///< terms and constraints
   std::vector<Squares> squares_;
-  std::optional<Largest> largest_;
+  std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response
+                                        ///< after the configured ones, and there are no functionals
   std::vector<double> first_values_;
 };
-
-extern template class Problem<2>;
-extern template class Problem<3>;
 
 }  // namespace fabseq

@@ -11,6 +11,14 @@
 
 namespace fabseq {
 
+/// The tolerance of an iteration's elastic solves that its step allows (docs/formulation.md 9): the errors of
+/// the objective shall be a small share of what the step changes, from 1e-3 to the finest.
+///
+/// \param move_limit largest step of a variable, as a share of its range
+/// \param share_left of the first distortion, a sum of squares, from 0 to 1. What is left by cancellation has
+/// the errors of what was there before.
+double following_tolerance(double move_limit, double share_left);
+
 /// How a run ended.
 struct RunEnd {
   std::string status;  ///< converged, iteration_limit, stopped, failed
@@ -54,9 +62,8 @@ class RunState {
   /// Why the run could end before its last iteration, empty while it should go on.
   std::string convergence() const;
 
+  const Model<Dim>& model_;
   const OptimizerSettings& settings_;
-  const SolverSettings& solver_;
-  const LayerVariables& layer_variables_;
   Design design_;
   Convergence convergence_;
   int completed_ = 0;

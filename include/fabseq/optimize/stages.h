@@ -8,7 +8,6 @@
 #include "fabseq/process/release.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/solve/elasticity_solver.h"
-#include "fabseq/solve/reference/assembled_system.h"
 
 #include <memory>
 

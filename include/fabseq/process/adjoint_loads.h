@@ -6,6 +6,7 @@
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_result.h"
 
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -30,7 +31,7 @@ class AdjointLoads {
   /// load the supports of every layer, and where all of the increments counts. Collective on the world of the
   /// groups.
   void update(const LayerDensities& densities, const ProcessResult& result,
-              const std::vector<const ProcessAdjoint*>& functionals);
+              std::span<const ProcessAdjoint> functionals);
   /// Whether a functional, by its number, has such a layer in a block.
   bool any(std::size_t functional, const LayerBlock& block) const;
   /// Sets `load` to the load of a block, by its number; 0 in layers that are negligible. Local.
@@ -40,7 +41,7 @@ class AdjointLoads {
  private:
   /// Adds |b_j|^2 of this rank's layers and nodes to `squares`, by layer.
   void add_squares(const LayerBlock& block, const LaneVector& load, const LaneVector& stiffness,
-                   std::vector<double>& squares) const;
+                   std::span<double> squares) const;
   /// Stiffness factors of the elements at each owned node, summed up.
   LaneVector nodal_stiffness(const LayerDensities& densities, const LayerBlock& block) const;
 

@@ -26,18 +26,15 @@ class Deposition {
   /// w of the layers first ... first + lanes - 1 on the nodes of the model, one component.
   LaneVector weights(const LayerDensities& densities, int first, int lanes) const;
   /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic); 1 in the
-  /// void, 0 in the substrate.
+  /// void, 0 in the substrate. Gathered once, it serves the derivatives of all functionals.
   using Missing = std::vector<double>;
-  /// That of the layers first ... first + lanes - 1: gathered once, it serves the derivatives of all
-  /// functionals.
-  std::vector<Missing> missing(const LayerDensities& densities, int first, int lanes) const;
+  Missing missing(const std::vector<double>& stage) const;
   /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of the
   /// layers from `first` on.
   void add_derivatives(const std::vector<Missing>& missing, int first, const LaneVector& d_weights,
                        DensityDerivatives& derivatives) const;
 
  private:
-  Missing missing(const std::vector<double>& stage) const;
   /// Product of `missing` over the elements at a node but for the `excluded` one.
   double product(const Missing& missing, const Index<Dim>& node, const Index<Dim>* excluded = nullptr) const;
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -56,13 +57,13 @@ struct ElasticModel {
   }
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
+  /// The inherent strain of a part element, by its number, in a layer, Voigt.
+  std::span<const double> strain_of(const StrainField& strains, std::size_t number, int layer) const;
   /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
   ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,
                         int layer) const;
   /// The same for the material's strain; 0 where it turns with the layers.
   ElementLoad material_load(const StrainFactors<Dim>& factors) const;
-  /// Load of a strain, Voigt, in a full element.
-  ElementLoad load_of(const double* strain) const;
 
   /// Stiffness factor of an element with this stage density.
   double stiffness(double stage_density) const {
@@ -82,6 +83,8 @@ struct ElasticModel {
  private:
   static constexpr int in_void = -1, in_substrate = -2;
 
+  /// Load of a strain, Voigt, with factors, in a full element.
+  ElementLoad load_of(std::span<const double> strain, const StrainFactors<Dim>& factors) const;
   /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and
   /// layer.
   static double power(double base, double exponent) {

@@ -7,7 +7,6 @@
 #include "fabseq/process/process_settings.h"
 #include "fabseq/sequence/sequence.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -24,26 +23,17 @@ namespace fabseq {
 template <int Dim>
 class InherentStrain {
  public:
-  using Strain = std::array<double, voigt_size<Dim>>;
-
   /// `characteristic_length`: l_c of the regularization eps^2 = 1e-9 / l_c^2.
   InherentStrain(const MaterialSettings& material, double characteristic_length);
 
   bool turns() const { return turns_; }
-  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis].
+  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis];
+  /// empty if they are all the same, the material's.
   StrainField strains(std::span<const double> gradient, const LayerDensities& layers) const;
   /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with
   /// sub-parts, to `d_densities`. For strains that turn.
   void pull_back(std::span<const double> gradient, const LayerDensities& layers, const StrainField& d_strain,
                  std::vector<double>& d_gradient, DensityDerivatives& d_densities) const;
-
-  /// Strains for the gradients of the pseudo-time, [part element][axis]: [part element][Voigt]. Empty if they
-  /// are all the same, the material's.
-  std::vector<double> strains(std::span<const double> gradient) const;
-  /// Adds to `d_gradient`, [part element][axis], what derivatives by the strains, [part element][Voigt],
-  /// amount to. For strains that turn.
-  void pull_back(std::span<const double> gradient, std::span<const double> d_strain,
-                 std::span<double> d_gradient) const;
 
  private:
   /// The strain of a single direction g, with regularization eps^2.
@@ -53,7 +43,7 @@ class InherentStrain {
   bool turns_;
   double tangential_ = 0.0, difference_ = 0.0;  ///< normal - tangential
   double regularization_;                       ///< eps^2
-  Strain scale_{};
+  std::vector<double> scale_;                   ///< of each Voigt component
 };
 
 }  // namespace fabseq

@@ -12,6 +12,9 @@
 
 namespace fabseq {
 
+/// Adds factor * from to a vector of the same length, or to an empty one.
+void add_scaled(std::vector<double>& to, double factor, const std::vector<double>& from);
+
 /// Displacements that one strain leads to, on this rank's nodes, length unit.
 struct CaseDisplacements {
   std::vector<LaneVector> increments;  ///< of the layers of this rank's group, by block, on

@@ -48,6 +48,10 @@ struct ProcessSettings {
   double dwell = 0.0;                                    ///< pause after each layer, s
 };
 
+/// Factors on the Voigt components of a strain that is scaled by one factor per axis: shear by the root of
+/// the product of its two (docs/formulation.md 4.5).
+std::vector<double> voigt_factors(const std::vector<double>& of_axes);
+
 /// Sections "material" and "process".
 Section<MaterialSettings> material_keys();
 Section<ProcessSettings> process_keys();

@@ -11,6 +11,7 @@
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -101,16 +102,15 @@ class ProcessSimulation {
     std::vector<typename Deposition<Dim>::Missing> missing;
   };
   int owned_nodes() const;
-  void deal_out(int layers);
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
-  void release_cases(const LayerDensities& densities);
   void pull_back_block(const LayerDensities& densities, std::size_t number,
                        std::span<const Functional> functionals, Room& room);
   void solve_adjoints(const LayerDensities& densities, std::size_t number,
                       std::span<const Functional* const> functionals, Room& room);
   void add_derivatives(const LayerDensities& densities, std::size_t number, const Functional& functional,
                        const LaneVector* adjoint, Room& room) const;
-  std::vector<double> release_motion(std::span<const double> derivative);
+  /// A field of a solve that the first group does for all: a single right-hand side cannot be shared out.
+  std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
   void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
 
   const ElasticModel<Dim>& model_;

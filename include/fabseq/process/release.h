@@ -59,7 +59,6 @@ class Release {
   RigidMotions<Dim> rigid_motions_;  ///< fitted to the supports of part and substrate
   SystemDomain domain_;              ///< the model's, on supports that hold rigid motions and nothing else
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
-  std::vector<char> in_model_;                ///< owned nodes of its elements
   std::unique_ptr<LaneFreeBody<Dim>> lanes_;  ///< made at first use, as well as
   std::unique_ptr<AssembledSystem<Dim>> system_;
 };

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Distortion, as an objective and as a constraint: its keys, and the measure that they ask for
-/// (docs/formulation.md 5). With `after_release` it measures the displacement u + v of the part cut from its
-/// supports (4.3).
+/// The keys of distortion, as an objective and as a constraint (docs/formulation.md 5). With `after_release`
+/// it measures the displacement u + v of the part cut from its supports (4.3).
 #pragma once
 
 #include "fabseq/responses/response_type.h"
-#include "fabseq/responses/scenario_aggregate.h"
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +14,14 @@ namespace fabseq {
 
 /// What is measured, in the order of the words of the key.
 enum class Measure { displacement, flatness, layerwise, shape, angle };
+
+/// What counts of a distortion J(u) where the strain is not known exactly (docs/formulation.md 5.1).
+enum class Aggregate {
+  nominal,  ///< J for the strain as given
+  mean,     ///< mean of J(u_s) over the scenarios
+  spread,   ///< mean of J(u_s - mean of all u_s)
+  worst     ///< largest J(u_s)
+};
 
 /// The settings of a distortion term.
 struct DistortionSettings {
@@ -31,18 +36,7 @@ struct DistortionSettings {
   Aggregate aggregate = Aggregate::nominal;
   std::optional<bool> least_squares;  ///< none: with scaling `current`, while the squares hold most of it
 
-  bool measures_release() const { return after_release; }
-  std::vector<std::string> node_sets() const {
-    std::vector<std::string> result;
-    for (const std::string& name : {nodes, to})
-      if (!name.empty()) result.push_back(name);
-    return result;
-  }
-  bool is_largest() const { return aggregate == Aggregate::worst; }
-  bool is_quadratic() const {
-    const bool of_displacement = measure != Measure::layerwise && measure != Measure::angle;
-    return of_displacement && !norm && !after_release && aggregate == Aggregate::nominal;
-  }
+  TermFacts facts() const;
   /// Checks relations of the keys. Throws InputError.
   void check(const TermPlace& place) const;
   /// Whether the best fit of shape may move this, such as "rotation".
@@ -61,12 +55,5 @@ struct DistortionSettings {
 
 /// The keys of a distortion term in a section, "objective" or "constraints".
 Section<DistortionSettings> distortion_keys(const std::string& section);
-
-/// The measure that the settings ask for, aggregated over the scenarios, with one component: J, in the length
-/// unit squared; of angle in degrees squared. Collective on the grid's communicator. Throws InputError for a
-/// node set that the measure is not defined for.
-template <int Dim>
-std::unique_ptr<Response<Dim>> make_measure(const ResponseContext<Dim>& context,
-                                            const DistortionSettings& settings);
 
 }  // namespace fabseq

@@ -1,13 +1,40 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Distortion as a sum of squares of a few linear functionals and a rest (docs/formulation.md 9).
+/// Functions over the nodes of a set, and distortion as a sum of squares of a few of its products with such
+/// functions and a rest (docs/formulation.md 9).
 #pragma once
 
 #include "fabseq/responses/set_displacement.h"
 
+#include <optional>
 #include <vector>
 
 namespace fabseq {
+
+/// What orthogonalization leaves of a function counts as rounding up to this share of its size.
+constexpr double dependent_share = 1e-9;
+
+/// Functions whose products, summed over the set's nodes of all ranks, are 1 with themselves and 0 with each
+/// other.
+class OrthonormalFunctions {
+ public:
+  explicit OrthonormalFunctions(MPI_Comm comm) : comm_(comm) {}
+
+  /// Adds what a function has beyond those before it. Returns false, and adds nothing, if the root of the sum
+  /// of its squares is at most `least`. Collective.
+  bool add(SetFunction function, double least);
+  /// Takes from a function what it has in common with these. Collective.
+  void remove_from(SetFunction& function) const;
+
+  const std::vector<SetFunction>& functions() const { return functions_; }
+  std::size_t count() const { return functions_.size(); }
+
+ private:
+  double dot(const SetFunction& a, const SetFunction& b) const;
+
+  MPI_Comm comm_;
+  std::vector<SetFunction> functions_;
+};
 
 /// Displacements of a node set, orthonormal over the nodes of all ranks, that a distortion measures each by
 /// itself.
@@ -27,32 +54,10 @@ template <int Dim>
 SetModes linear_modes(const SetDisplacement<Dim>& set, const std::vector<int>& axes, bool means);
 
 /// The components r_k = sqrt(factor) psi_k . u of a distortion J = sum_k r_k^2 + rest, with rest >= 0 and
-/// psi_k the modes.
+/// psi_k the modes; none without modes.
+/// \param factor J is `factor` times a sum of squares over the nodes
 template <int Dim>
-class DistortionFunctionals : public SumOfSquares<Dim> {
- public:
-  /// \param factor J is `factor` times a sum of squares over the nodes
-  /// \param asked_for what asked_for() returns
-  DistortionFunctionals(const SetDisplacement<Dim>& set, SetModes modes, double factor, bool asked_for);
-
-  std::string type() const override { return "least_squares"; }
-  bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override;
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override;
-
-  int count() const override { return static_cast<int>(modes_.modes.size()); }
-  bool complete() const override { return modes_.complete; }
-  bool asked_for() const override { return asked_for_; }
-
- private:
-  SetDisplacement<Dim> set_;
-  SetModes modes_;
-  double root_of_factor_;
-  bool asked_for_;
-};
-
-extern template class DistortionFunctionals<2>;
-extern template class DistortionFunctionals<3>;
+std::optional<SumOfSquares<Dim>> sum_of_squares(const SetDisplacement<Dim>& set, SetModes modes,
+                                                double factor, bool asked_for);
 
 }  // namespace fabseq

@@ -46,4 +46,11 @@ template <int Dim>
 std::unique_ptr<Response<Dim>> make_angle_change(const SetDisplacement<Dim>& nodes,
                                                  const SetDisplacement<Dim>& to);
 
+/// A distortion of one component, aggregated over the scenarios of material.scenarios, of which there must be
+/// some. `of_increments`: whether it depends on single layers' increments. Not collective. Source: fabseq's
+/// own.
+template <int Dim>
+std::unique_ptr<Response<Dim>> aggregated(std::unique_ptr<Response<Dim>> distortion, Aggregate aggregate,
+                                          bool of_increments);
+
 }  // namespace fabseq

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,11 +53,10 @@ struct PipelineAdjoint {
   TimeDerivatives time;          ///< explicit dependence on t and grad t; empty while zero
 };
 
-/// One inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
+/// An inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by
 /// `scale`; or else the optimizer sees the logarithms of both, for components that range over orders of
 /// magnitude (docs/formulation.md 13.2).
 struct ConstraintRow {
-  int component = 0;         ///< of the response
   double sign = 1.0;         ///< 1: upper bound, -1: lower bound
   double bound = 0.0;        ///< in the unit of the component
   double scale = 1.0;        ///< in the unit of the component, > 0
@@ -73,7 +73,16 @@ struct ConstraintRow {
 };
 
 template <int Dim>
-class SumOfSquares;
+class Response;
+
+/// Functionals whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
+template <int Dim>
+struct SumOfSquares {
+  std::unique_ptr<Response<Dim>> functionals;  ///< its components
+  int count = 0;                               ///< number of components, at least one
+  bool complete = false;                       ///< whether the rest is zero for all displacements
+  bool asked_for = false;  ///< whether the user asks for them even if they hold little of the value
+};
 
 /// A functional of a sequence with one or several components. All calls are collective on the grid's
 /// communicator unless they say otherwise, and values are the same on all ranks. Each layer group makes its
@@ -83,8 +92,6 @@ class Response {
  public:
   virtual ~Response() = default;
 
-  /// Name of the type in the config. Not collective.
-  virtual std::string type() const = 0;
   /// Whether values depend on displacements, in which case its rows need the adjoints of all layers. Not
   /// collective.
   virtual bool uses_displacements() const { return false; }
@@ -93,28 +100,16 @@ class Response {
   /// Adds weight * d(value of the component) to the derivatives by each stage that the component depends on.
   virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                               PipelineAdjoint<Dim>& adjoint) const = 0;
-  /// The optimizer's rows for a constraint with this number of components. Allowed ranges are shrunk to
-  /// `margin` times their width; margin 1 gives the user's constraint. Empty for responses that are
-  /// objectives. Not collective.
-  virtual std::vector<ConstraintRow> rows(int /*components*/, double /*margin*/) const { return {}; }
-  /// The sum of squares that the optimizer may be given in place of an objective with that scaling; nullptr
-  /// if the objective is no sum of squares or is not to be handed over as one. Collective.
-  virtual std::unique_ptr<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return nullptr; }
+  /// The optimizer's rows for each component of a constraint. Allowed ranges are shrunk to `margin` times
+  /// their width; margin 1 gives the user's constraint. Empty for responses that are objectives. Not
+  /// collective.
+  virtual std::vector<ConstraintRow> rows(double /*margin*/) const { return {}; }
+  /// The sum of squares that the optimizer may be given in place of an objective with that scaling; none if
+  /// the objective is no sum of squares or is not to be handed over as one. Collective.
+  virtual std::optional<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return std::nullopt; }
   /// The response whose largest component is this one's value, if that is how it is defined: the optimizer is
   /// given all of them (docs/formulation.md 9); else nullptr. Collective.
   virtual std::unique_ptr<Response<Dim>> largest_of() const { return nullptr; }
-};
-
-/// Components whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
-template <int Dim>
-class SumOfSquares : public Response<Dim> {
- public:
-  /// Number of components.
-  virtual int count() const = 0;
-  /// Whether the rest is zero for all displacements.
-  virtual bool complete() const = 0;
-  /// Whether the user asks for them even if their squares hold little of the value.
-  virtual bool asked_for() const = 0;
 };
 
 }  // namespace fabseq

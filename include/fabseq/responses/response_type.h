@@ -40,6 +40,15 @@ struct ResponseTraits {
   std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none
 };
 
+/// What is known of a term before there is a part.
+struct TermFacts {
+  bool measures_release = false;  ///< it measures displacements after the release from plate or clamps
+  bool is_largest = false;    ///< the optimizer gets it as the largest of several (Response::largest_of())
+  bool is_quadratic = false;  ///< it is a quadratic form of the displacement alone, and of nothing else
+  std::vector<std::string> node_sets = {};                ///< names of those that it measures
+  std::optional<double> target_thickness = std::nullopt;  ///< of layers, that it aims at, length unit
+};
+
 /// A type of term. Nothing here but make() is collective; make() is so on the grid's communicator.
 class ResponseType : public ResponseTraits {
  public:
@@ -52,16 +61,7 @@ class ResponseType : public ResponseTraits {
   virtual std::vector<ConfigKey> keys() const = 0;
   /// Checks relations of the term's keys to each other and to the rest of the config. Throws InputError.
   virtual void check(const Term& term, const TermPlace& place) const = 0;
-  /// Whether the term measures displacements after the release from plate or clamps.
-  virtual bool measures_release(const Term& term) const = 0;
-  /// Whether the optimizer gets the term as the largest of several values (Response::largest_of()).
-  virtual bool is_largest(const Term& term) const = 0;
-  /// Whether the term is a quadratic form of the displacement alone, and of nothing else.
-  virtual bool is_quadratic(const Term& term) const = 0;
-  /// Names of the node sets that the term measures.
-  virtual std::vector<std::string> node_sets(const Term& term) const = 0;
-  /// Layer thickness that the term aims at, length unit; none if it aims at none.
-  virtual std::optional<double> target_thickness(const Term& term) const = 0;
+  virtual TermFacts facts(const Term& term) const = 0;
   virtual std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const = 0;
   virtual std::unique_ptr<Response<3>> make(const Term& term, const ResponseContext<3>& context) const = 0;
 };
@@ -80,9 +80,8 @@ void register_type(const ResponseType* type);
 /// Registers a response. The response's source defines one object of this type.
 ///   - Kind<Dim>: the response, with a constructor (const ResponseContext<Dim>&, const Settings&) or a static
 ///     function make() with these arguments;
-///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&),
-///     measures_release(), is_largest(), is_quadratic(), node_sets() or target_thickness(), these are the
-///     type's.
+///   - Settings: what its keys are bound to. If it has functions check(const TermPlace&) or facts(), these
+///     are the type's.
 template <template <int> class Kind, class Settings>
 class Registered : public ResponseType {
  public:
@@ -95,29 +94,9 @@ class Registered : public ResponseType {
   void check(const Term& term, const TermPlace& place) const override {
     if constexpr (requires(const Settings& settings) { settings.check(place); }) read(term).check(place);
   }
-  bool measures_release(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.measures_release(); })
-      return read(term).measures_release();
-    return false;
-  }
-  bool is_largest(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.is_largest(); })
-      return read(term).is_largest();
-    return false;
-  }
-  bool is_quadratic(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.is_quadratic(); })
-      return read(term).is_quadratic();
-    return false;
-  }
-  std::vector<std::string> node_sets(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.node_sets(); }) return read(term).node_sets();
+  TermFacts facts(const Term& term) const override {
+    if constexpr (requires(const Settings& settings) { settings.facts(); }) return read(term).facts();
     return {};
-  }
-  std::optional<double> target_thickness(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.target_thickness(); })
-      return read(term).target_thickness();
-    return std::nullopt;
   }
   std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const override {
     return make_kind<2>(term, context);

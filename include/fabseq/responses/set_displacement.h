@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The displacements of a node set, on which distortion is measured (docs/formulation.md 5).
+/// The displacements of a node set, on which distortion is measured, and its extent (docs/formulation.md 5).
 #pragma once
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/responses/response.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace fabseq {
@@ -71,6 +74,34 @@ class SetDisplacement {
   const Part<Dim>& part_;
   const NodeSet& nodes_;
   bool after_release_;
+};
+
+/// Where a set of nodes lies; the same on all ranks.
+template <int Dim>
+struct SetExtent {
+  Point<Dim> center{};  ///< mean of the nodes' positions, length unit
+  double radius = 0.0;  ///< largest distance of a node from the centre, length unit
+
+  /// Collective on the grid's communicator.
+  explicit SetExtent(const SetDisplacement<Dim>& set) {
+    for (const int node : set.nodes().owned)
+      for (int axis = 0; axis < Dim; ++axis) center[axis] += set.position(node)[axis];
+    sum_in_place(set.comm(), center);
+    for (double& coordinate : center) coordinate /= static_cast<double>(set.nodes().count);
+    for (const int node : set.nodes().owned) {
+      double square = 0.0;
+      for (int axis = 0; axis < Dim; ++axis) square += std::pow(set.position(node)[axis] - center[axis], 2);
+      radius = std::max(radius, std::sqrt(square));
+    }
+    radius = max(set.comm(), radius);
+  }
+
+  /// A position seen from the centre, relative to the radius.
+  Point<Dim> relative(Point<Dim> position) const {
+    for (int axis = 0; axis < Dim; ++axis)
+      position[axis] = (position[axis] - center[axis]) / (radius > 0.0 ? radius : 1.0);
+    return position;
+  }
 };
 
 }  // namespace fabseq

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace fabseq {
 
@@ -25,13 +24,9 @@ struct SmoothExcess {
   double value, slope;
 };
 
-/// Upper bounds of components that are means of excesses. Their logarithms are bounded: the means range over
-/// orders of magnitude.
-inline std::vector<ConstraintRow> excess_bounds(int components, double limit, double margin) {
-  std::vector<ConstraintRow> result;
-  for (int i = 0; i < components; ++i)
-    result.push_back({.component = i, .bound = margin * limit, .logarithmic = true});
-  return result;
+/// Upper bound of a mean of excesses. Its logarithm is bounded: the means range over orders of magnitude.
+inline ConstraintRow excess_bound(double limit, double margin) {
+  return {.bound = margin * limit, .logarithmic = true};
 }
 
 }  // namespace fabseq

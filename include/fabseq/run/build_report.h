@@ -16,8 +16,8 @@ namespace fabseq {
 
 /// Residual stress of the part as built, on the plate.
 struct StressNumbers {
-  double von_mises = 0.0;                    ///< largest equivalent stress, stress unit
-  std::optional<double> share_beyond_yield;  ///< of the part's volume; none without a yield stress
+  double von_mises = 0.0;           ///< largest equivalent stress, stress unit
+  double share_beyond_yield = 0.0;  ///< of the part's volume
 };
 
 /// Angle between the torch's axis and the plate's normal.
@@ -63,8 +63,7 @@ template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                         const PipelineState<Dim>& state);
 
-/// The same with build time, wire and stress: report of a pipeline's last run, of its binary layers whatever
-/// layers it ran with (docs/formulation.md 13.1). `used_layers`: those with more than a trace of the volume.
+/// The same with build time, wire and stress. `used_layers`: those with more than a trace of the volume.
 /// Collective.
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,

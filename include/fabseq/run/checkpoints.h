@@ -2,7 +2,6 @@
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
-#include "fabseq/files/history.h"
 #include "fabseq/optimize/run_state.h"
 #include "fabseq/run/restart.h"
 #include "fabseq/run/run_clock.h"
@@ -17,9 +16,8 @@ template <int Dim>
 class Checkpoints {
  public:
   /// All arguments must outlive the object.
-  Checkpoints(const Setup<Dim>& setup, const OutputDirectory& directory, const History& history,
-              RunClock& clock, PhaseTimer& timer)
-      : setup_(setup), directory_(directory), history_(history), clock_(clock), timer_(timer) {}
+  Checkpoints(const Setup<Dim>& setup, const OutputDirectory& directory, RunClock& clock, PhaseTimer& timer)
+      : setup_(setup), directory_(directory), clock_(clock), timer_(timer) {}
 
   /// Takes over history, seconds and checkpoint of an earlier run.
   void continue_from(const Restart& restart);
@@ -36,7 +34,6 @@ class Checkpoints {
  private:
   const Setup<Dim>& setup_;
   const OutputDirectory& directory_;
-  const History& history_;
   RunClock& clock_;
   PhaseTimer& timer_;
   CheckpointState kept_;        ///< the state between the last two iterations

@@ -16,10 +16,13 @@ struct DisplacementSize {
   double largest = 0.0, rms = 0.0;
 };
 
-/// How far a part is from the drawing, in length units.
-struct Deviation {
+struct DisplacementSizes {
   DisplacementSize part;
   std::optional<DisplacementSize> nodes;  ///< of all node sets that the objective measures; none without them
+};
+
+/// How far a part is from the drawing, in length units.
+struct Deviation : DisplacementSizes {
   /// Machining stock: how far the skin lies outside and inside of its place along its normal, after the best
   /// rigid fit. Both at least 0.
   double outward = 0.0, inward = 0.0;
@@ -38,14 +41,8 @@ template <int Dim>
 FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                              const PipelineState<Dim>& state);
 
-/// Marks the owned nodes of all node sets that the objective measures; none if it measures none.
+/// Sizes of a displacement, [owned node][component]. Collective.
 template <int Dim>
-std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model);
-
-/// Size of a displacement, [owned node][component], on the part's nodes, or on the owned nodes that `nodes`
-/// marks. Collective.
-template <int Dim>
-DisplacementSize displacement_size(const Part<Dim>& part, const std::vector<double>& displacement,
-                                   const std::optional<std::vector<char>>& nodes = std::nullopt);
+DisplacementSizes displacement_sizes(const Model<Dim>& model, const std::vector<double>& displacement);
 
 }  // namespace fabseq

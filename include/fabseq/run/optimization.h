@@ -35,15 +35,10 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
 
 /// The planar sequence that others are compared with.
 template <int Dim>
-SequenceReport<Dim> planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer);
+SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer);
 /// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
 template <int Dim>
 std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration);
-/// What the best design comes to, the one that the config starts from, at the same sharpness, and as many
-/// planar layers.
-template <int Dim>
-FinalReports<Dim> final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                                const BestIterate& best, PhaseTimer& timer);
 /// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
 /// the table from being made is a warning: the results are there.
 template <int Dim>

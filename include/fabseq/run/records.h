@@ -42,12 +42,8 @@ Json to_record(const SolverIterations& iterations);
 
 /// What only a run has that was not interrupted.
 struct Finish {
+  const FinalReports& reports;
   const BestIterate& best;
-  const SequenceNumbers& optimized;
-  const SequenceNumbers& binary;
-  const SequenceNumbers* start;    ///< nullptr: its solves failed
-  const SequenceNumbers* matched;  ///< planar, as many layers as the binary ones; nullptr: the baseline has
-  std::int64_t interior_minima;
   const LayerVariables& layer_variables;
 };
 

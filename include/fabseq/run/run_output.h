@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/files/history.h"
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/run/checkpoints.h"
 #include "fabseq/run/restart.h"
@@ -28,9 +27,8 @@ class RunOutput {
             PhaseTimer& timer);
 
   const OutputDirectory& directory() const { return directory_; }
-  const std::string& path() const { return directory_.path(); }
   /// Keeps the planar baseline for comparison, and says what it is.
-  void baseline(SequenceReport<Dim> report, const std::string& solver);
+  void baseline(SequenceReport report, const std::string& solver);
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for
   /// it.
   void iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
@@ -38,7 +36,7 @@ class RunOutput {
   /// Keeps the state between two iterations; returns whether a checkpoint was written (Checkpoints::keep()).
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.
-  void finish(const RunEnd& end, const FinalReports<Dim>& reports, const BestIterate& best);
+  void finish(const RunEnd& end, const FinalReports& reports, const BestIterate& best);
   /// A run that ended on its coarse grid, which has left a directory of its own, has a summary all the same.
   void end_before_the_first(const std::string& status, const std::string& reason) {
     write_summary(summary({status, reason, 0}));
@@ -61,11 +59,10 @@ class RunOutput {
   PhaseTimer& timer_;
   OutputDirectory directory_;
   StopFile stop_file_;
-  History history_;
   RunClock clock_;
   Checkpoints<Dim> checkpoints_;
   Terminal terminal_;
-  std::optional<SequenceReport<Dim>> baseline_;
+  std::optional<SequenceReport> baseline_;
   bool asked_ = false;  ///< for fields and a checkpoint, by output_request
 };
 

@@ -6,6 +6,7 @@
 #include "fabseq/run/build_report.h"
 #include "fabseq/run/finished_shape.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,13 +20,12 @@ struct LayerNumbers {
 };
 
 /// What a deposition model (docs/formulation.md 4.6) makes of a sequence, before the release.
-struct DepositionNumbers {
-  DisplacementSize part;
-  std::optional<DisplacementSize> nodes;  ///< of all node sets that the objective measures; none without them
-  std::vector<NamedValue> distortions;    ///< values of the objective's terms of that type
+struct DepositionNumbers : DisplacementSizes {
+  std::vector<NamedValue> distortions;  ///< values of the objective's terms of that type
 };
 struct BothDepositions {
-  DepositionNumbers follow, nominal;
+  DepositionNumbers own, other;  ///< the model that the sequence was made for, and the other one
+  DepositionModel own_model = DepositionModel::nominal;
 };
 
 /// What the scenarios of the strain make of a term of the objective, J each (docs/formulation.md 5.1).
@@ -40,7 +40,6 @@ struct ScenarioNumbers {
 struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
-  DisplacementSize displacement_size;  ///< of the part's nodes
   BothDepositions depositions;
   std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
   std::optional<FinishedShape> finished;   ///< where it was asked for
@@ -55,23 +54,38 @@ struct SequenceNumbers {
 };
 
 /// Numbers and fields of a sequence, copied out of the pipeline.
-template <int Dim>
 struct SequenceReport : SequenceNumbers {
   std::vector<std::vector<double>> values;        ///< of each response
   std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
   std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
   BuildFields build_fields;                       ///< where the shape was asked for
-
-  /// Adds time, layer, displacement and, where there are any, the other fields and the release to a set,
-  /// names prefixed. The report must outlive it.
-  void add_fields(FieldSet<Dim>& fields, const std::string& prefix) const;
 };
+
+/// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
+/// measured by beside the planar baseline, the binary layers of the design that the config starts from.
+struct FinalReports {
+  SequenceReport optimized, binary;
+  std::optional<SequenceReport> start;  ///< none if its solves failed
+  /// Planar, in as many layers as the binary ones that hold anything; none if the baseline has so many or if
+  /// its solves failed.
+  std::optional<SequenceNumbers> matched;
+  std::int64_t interior_minima = 0;
+};
+
+/// Adds time, layer, displacement and, where there are any, the other fields and the release to a set, names
+/// prefixed. The report must outlive it.
+template <int Dim>
+void add_sequence_fields(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix);
 
 /// Reports the state of a pipeline's last run. `with_shape`: with the finished part, which takes a solve for
 /// the release. Collective.
 template <int Dim>
-SequenceReport<Dim> report_sequence(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
-                                    bool with_shape = true);
+SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                               const PipelineState<Dim>& state, bool with_shape = true);
+
+/// What both deposition models make of a pipeline's last run. Collective.
+template <int Dim>
+BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
+                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
 }  // namespace fabseq

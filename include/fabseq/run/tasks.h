@@ -5,21 +5,21 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/optimize/design.h"
+#include "fabseq/optimize/pipeline.h"
 #include "fabseq/run/setup.h"
-#include "fabseq/sequence/sequence.h"
+
+#include <vector>
 
 namespace fabseq {
-
-/// Tolerances of the tasks that compare digits.
-double evaluation_tolerance(const Config& config);
-constexpr double gradient_check_tolerance = 1e-12;
 
 /// The design to start from: that of -design FILE, or the initial values, with a warning where the file has
 /// none. Throws InputError if it does not fit the part or leaves the bounds.
 template <int Dim>
 Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                        const CommandLine& command_line);
+
+/// A gradient row for every component of every response, in their order.
+std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values);
 
 /// -task evaluate: values and gradients at one design; evaluation.json, gradients.h5.
 template <int Dim>

@@ -9,7 +9,6 @@
 #include "fabseq/sequence/sequence.h"
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -51,14 +50,10 @@ struct VariedPair {
   Varied sequence, planar;
 };
 
-/// The effective config of a setup with what "auto" stands for, so that changes of one thing change nothing
-/// else, and without constraints. Not collective.
+/// All changes that take a simulation, "unchanged" first. What "auto" stands for is fixed, so that a change
+/// of one thing changes nothing else, and there are no constraints. Not collective.
 template <int Dim>
-Json fixed_document(const Setup<Dim>& setup);
-/// All changes that take a simulation, the unchanged document first. `layers`: of the sequence and of the
-/// baseline. Not collective.
-std::vector<Variation> all_variations(const Config& config, const Json& fixed, int layers,
-                                      int baseline_layers);
+std::vector<Variation> all_variations(const Setup<Dim>& setup);
 
 /// Simulates both under a change; with `more`, fills in what needs no solve. Collective on the world of the
 /// setup. Throws InputError if the changed model is refused, NumericalError if a solve fails.

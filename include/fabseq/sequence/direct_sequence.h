@@ -7,7 +7,6 @@
 #include "fabseq/sequence/start_region.h"
 
 #include <memory>
-#include <span>
 
 namespace fabseq {
 

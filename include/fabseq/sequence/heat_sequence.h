@@ -25,11 +25,6 @@ struct HeatModel {
   /// Keeps no reference to the part. Not collective.
   HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
 
-  /// Mass matrix of an element, lumped or consistent.
-  const SquareMatrix<corner_count<Dim>>& mass() const {
-    return lumped ? element.lumped_mass() : element.consistent_mass();
-  }
-
   ElementMatrices<Dim> element;
   double reaction;      ///< alpha, diffusivity / length^2
   bool lumped;          ///< whether the mass matrix is diagonal

@@ -21,7 +21,6 @@ class RepeatedAveraging {
   /// `radius`: length unit. Part and support must outlive the filter. Collective on the grid's communicator.
   RepeatedAveraging(const Part<Dim>& part, const DesignSupport<Dim>& support, double radius);
 
-  bool is_identity() const { return passes_ == 0; }
   int passes() const { return passes_; }
   /// Filtered variables. Collective on the grid's communicator.
   std::vector<double> apply(std::span<const double> design) const;

@@ -4,9 +4,7 @@
 #include "fabseq/part/part.h"
 
 #include <limits>
-#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace fabseq {

@@ -52,7 +52,6 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   const Grid<Dim>& grid_;
   const SystemDomain& domain_;
   LaneElasticityProblem<Dim> problem_;
-  double poisson_;
   AssembledSolverSettings reference_settings_;
   LaneStop stop_;
   LaneHierarchy<Dim> hierarchy_;

@@ -26,8 +26,7 @@ class LaneFreeBody {
 
   /// Loads and displacements are [owned node][component]; 0 at nodes of no element. Does not throw if it does
   /// not converge. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
-  SolveReport solve(std::span<const double> load, std::span<double> displacement, double tolerance,
-                    int max_iterations);
+  SolveReport solve(std::span<const double> load, std::span<double> displacement, double tolerance);
 
  private:
   using Problem = LaneElasticityProblem<Dim>;

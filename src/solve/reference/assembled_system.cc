@@ -161,10 +161,9 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
   check(MatZeroEntries(matrix_));
   for (std::size_t element = 0; element < domain_.first_corners.size(); ++element) {
     std::fill(element_matrix.begin(), element_matrix.end(), 0.0);
-    for (const Term& term : terms) {
-      const double coefficient = term.coefficients.empty() ? 1.0 : term.coefficients[element];
-      for (std::size_t i = 0; i < entries; ++i) element_matrix[i] += coefficient * term.matrix[i];
-    }
+    for (const Term& term : terms)
+      for (std::size_t i = 0; i < entries; ++i)
+        element_matrix[i] += term.coefficients[element] * term.matrix[i];
     // Negative numbers, the nodes that are no unknowns, are skipped by PETSc.
     for (int corner = 0; corner < corners; ++corner)
       nodes[corner] = numbering_->numbers()[domain_.first_corners[element] + grid.corner_offsets()[corner]];
@@ -223,7 +222,10 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   check(KSPSolve(solver_, load_, solution_));
   SolveReport report = last_report();
   if (!report.converged) stop_if_requested(comm);
-  if (!report.converged && relax()) {
+  if (!report.converged && method_ != ReferenceMethod::direct && !relaxed_) {
+    relaxed_ = true;
+    create_solver();
+    check(KSPSetUp(solver_));
     check(KSPSolve(solver_, load_, solution_));
     report = last_report();
   }
@@ -302,15 +304,6 @@ SolveReport AssembledSystem<Dim>::last_report() const {
   report.converged = reason > 0;
   report.reason = KSPConvergedReasons[reason];
   return report;
-}
-
-template <int Dim>
-bool AssembledSystem<Dim>::relax() {
-  if (method_ == ReferenceMethod::direct || relaxed_) return false;
-  relaxed_ = true;
-  create_solver();
-  check(KSPSetUp(solver_));
-  return true;
 }
 
 FABSEQ_INSTANTIATE_CLASS(AssembledSystem);

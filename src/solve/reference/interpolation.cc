@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/box_gather.h"
 #include "fabseq/solve/reference/preconditioner.h"
 
-#include <array>
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -13,9 +14,8 @@ namespace {
 /// A level's nodes on this rank: a coarse node belongs to the rank that owns the fine node it coincides with.
 template <int Dim>
 struct Level {
-  Index<Dim> elements{};
+  Decomposition<Dim> ranges;  ///< of the nodes
   IndexBox<Dim> owned, ghosted;
-  std::array<std::vector<PetscInt>, Dim> node_ranges;  ///< nodes of each process along each axis
   DmHandle dm;
   std::unique_ptr<NodeExchange<Dim>> exchange;
   std::vector<PetscInt> numbers;  ///< of the ghosted nodes, -1: no unknown
@@ -23,47 +23,29 @@ struct Level {
   std::int64_t count = 0;
 };
 
-/// Node counts of each process along each axis, from the boxes the ranks own.
-template <int Dim>
-std::array<std::vector<PetscInt>, Dim> gather_ranges(const Grid<Dim>& grid, const IndexBox<Dim>& owned) {
-  std::array<std::vector<PetscInt>, Dim> ranges;
-  int stride = 1;
-  for (int axis = 0; axis < Dim; ++axis) {
-    std::vector<std::int64_t> counts(grid.processes()[axis], 0);
-    const int position = rank_of(grid.comm()) / stride % grid.processes()[axis];
-    // Every rank of a slab contributes the same number: the largest is it.
-    counts[position] = owned.size[axis];
-    for (std::int64_t& count : counts) ranges[axis].push_back(static_cast<PetscInt>(max(grid.comm(), count)));
-    stride *= grid.processes()[axis];
-  }
-  return ranges;
-}
-
 template <int Dim>
 Level<Dim> finest_level(const Grid<Dim>& grid) {
   Level<Dim> level;
-  level.elements = grid.domain().elements;
   level.owned = grid.owned_nodes();
+  level.ranges = grid.decomposition();
+  for (std::vector<int>& starts : level.ranges.range_starts) ++starts.back();
   return level;
 }
 
-/// The next coarser level's boxes; false if the grid cannot be coarsened further.
+/// The next coarser level's ranges and boxes; false if the grid cannot be coarsened further.
 template <int Dim>
 bool coarsen_boxes(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
-  bool possible = true;
-  for (int axis = 0; axis < Dim; ++axis) {
-    possible = possible && fine.elements[axis] % 2 == 0;
-    coarse.elements[axis] = fine.elements[axis] / 2;
-    const int begin = (fine.owned.start[axis] + 1) / 2;
-    const int end = (fine.owned.start[axis] + fine.owned.size[axis] + 1) / 2;
-    coarse.owned.start[axis] = begin;
-    coarse.owned.size[axis] = end - begin;
-    possible = possible && end > begin;
-    const int ghost_begin = std::max(begin - 1, 0);
-    coarse.ghosted.start[axis] = ghost_begin;
-    coarse.ghosted.size[axis] = std::min(end + 1, coarse.elements[axis] + 1) - ghost_begin;
+  coarse.ranges = fine.ranges;
+  for (std::vector<int>& starts : coarse.ranges.range_starts) {
+    if (starts.back() % 2 == 0) return false;
+    for (int& start : starts) start = (start + 1) / 2;
+    if (std::adjacent_find(starts.begin(), starts.end()) != starts.end()) return false;
   }
-  return !any(grid.comm(), !possible);
+  coarse.owned = coarse.ranges.elements_of(coarse.ranges.position_of(rank_of(grid.comm())));
+  IndexBox<Dim> all;
+  for (int axis = 0; axis < Dim; ++axis) all.size[axis] = coarse.ranges.range_starts[axis].back();
+  coarse.ghosted = ringed(coarse.owned).common_with(all);
+  return true;
 }
 
 /// Calls f(coarse node, weight) for the coarse nodes that interpolate to a fine node.
@@ -86,8 +68,7 @@ void for_each_parent(const Index<Dim>& fine, Function&& f) {
 
 template <int Dim>
 void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
-  coarse.node_ranges = gather_ranges(grid, coarse.owned);
-  coarse.dm = make_node_dm<Dim>(grid.comm(), grid.processes(), coarse.node_ranges, 1);
+  coarse.dm = make_node_dm<Dim>(grid.comm(), coarse.ranges, 1);
   coarse.exchange = std::make_unique<NodeExchange<Dim>>(coarse.dm, 1);
   std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
   std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));

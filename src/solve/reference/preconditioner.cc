@@ -24,22 +24,19 @@ constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
 /// And by this one once the other was too small.
 constexpr const char* safest_transform = "0,0.1,0,3";
 
-/// Value of an option for systems that are not relaxed: the user's, or else `value`. Kept, for the option
-/// itself may since have been set for a relaxed system, and the next one shall begin like the first.
-const std::string& normal_value(const std::string& name, const char* value) {
-  static std::map<std::string, std::string> values;
-  const auto known = values.find(name);
-  if (known != values.end()) return known->second;
-  std::array<char, 256> given{};
-  PetscBool is_given = PETSC_FALSE;
-  check(PetscOptionsGetString(nullptr, nullptr, name.c_str(), given.data(), given.size(), &is_given));
-  return values.emplace(name, is_given == PETSC_TRUE ? given.data() : value).first->second;
-}
-
-/// Sets a PETSc option to its normal value. Asking for it marks it as read.
+/// Sets a PETSc option to its value for systems that are not relaxed: the user's, or else `value`. Kept, for
+/// the option itself may since have been set for a relaxed system, and the next one shall begin like the
+/// first. Asking for it marks it as read.
 void set_normal_option(const std::string& name, const char* value) {
-  check(PetscOptionsSetValue(nullptr, name.c_str(), normal_value(name, value).c_str()));
+  static std::map<std::string, std::string> values;
+  const auto [normal, is_new] = values.try_emplace(name, value);
   PetscBool given = PETSC_FALSE;
+  if (is_new) {
+    std::array<char, 256> text{};
+    check(PetscOptionsGetString(nullptr, nullptr, name.c_str(), text.data(), text.size(), &given));
+    if (given == PETSC_TRUE) normal->second = text.data();
+  }
+  check(PetscOptionsSetValue(nullptr, name.c_str(), normal->second.c_str()));
   check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
 }
 

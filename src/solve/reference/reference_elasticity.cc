@@ -7,8 +7,7 @@ template <int Dim>
 ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const SystemDomain& domain,
                                               const SquareMatrix<element_unknowns<Dim>>& stiffness,
                                               const AssembledSolverSettings& settings)
-    : grid_(grid),
-      domain_(domain),
+    : domain_(domain),
       stiffness_(stiffness),
       settings_(settings),
       numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
@@ -44,9 +43,8 @@ template <int Dim>
 std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<const LaneVector> loads,
                                                                       std::span<LaneVector> displacements) {
   std::vector<std::vector<SolveReport>> reports(loads.size(), std::vector<SolveReport>(lanes_));
-  const auto unknowns = static_cast<std::size_t>(grid_.owned_nodes().count()) * Dim;
-  std::vector<std::vector<double>> load(loads.size());
-  std::vector<std::vector<double>> displacement(loads.size(), std::vector<double>(unknowns));
+  std::vector<std::vector<double>> load(loads.size()), displacement;
+  for (const LaneVector& set : loads) displacement.emplace_back(set.unknowns());
   for (int lane = 0; lane < lanes_; ++lane) {
     for (std::size_t set = 0; set < loads.size(); ++set) load[set] = loads[set].lane(lane);
     const std::vector<SolveReport> of_lane = assembled(lane).solve(load, displacement);

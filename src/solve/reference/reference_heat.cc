@@ -27,8 +27,7 @@ void ReferenceHeat<Dim>::start_cold() {
 template <int Dim>
 void ReferenceHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
   const std::vector<double> reactions(diffusivity.size(), reaction);
-  system_->assemble({{element_.conductivity(), diffusivity},
-                     {lumped_ ? element_.lumped_mass() : element_.consistent_mass(), reactions}});
+  system_->assemble({{element_.conductivity(), diffusivity}, {element_.mass(lumped_), reactions}});
 }
 
 template <int Dim>

@@ -32,8 +32,7 @@ struct AssembledSolverSettings {
 template <int Dim>
 class AssembledSystem {
  public:
-  /// A sum of element matrices: sum over elements of coefficient[element] * matrix. `coefficients` is empty
-  /// for 1 throughout.
+  /// A sum of element matrices: sum over elements of coefficient[element] * matrix.
   struct Term {
     std::span<const double> matrix;        ///< (components * corners)^2, row by row
     std::span<const double> coefficients;  ///< one per element of the domain, in its order
@@ -58,10 +57,6 @@ class AssembledSystem {
   /// Later solves go to this tolerance. Collective.
   void set_tolerance(double tolerance);
 
-  /// The method in use (usable_method())
-  ReferenceMethod method() const { return method_; }
-  std::int64_t unknowns() const { return numbering_->count() * numbering_->components(); }
-
  private:
   void create_matrix();
   void create_solver();
@@ -70,13 +65,12 @@ class AssembledSystem {
   std::vector<SolveReport> solve_side_by_side(std::span<const std::vector<double>> loads,
                                               std::span<std::vector<double>> solutions);
   SolveReport last_report() const;
-  bool relax();
 
   const SystemDomain& domain_;
   std::shared_ptr<const UnknownNumbering<Dim>> numbering_;
   AssembledSolverSettings settings_;
   ReferenceMethod method_;
-  bool relaxed_ = false;
+  bool relaxed_ = false;  ///< whether a solve needed the safe preconditioner
   MatHandle matrix_;
   KspHandle solver_;
   VecHandle load_, solution_;

@@ -36,7 +36,6 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
  private:
   AssembledSystem<Dim>& assembled(int lane);
 
-  const Grid<Dim>& grid_;
   const SystemDomain& domain_;
   SquareMatrix<element_unknowns<Dim>> stiffness_;
   AssembledSolverSettings settings_;

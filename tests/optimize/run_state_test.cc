@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// How closely the solves of an iteration go where the tolerance follows the design (formulation 9).
-#include "fabseq/optimize/following_tolerance.h"
+#include "fabseq/optimize/run_state.h"
 
 #include <gtest/gtest.h>
 
