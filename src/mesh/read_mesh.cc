@@ -12,10 +12,12 @@
 #include <assimp/scene.h>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace fabseq {
@@ -100,15 +102,12 @@ class MeshBuilder {
         const unsigned corners[3] = {face.mIndices[0], face.mIndices[i - 1], face.mIndices[i]};
         for (int c = 0; c < 3; ++c) triangle[c] = number_of(transformation, mesh.mVertices[corners[c]]);
         const auto& [p, q, r] = triangle;
-        if (p == q || q == r || r == p)
-          ++result_.degenerate;
-        else
-          result_.mesh.triangles.push_back(triangle);
+        if (p != q && q != r && r != p) result_.triangles.push_back(triangle);
       }
     }
   }
 
-  MeshInFile take() { return std::move(result_); }
+  TriangleMesh take() { return std::move(result_); }
 
  private:
   std::int32_t number_of(const Transformation& transformation, const aiVector3D& vertex) {
@@ -120,8 +119,8 @@ class MeshBuilder {
     return numbers_.number_of(point);
   }
 
-  MeshInFile result_;
-  PointNumbers numbers_{result_.mesh.points};
+  TriangleMesh result_;
+  PointNumbers numbers_{result_.points};
 };
 
 /// Text of an error of assimp on one line.
@@ -141,7 +140,7 @@ bool lacks_end_of_header(const std::string& path) {
 }
 
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
-MeshInFile read_alone(const std::string& path) {
+TriangleMesh read_alone(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status))
@@ -167,32 +166,27 @@ MeshInFile read_alone(const std::string& path) {
   MeshBuilder builder;
   for_each_mesh(*scene, *scene->mRootNode, {},
                 [&](const aiMesh& mesh, const Transformation& there) { builder.add(mesh, there); });
-  MeshInFile result = builder.take();
-  if (result.mesh.triangles.empty())
+  TriangleMesh result = builder.take();
+  if (result.triangles.empty())
     throw InputError("has no triangle, nor a polygon, with corners at different points; needs a surface");
   return result;
 }
 
-/// Copies rank 0's entries to all ranks, in pieces that MPI can count. Collective.
+/// Copies rank 0's entries to all ranks. Collective.
 template <class T>
 void broadcast_entries(MPI_Comm comm, std::vector<T>& entries) {
   auto count = static_cast<std::int64_t>(entries.size());
   MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
   entries.resize(static_cast<std::size_t>(count));
-  constexpr std::size_t piece = 1 << 30;
-  auto* bytes = reinterpret_cast<char*>(entries.data());
-  for (std::size_t left = entries.size() * sizeof(T); left > 0;) {
-    const std::size_t now = std::min(left, piece);
-    MPI_Bcast(bytes, static_cast<int>(now), MPI_BYTE, 0, comm);
-    bytes += now;
-    left -= now;
-  }
+  for_each_message(std::as_writable_bytes(std::span(entries)), [comm](std::span<std::byte> part) {
+    MPI_Bcast(part.data(), static_cast<int>(part.size()), MPI_BYTE, 0, comm);
+  });
 }
 
 }  // namespace
 
-MeshInFile read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
-  MeshInFile result;
+TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
+  TriangleMesh result;
   run_on_first(comm, [&] {
     try {
       result = read_alone(path);
@@ -200,9 +194,8 @@ MeshInFile read_mesh(MPI_Comm comm, const std::string& path, const std::string& 
       throw InputError(key + ": '" + path + "': " + error.what());
     }
   });
-  broadcast_entries(comm, result.mesh.points);
-  broadcast_entries(comm, result.mesh.triangles);
-  MPI_Bcast(&result.degenerate, 1, MPI_INT64_T, 0, comm);
+  broadcast_entries(comm, result.points);
+  broadcast_entries(comm, result.triangles);
   return result;
 }
 

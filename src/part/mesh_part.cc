@@ -62,7 +62,7 @@ Matrix scaled_rotation(const MeshFile& description) {
 
 PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate) {
   matrix_ = scaled_rotation(description);
-  const TriangleMesh read = read_mesh(comm, description.file, "/part/mesh/file").mesh;
+  const TriangleMesh read = read_mesh(comm, description.file, "/part/mesh/file");
   if (!description.as_is) {
     const Bounds turned = bounds(placed(read));
     shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];

@@ -135,7 +135,7 @@ class ReadMeshTest : public testing::Test {
     MPI_Barrier(PETSC_COMM_WORLD);
     return scratch_.file(name);
   }
-  MeshInFile read(const std::string& name, const std::string& text) const {
+  TriangleMesh read(const std::string& name, const std::string& text) const {
     return read_mesh(PETSC_COMM_WORLD, write(name, text), "/part/mesh/file");
   }
   static std::string refusal_of(const std::string& path) {
@@ -153,14 +153,13 @@ class ReadMeshTest : public testing::Test {
   test::ScratchDirectory scratch_;
 };
 
-void expect_box(const MeshInFile& found, double shift = 0.0) {
-  EXPECT_EQ(found.mesh.points.size(), 8u);
-  EXPECT_EQ(found.mesh.triangles.size(), 12u);
-  EXPECT_EQ(found.degenerate, 0);
-  EXPECT_TRUE(is_closed(found.mesh));
-  EXPECT_NEAR(signed_volume(found.mesh), 8.0, 1e-12);
-  EXPECT_EQ(bounds(found.mesh).low, (Point<3>{1 + shift, 2, 3}));
-  EXPECT_EQ(bounds(found.mesh).high, (Point<3>{2 + shift, 4, 7}));
+void expect_box(const TriangleMesh& found, double shift = 0.0) {
+  EXPECT_EQ(found.points.size(), 8u);
+  EXPECT_EQ(found.triangles.size(), 12u);
+  EXPECT_TRUE(is_closed(found));
+  EXPECT_NEAR(signed_volume(found), 8.0, 1e-12);
+  EXPECT_EQ(bounds(found).low, (Point<3>{1 + shift, 2, 3}));
+  EXPECT_EQ(bounds(found).high, (Point<3>{2 + shift, 4, 7}));
 }
 
 TEST_F(ReadMeshTest, EachFormat) {
@@ -174,19 +173,19 @@ TEST_F(ReadMeshTest, EachFormat) {
 
 TEST_F(ReadMeshTest, JoinsSeveralSolids) {
   const TriangleMesh other = box_mesh({5, 5, 5}, {6, 6, 6});
-  const MeshInFile found = read("two.stl", ascii_stl(box) + ascii_stl(other));
-  EXPECT_EQ(found.mesh.points.size(), 16u);
-  EXPECT_NEAR(signed_volume(found.mesh), 9.0, 1e-12);
-  EXPECT_TRUE(is_closed(found.mesh));
+  const TriangleMesh found = read("two.stl", ascii_stl(box) + ascii_stl(other));
+  EXPECT_EQ(found.points.size(), 16u);
+  EXPECT_NEAR(signed_volume(found), 9.0, 1e-12);
+  EXPECT_TRUE(is_closed(found));
 }
 
 TEST_F(ReadMeshTest, ManyPointsAreJoined) {
   const TriangleMesh torus = test::torus_mesh(2, 1, 100, 60);
-  const MeshInFile found = read("torus.stl", binary_stl(torus));
-  EXPECT_EQ(found.mesh.points.size(), torus.points.size());
-  EXPECT_EQ(found.mesh.triangles.size(), torus.triangles.size());
-  EXPECT_TRUE(is_closed(found.mesh));
-  EXPECT_NEAR(signed_volume(found.mesh), signed_volume(torus), 1e-5);
+  const TriangleMesh found = read("torus.stl", binary_stl(torus));
+  EXPECT_EQ(found.points.size(), torus.points.size());
+  EXPECT_EQ(found.triangles.size(), torus.triangles.size());
+  EXPECT_TRUE(is_closed(found));
+  EXPECT_NEAR(signed_volume(found), signed_volume(torus), 1e-5);
 }
 
 /// A prism over an L, its faces polygons, among lines, points and points that nothing uses.
@@ -196,34 +195,33 @@ TEST_F(ReadMeshTest, PolygonsLinesAndPoints) {
       "v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\nv 9 9 9\n"
       "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\n"
       "f 6 1 7 12\nl 1 9\np 2\n";
-  const MeshInFile found = read("l.obj", prism);
-  EXPECT_EQ(found.mesh.points.size(), 12u);
-  EXPECT_EQ(found.mesh.triangles.size(), 20u);
-  EXPECT_TRUE(is_closed(found.mesh));
-  EXPECT_NEAR(signed_volume(found.mesh), 3.0, 1e-12);
-  EXPECT_EQ(bounds(found.mesh).high, (Point<3>{2, 2, 1}));
+  const TriangleMesh found = read("l.obj", prism);
+  EXPECT_EQ(found.points.size(), 12u);
+  EXPECT_EQ(found.triangles.size(), 20u);
+  EXPECT_TRUE(is_closed(found));
+  EXPECT_NEAR(signed_volume(found), 3.0, 1e-12);
+  EXPECT_EQ(bounds(found).high, (Point<3>{2, 2, 1}));
 }
 
-TEST_F(ReadMeshTest, DegenerateTrianglesAreCounted) {
+TEST_F(ReadMeshTest, DegenerateTrianglesAreLeftOut) {
   TriangleMesh mesh = box;
   mesh.triangles.push_back({3, 3, 5});
   mesh.triangles.push_back({7, 7, 7});
   mesh.points.push_back({-0.0, 0, 0});
   mesh.points.push_back({0, -0.0, 0});
   mesh.triangles.push_back({8, 1, 9});  // zeros of either sign are the same point
-  for (const MeshInFile& found : {read("a.stl", binary_stl(mesh)), read("a.ply", ply(mesh))}) {
-    EXPECT_EQ(found.degenerate, 3);
-    EXPECT_EQ(found.mesh.triangles.size(), 12u);
-    EXPECT_TRUE(is_closed(found.mesh));
+  for (const TriangleMesh& found : {read("a.stl", binary_stl(mesh)), read("a.ply", ply(mesh))}) {
+    EXPECT_EQ(found.triangles.size(), 12u);
+    EXPECT_TRUE(is_closed(found));
   }
 }
 
 /// Without the flat triangle in the seam, the surface would have a slit.
 TEST_F(ReadMeshTest, TrianglesOfNoAreaStay) {
   const std::string seam = "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\nf 3 2 4\nf 1 4 2\n";
-  const MeshInFile found = read("seam.obj", seam);
-  EXPECT_EQ(found.mesh.triangles.size(), 4u);
-  EXPECT_TRUE(is_closed(found.mesh));
+  const TriangleMesh found = read("seam.obj", seam);
+  EXPECT_EQ(found.triangles.size(), 4u);
+  EXPECT_TRUE(is_closed(found));
 }
 
 TEST_F(ReadMeshTest, RefusesWhatIsNoRegularFile) {
