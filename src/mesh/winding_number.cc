@@ -182,27 +182,11 @@ void WindingNumber::walk(const Point<3>& center, double radius, Group& group) co
   }
 }
 
-double WindingNumber::at(const Point<3>& point) const {
-  double value = 0.0;
-  at({&point, 1}, point, 0.0, {&value, 1});
-  return value;
-}
-
 void WindingNumber::at(std::span<const Point<3>> points, const Point<3>& center, double radius,
                        std::span<double> values) const {
   Group group(points);
   walk(center, radius, group);
   for (std::size_t i = 0; i < points.size(); ++i) values[i] = group.value(i);
-}
-
-double WindingNumber::exact(const Point<3>& point) const {
-  double sum = 0.0;
-  for (const auto& [a, b, c] : triangles_) {
-    const HalfAngle half = half_solid_angle(difference(points_[a], point), difference(points_[b], point),
-                                            difference(points_[c], point));
-    if (half.sine != 0.0) sum += std::atan2(half.sine, half.cosine);
-  }
-  return sum / (2.0 * M_PI);
 }
 
 }  // namespace fabseq

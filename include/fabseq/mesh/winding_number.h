@@ -26,9 +26,6 @@ class WindingNumber {
   /// the mesh's points.
   explicit WindingNumber(const TriangleMesh& mesh);
 
-  /// The winding number around a point.
-  double at(const Point<3>& point) const;
-
   /// Most points that one call of at() takes.
   static constexpr std::size_t group_limit = 64;
   /// The winding numbers around points which are at most `radius` away from `center`; `values` has one entry
@@ -36,9 +33,6 @@ class WindingNumber {
   /// depends on its point, on `center` and on `radius`, but not on the other points.
   void at(std::span<const Point<3>> points, const Point<3>& center, double radius,
           std::span<double> values) const;
-
-  /// The same without the tree, as the sum over all triangles: for tests.
-  double exact(const Point<3>& point) const;
 
  private:
   /// The triangles from `begin` to `end`. The first child follows its parent; `second_child` is 0 in leaves.
