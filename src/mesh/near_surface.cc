@@ -34,8 +34,7 @@ IndexBox<3> nodes_around(const std::array<Point<3>, 3>& triangle, double distanc
   return result;
 }
 
-}  // namespace
-
+/// Distance of a point from a triangle (Ericson 2005, "Real-time collision detection", 5.1.5).
 double distance_to_triangle(const Point<3>& point, const std::array<Point<3>, 3>& triangle) {
   const Point<3> normal = cross(difference(triangle[1], triangle[0]), difference(triangle[2], triangle[0]));
   const double area = norm(normal);
@@ -48,6 +47,8 @@ double distance_to_triangle(const Point<3>& point, const std::array<Point<3>, 3>
   }
   return above ? std::abs(dot(difference(point, triangle[0]), normal)) / area : nearest;
 }
+
+}  // namespace
 
 std::vector<char> nodes_near(const TriangleMesh& mesh, double distance, const Domain<3>& domain,
                              const IndexBox<3>& box) {

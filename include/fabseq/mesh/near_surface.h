@@ -8,9 +8,6 @@
 
 namespace fabseq {
 
-/// Distance of a point from a triangle (Ericson 2005, "Real-time collision detection", 5.1.5).
-double distance_to_triangle(const Point<3>& point, const std::array<Point<3>, 3>& triangle);
-
 /// 1 for the nodes of `box`, lexicographic, that lie at most `distance` (length unit) from the mesh, 0 for
 /// others. Not collective.
 std::vector<char> nodes_near(const TriangleMesh& mesh, double distance, const Domain<3>& domain,
