@@ -200,6 +200,13 @@ Index<Dim> Decomposition<Dim>::position_of_element(const Index<Dim>& element) co
 }
 
 template <int Dim>
+Decomposition<Dim> Decomposition<Dim>::of_nodes() const {
+  Decomposition result = *this;
+  for (std::vector<int>& starts : result.range_starts) ++starts.back();
+  return result;
+}
+
+template <int Dim>
 std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& elements) {
   std::vector<Index<Dim>> grids;
   const auto extend = [&](const auto& self, Index<Dim> grid, int axis, int left) -> void {
@@ -216,12 +223,6 @@ std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& eleme
   };
   extend(extend, Index<Dim>{}, Dim - 1, ranks);
   return grids;
-}
-
-template <int Dim>
-Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& elements,
-                                        const ElementWeights<Dim>& weights) {
-  return choose_decomposition<Dim>(comm, size_of(comm), elements, weights);
 }
 
 template <int Dim>
@@ -257,8 +258,6 @@ Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Di
 
 FABSEQ_INSTANTIATE_STRUCT(Decomposition);
 FABSEQ_INSTANTIATE_FUNCTION(fitting_process_grids);
-template Decomposition<2> choose_decomposition<2>(MPI_Comm, const Index<2>&, const ElementWeights<2>&);
-template Decomposition<3> choose_decomposition<3>(MPI_Comm, const Index<3>&, const ElementWeights<3>&);
-template Decomposition<3> choose_decomposition<3>(MPI_Comm, int, const Index<3>&, const ElementWeights<3>&);
+FABSEQ_INSTANTIATE_FUNCTION(choose_decomposition);
 
 }  // namespace fabseq

@@ -24,18 +24,7 @@ IndexBox<Dim> grown(const IndexBox<Dim>& box, const Index<Dim>& width, const Ind
   return result;
 }
 
-/// The same entry along all axes.
-template <int Dim>
-Index<Dim> uniform(int entry) {
-  Index<Dim> result;
-  result.fill(entry);
-  return result;
-}
-
 }  // namespace
-
-template <int Dim>
-ElementHalo<Dim>::ElementHalo(const Grid<Dim>& grid, int width) : ElementHalo(grid, uniform<Dim>(width)) {}
 
 template <int Dim>
 ElementHalo<Dim>::ElementHalo(const Grid<Dim>& grid, const Index<Dim>& width)

@@ -78,28 +78,41 @@ void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
                  "/domain/elements: " + to_text<Dim>(domain.elements));
 }
 
-/// Nodes that belong to the rank of these elements: one per element, and one more at the upper end of the
-/// grid.
+/// A DMDA with a box stencil of width 1.
 template <int Dim>
-IndexBox<Dim> nodes_of(const IndexBox<Dim>& elements, const Index<Dim>& all) {
-  IndexBox<Dim> nodes = elements;
-  for (int axis = 0; axis < Dim; ++axis)
-    if (elements.start[axis] + elements.size[axis] == all[axis]) ++nodes.size[axis];
-  return nodes;
+DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components) {
+  std::array<std::vector<PetscInt>, Dim> counts;  // [axis][process]
+  for (int axis = 0; axis < Dim; ++axis) {
+    const std::vector<int>& starts = nodes.range_starts[axis];
+    for (std::size_t process = 0; process + 1 < starts.size(); ++process)
+      counts[axis].push_back(starts[process + 1] - starts[process]);
+  }
+  const auto all = [&](int axis) { return nodes.range_starts[axis].back(); };
+  const Index<Dim>& processes = nodes.processes;
+  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
+  DmHandle dm;
+  if constexpr (Dim == 2)
+    check(DMDACreate2d(comm, open, open, DMDA_STENCIL_BOX, all(0), all(1), processes[0], processes[1],
+                       components, 1, counts[0].data(), counts[1].data(), dm.receive()));
+  else
+    check(DMDACreate3d(comm, open, open, open, DMDA_STENCIL_BOX, all(0), all(1), all(2), processes[0],
+                       processes[1], processes[2], components, 1, counts[0].data(), counts[1].data(),
+                       counts[2].data(), dm.receive()));
+  check(DMSetUp(dm));
+  return dm;
 }
 
 }  // namespace
 
 template <int Dim>
-NodeExchange<Dim>::NodeExchange(DM dm, int components) : dm_(dm) {
+NodeExchange<Dim>::NodeExchange(MPI_Comm comm, const Decomposition<Dim>& nodes, int components)
+    : dm_(make_node_dm(comm, nodes, components)) {
   std::array<PetscInt, 3> owned{}, ghosted{};
-  check(DMDAGetCorners(dm, nullptr, nullptr, nullptr, &owned[0], &owned[1], &owned[2]));
-  check(DMDAGetGhostCorners(dm, nullptr, nullptr, nullptr, &ghosted[0], &ghosted[1], &ghosted[2]));
+  check(DMDAGetCorners(dm_, nullptr, nullptr, nullptr, &owned[0], &owned[1], &owned[2]));
+  check(DMDAGetGhostCorners(dm_, nullptr, nullptr, nullptr, &ghosted[0], &ghosted[1], &ghosted[2]));
   const auto values = [components](const std::array<PetscInt, 3>& size) {
     return components * size[0] * size[1] * size[2];
   };
-  MPI_Comm comm = MPI_COMM_NULL;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &comm));
   // The vectors have no arrays of their own; they are lent those of the caller.
   check(VecCreateMPIWithArray(comm, components, values(owned), PETSC_DETERMINE, nullptr, owned_.receive()));
   check(VecCreateSeqWithArray(PETSC_COMM_SELF, components, values(ghosted), nullptr, ghosted_.receive()));
@@ -134,44 +147,32 @@ void NodeExchange<Dim>::add_to_owned(std::span<const double> ghosted, std::span<
 }
 
 template <int Dim>
-Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights)
+Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const ElementWeights<Dim>& weights)
     : comm_(comm), domain_(domain) {
   require_domain<Dim>(comm, domain);
   for (int axis = 0; axis < Dim; ++axis) spacing_[axis] = domain.size[axis] / domain.elements[axis];
-  decomposition_ = choose_decomposition<Dim>(comm, domain.elements, weights);
+  decomposition_ = choose_decomposition<Dim>(comm, size_of(comm), domain.elements, weights);
   set_up_boxes();
 }
 
 template <int Dim>
 void Grid<Dim>::set_up_boxes() {
-  owned_elements_ = decomposition_.elements_of(decomposition_.position_of(rank_of(comm_)));
-  owned_nodes_ = nodes_of<Dim>(owned_elements_, domain_.elements);
-  for (int axis = 0; axis < Dim; ++axis) {
-    const int start = std::max(owned_nodes_.start[axis] - 1, 0);
-    const int end =
-        std::min(owned_nodes_.start[axis] + owned_nodes_.size[axis] + 1, domain_.elements[axis] + 1);
-    ghosted_nodes_.start[axis] = start;
-    ghosted_nodes_.size[axis] = end - start;
-  }
+  const Index<Dim> position = decomposition_.position_of(rank_of(comm_));
+  owned_elements_ = decomposition_.elements_of(position);
+  owned_nodes_ = decomposition_.of_nodes().elements_of(position);
+  ghosted_nodes_ = ringed(owned_nodes_).common_with(all_nodes());
   if (any(comm_, ghosted_nodes_.count() > std::numeric_limits<int>::max()))
     throw InputError("/domain/elements: " + to_text<Dim>(domain_.elements) + " on " +
                      std::to_string(size_of(comm_)) + " ranks leave a rank more than " +
                      std::to_string(std::numeric_limits<int>::max()) + " nodes: use more ranks");
 
-  for (int corner = 0; corner < corner_count<Dim>; ++corner) {
-    Index<Dim> node = ghosted_nodes_.start;
-    for (int axis = 0; axis < Dim; ++axis) node[axis] += (corner >> axis) & 1;
-    corner_offsets_[corner] = static_cast<int>(ghosted_nodes_.offset(node));
-  }
+  for (int corner = 0; corner < corner_count<Dim>; ++corner)
+    corner_offsets_[corner] = first_corner(stepped<Dim>(ghosted_nodes_.start, corner, 1));
 
-  const int ranks = size_of(comm_);
-  element_starts_.assign(static_cast<std::size_t>(ranks) + 1, 0);
-  node_starts_.assign(static_cast<std::size_t>(ranks) + 1, 0);
-  for (int rank = 0; rank < ranks; ++rank) {
-    const IndexBox<Dim> elements = decomposition_.elements_of(decomposition_.position_of(rank));
-    element_starts_[rank + 1] = element_starts_[rank] + elements.count();
-    node_starts_[rank + 1] = node_starts_[rank] + nodes_of<Dim>(elements, domain_.elements).count();
-  }
+  element_starts_.push_back(0);
+  for (int rank = 0; rank < size_of(comm_); ++rank)
+    element_starts_.push_back(element_starts_[rank] +
+                              decomposition_.elements_of(decomposition_.position_of(rank)).count());
 }
 
 template <int Dim>
@@ -183,17 +184,9 @@ double Grid<Dim>::element_volume() const {
 
 template <int Dim>
 IndexBox<Dim> Grid<Dim>::all_nodes() const {
-  return nodes_of<Dim>(all_elements(), domain_.elements);
-}
-
-template <int Dim>
-Point<Dim> Grid<Dim>::element_center(const Index<Dim>& element) const {
-  return fabseq::element_center<Dim>(domain_, element);
-}
-
-template <int Dim>
-Point<Dim> Grid<Dim>::node_position(const Index<Dim>& node) const {
-  return fabseq::node_position<Dim>(domain_, node);
+  IndexBox<Dim> nodes = all_elements();
+  for (int& size : nodes.size) ++size;
+  return nodes;
 }
 
 template <int Dim>
@@ -204,57 +197,14 @@ std::int64_t Grid<Dim>::element_number(const Index<Dim>& element) const {
 }
 
 template <int Dim>
-std::int64_t Grid<Dim>::node_number(const Index<Dim>& node) const {
-  Index<Dim> element = node;  // the element whose lowest node it is, or the last one
-  for (int axis = 0; axis < Dim; ++axis) element[axis] = std::min(element[axis], domain_.elements[axis] - 1);
-  const Index<Dim> process = decomposition_.position_of_element(element);
-  return node_starts_[decomposition_.rank_at(process)] +
-         nodes_of<Dim>(decomposition_.elements_of(process), domain_.elements).offset(node);
-}
-
-template <int Dim>
-DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components) {
-  std::array<std::vector<PetscInt>, Dim> counts;  // [axis][process]
-  for (int axis = 0; axis < Dim; ++axis) {
-    const std::vector<int>& starts = nodes.range_starts[axis];
-    for (std::size_t process = 0; process + 1 < starts.size(); ++process)
-      counts[axis].push_back(starts[process + 1] - starts[process]);
-  }
-  const auto all = [&](int axis) { return nodes.range_starts[axis].back(); };
-  const Index<Dim>& processes = nodes.processes;
-  constexpr DMBoundaryType open = DM_BOUNDARY_NONE;
-  DmHandle dm;
-  if constexpr (Dim == 2)
-    check(DMDACreate2d(comm, open, open, DMDA_STENCIL_BOX, all(0), all(1), processes[0], processes[1],
-                       components, 1, counts[0].data(), counts[1].data(), dm.receive()));
-  else
-    check(DMDACreate3d(comm, open, open, open, DMDA_STENCIL_BOX, all(0), all(1), all(2), processes[0],
-                       processes[1], processes[2], components, 1, counts[0].data(), counts[1].data(),
-                       counts[2].data(), dm.receive()));
-  check(DMSetUp(dm));
-  return dm;
-}
-
-template <int Dim>
-DM Grid<Dim>::node_dm(int components) const {
-  const auto found = node_dms_.find(components);
-  if (found != node_dms_.end()) return found->second;
-  require_countable<Dim>(domain_.elements, components);
-
-  Decomposition<Dim> nodes = decomposition_;
-  for (std::vector<int>& starts : nodes.range_starts) ++starts.back();
-  DmHandle dm = make_node_dm<Dim>(comm_, nodes, components);
-  return node_dms_.emplace(components, std::move(dm)).first->second;
-}
-
-template <int Dim>
 const NodeExchange<Dim>& Grid<Dim>::exchange(int components) const {
   std::unique_ptr<NodeExchange<Dim>>& entry = exchanges_[components];
-  if (!entry) entry = std::make_unique<NodeExchange<Dim>>(node_dm(components), components);
+  if (entry) return *entry;
+  require_countable<Dim>(domain_.elements, components);
+  entry = std::make_unique<NodeExchange<Dim>>(comm_, decomposition_.of_nodes(), components);
   return *entry;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(make_node_dm);
 FABSEQ_INSTANTIATE_CLASS(Grid);
 FABSEQ_INSTANTIATE_CLASS(NodeExchange);
 

@@ -112,11 +112,7 @@ class Questions {
 FillFractions open_fractions(const TriangleMesh& mesh, const WindingNumber& winding,
                              const ElementLattice& lattice, const IndexBox<3>& box) {
   if (box.count() == 0) return {};
-  IndexBox<3> wider = box;
-  for (int axis = 0; axis < 3; ++axis) {
-    wider.start[axis] -= 1;
-    wider.size[axis] += 2;
-  }
+  const IndexBox<3> wider = ringed(box);
   Questions ask(winding, lattice);
   const std::vector<char> cut = cut_elements(mesh, lattice, box), inside = ask.centers(wider, box);
   const std::array<std::int64_t, 3> steps = {1, wider.size[0],

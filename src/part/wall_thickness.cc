@@ -24,10 +24,7 @@ constexpr int halo_width = 6;
 template <int Dim>
 std::vector<Index<Dim>> steps_around() {
   std::vector<Index<Dim>> steps;
-  Index<Dim> three, minus_one;
-  three.fill(3);
-  minus_one.fill(-1);
-  IndexBox<Dim>{minus_one, three}.for_each([&](const Index<Dim>& step, std::int64_t) {
+  ringed(IndexBox<Dim>{{}, uniform_index<Dim>(1)}).for_each([&](const Index<Dim>& step, std::int64_t) {
     if (step != Index<Dim>{}) steps.push_back(step);
   });
   return steps;
@@ -61,10 +58,7 @@ class Depths {
   bool is_middle_of_thin_wall(const Index<Dim>& element) const {
     const int here = depth(element), reach = here + tip;
     if (here == 0 || here == deep) return false;
-    IndexBox<Dim> near;
-    near.start = element;
-    for (int& start : near.start) start -= reach;
-    near.size.fill(2 * reach + 1);
+    const IndexBox<Dim> near = ringed<Dim>({element, uniform_index<Dim>(1)}, reach);
     for (std::int64_t i = 0; i < near.count(); ++i)
       if (depth(near.index(i)) > here) return false;
     return true;

@@ -17,7 +17,7 @@ namespace fabseq {
 template <int Dim>
 Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, config_), config(config_) {
   // Refuses a grid whose lane blocks are too large for the indices before anything is written.
-  (void)this->grid.node_dm(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
+  (void)this->grid.exchange(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
   if (config.solver.path == SolverPath::reference)
     require_solver_options({"elasticity_", "heat_", "release_"});
   require_walls();

@@ -87,8 +87,7 @@ class CoarseField {
 
   /// The mean of what the known neighbours go on to: of those with a common face, or else edge, or corner.
   Entry from_neighbours(const Index<Dim>& element) const {
-    IndexBox<Dim> steps_around;
-    steps_around.size.fill(3);
+    const IndexBox<Dim> steps_around{{}, uniform_index<Dim>(3)};
     for (int apart = 1; apart <= Dim; ++apart) {
       Entry sum;
       int sources = 0;
@@ -130,9 +129,7 @@ std::vector<double> refined_field(const Part<Dim>& part, std::span<const double>
   using Entry = typename CoarseField<Dim>::Entry;
   CoarseField<Dim> coarse(part, field);
   const IndexBox<Dim>& owned = fine.grid().owned_elements();
-  Index<Dim> halved;
-  halved.fill(2);
-  const IndexBox<Dim> parents = owned.coarsened(halved);
+  const IndexBox<Dim> parents = owned.coarsened(uniform_index<Dim>(2));
   const BoxGather<Dim> to_fine(part.grid().comm(), part.grid().owned_elements(), parents);
   const auto parent = [&](int element) {
     Index<Dim> index = owned.index(element);

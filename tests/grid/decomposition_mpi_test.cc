@@ -96,7 +96,7 @@ TEST(Decomposition, BalancesAnExtrudedLExactly) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   const int ranks = size_of(comm);
   const Index<3> elements{20, 12, 20};
-  const auto decomposition = choose_decomposition<3>(comm, elements, l_shape<3>);
+  const auto decomposition = choose_decomposition<3>(comm, size_of(comm), elements, l_shape<3>);
   const std::vector<double> all = l_shape<3>({{}, elements});
   const double mean = std::accumulate(all.begin(), all.end(), 0.0) / ranks;
   // Cutting the extrusion gives every rank the same; within the tie of 1 % another cut may win.
@@ -107,7 +107,7 @@ TEST(Decomposition, IsNoWorseThanEqualRangesOnAPlaneL) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   const int ranks = size_of(comm);
   const Index<2> elements{20, 20};
-  const auto decomposition = choose_decomposition<2>(comm, elements, l_shape<2>);
+  const auto decomposition = choose_decomposition<2>(comm, size_of(comm), elements, l_shape<2>);
   double best_equal = 1e300;
   for (const Index<2>& grid : fitting_process_grids<2>(ranks, elements)) {
     Decomposition<2> equal;
@@ -123,14 +123,15 @@ TEST(Decomposition, IsNoWorseThanEqualRangesOnAPlaneL) {
 TEST(Decomposition, PrefersLittleSurfaceAmongEquals) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   // Ranges begin at multiples of 4, which divide these counts evenly.
-  const auto decomposition = choose_decomposition<3>(comm, {96, 40, 64}, nullptr);
+  const auto decomposition = choose_decomposition<3>(comm, size_of(comm), {96, 40, 64}, nullptr);
   const std::vector<Index<3>> expected = {{1, 1, 1}, {2, 1, 1}, {3, 1, 1}, {2, 1, 2}};
   if (size_of(comm) > 4) GTEST_SKIP() << "ranks: written for up to 4 ranks";
   EXPECT_EQ(decomposition.processes, expected[size_of(comm) - 1]);
 }
 
 TEST(Decomposition, BeginsOnCoarseGridsWhereThereIsRoom) {
-  const auto decomposition = choose_decomposition<3>(PETSC_COMM_WORLD, {83, 41, 19}, nullptr);
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  const auto decomposition = choose_decomposition<3>(comm, size_of(comm), {83, 41, 19}, nullptr);
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<int>& starts = decomposition.range_starts[axis];
     const int count = starts.back(), processes = static_cast<int>(starts.size()) - 1;
@@ -158,17 +159,18 @@ TEST(Decomposition, AllowsMoreRanksThanLongestAxis) {
   // Slabs of some ranks are empty then.
   const MPI_Comm comm = PETSC_COMM_WORLD;
   if (size_of(comm) != 4) GTEST_SKIP() << "ranks: needs 4";
-  const auto decomposition = choose_decomposition<2>(comm, {2, 2}, [](const IndexBox<2>& box) {
+  const auto decomposition = choose_decomposition<2>(comm, size_of(comm), {2, 2}, [](const IndexBox<2>& box) {
     return std::vector<double>(static_cast<std::size_t>(box.count()), 1.0);
   });
   EXPECT_EQ(decomposition.processes, (Index<2>{2, 2}));
 }
 
 TEST(Decomposition, OneRankFindsWhatAllWouldChoose) {
+  const int ranks = size_of(PETSC_COMM_WORLD);
   const Index<3> elements{20, 12, 20};
   for (const ElementWeights<3>& weights : {ElementWeights<3>(l_shape<3>), ElementWeights<3>()}) {
-    const auto chosen = choose_decomposition<3>(PETSC_COMM_WORLD, elements, weights);
-    const auto found = choose_decomposition<3>(PETSC_COMM_SELF, size_of(PETSC_COMM_WORLD), elements, weights);
+    const auto chosen = choose_decomposition<3>(PETSC_COMM_WORLD, ranks, elements, weights);
+    const auto found = choose_decomposition<3>(PETSC_COMM_SELF, ranks, elements, weights);
     EXPECT_EQ(found.processes, chosen.processes);
     EXPECT_EQ(found.range_starts, chosen.range_starts);
   }
@@ -177,7 +179,9 @@ TEST(Decomposition, OneRankFindsWhatAllWouldChoose) {
 TEST(Decomposition, RefusesTooManyRanks) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   if (size_of(comm) == 1) GTEST_SKIP() << "ranks: needs several";
-  const std::string text = test::refusal([&] { (void)choose_decomposition<3>(comm, {1, 1, 1}, nullptr); });
+  const std::string text = test::refusal([&] {
+    (void)choose_decomposition<3>(comm, size_of(comm), {1, 1, 1}, nullptr);
+  });
   EXPECT_NE(text.find("/domain/elements: [1,1,1] cannot be dealt out to"), std::string::npos) << text;
 }
 

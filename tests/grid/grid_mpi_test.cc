@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The grid's boxes, numbers and exchanges, against PETSc's own and against exact counts, with unequal
-/// spacings and odd sizes.
+/// The grid's boxes, numbers and exchanges against exact counts, with unequal spacings and odd sizes.
 #include "fabseq/grid/grid.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +45,7 @@ TYPED_TEST(GridTest, EveryElementAndNodeHasOneOwner) {
   for (const double count : test::whole_element_field<Dim>(grid, elements)) EXPECT_EQ(count, 1.0);
   for (const double count : test::whole_node_field<Dim>(grid, nodes)) EXPECT_EQ(count, 1.0);
   int ranks = 1;
-  for (const int extent : grid.processes()) ranks *= extent;
+  for (const int extent : grid.decomposition().processes) ranks *= extent;
   EXPECT_EQ(ranks, size_of(PETSC_COMM_WORLD));
 }
 
@@ -62,30 +61,6 @@ TYPED_TEST(GridTest, ElementsHaveTheirNodesInTheGhostedBox) {
       EXPECT_EQ(grid.first_corner(element) + grid.corner_offsets()[corner],
                 grid.ghosted_nodes().offset(node));
     }
-  });
-}
-
-TYPED_TEST(GridTest, AgreesWithPetscOnBoxesAndNumbers) {
-  constexpr int Dim = TypeParam::value;
-  const Grid<Dim> grid(PETSC_COMM_WORLD, odd_domain<Dim>(), skewed<Dim>);
-  DM dm = grid.node_dm(1);
-  std::array<PetscInt, 3> start{}, size{}, ghost_start{}, ghost_size{};
-  check(DMDAGetCorners(dm, &start[0], &start[1], &start[2], &size[0], &size[1], &size[2]));
-  check(DMDAGetGhostCorners(dm, &ghost_start[0], &ghost_start[1], &ghost_start[2], &ghost_size[0],
-                            &ghost_size[1], &ghost_size[2]));
-  for (int axis = 0; axis < Dim; ++axis) {
-    EXPECT_EQ(grid.owned_nodes().start[axis], start[axis]);
-    EXPECT_EQ(grid.owned_nodes().size[axis], size[axis]);
-    EXPECT_EQ(grid.ghosted_nodes().start[axis], ghost_start[axis]);
-    EXPECT_EQ(grid.ghosted_nodes().size[axis], ghost_size[axis]);
-  }
-  ISLocalToGlobalMapping mapping = nullptr;
-  check(DMGetLocalToGlobalMapping(dm, &mapping));
-  grid.ghosted_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    const auto local = static_cast<PetscInt>(offset);
-    PetscInt global = -1;
-    check(ISLocalToGlobalMappingApply(mapping, 1, &local, &global));
-    EXPECT_EQ(grid.node_number(node), global);
   });
 }
 
@@ -154,10 +129,8 @@ TYPED_TEST(GridTest, MovedGridKeepsItsExchanges) {
   constexpr int Dim = TypeParam::value;
   Grid<Dim> first(PETSC_COMM_WORLD, odd_domain<Dim>(), skewed<Dim>);
   const NodeExchange<Dim>* exchange = &first.exchange(1);
-  DM dm = first.node_dm(1);
   const Grid<Dim> grid(std::move(first));
   EXPECT_EQ(&grid.exchange(1), exchange);
-  EXPECT_EQ(grid.node_dm(1), dm);
   std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()), 1.5);
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()));
   exchange->to_ghosted(owned, ghosted);
@@ -189,7 +162,7 @@ TEST(Grid, RefusesMoreValuesThanIndicesHold) {
   EXPECT_NE(nodes.find("12000000000 values"), std::string::npos) << nodes;
   EXPECT_NE(nodes.find("at most 2147483647"), std::string::npos) << nodes;
   const Grid<2> grid(PETSC_COMM_WORLD, {{1, 1}, {99, 99}, 1.0}, nullptr);
-  const std::string values = test::refusal([&] { (void)grid.node_dm(300000); });
+  const std::string values = test::refusal([&] { (void)grid.exchange(300000); });
   EXPECT_NE(values.find("3000000000 values"), std::string::npos) << values;
 }
 

@@ -40,16 +40,6 @@ class BoxGather {
   std::vector<Neighbor> neighbors_;
 };
 
-/// `box` extended by 1 at both ends of each axis, beyond the grid, too.
-template <int Dim>
-IndexBox<Dim> ringed(IndexBox<Dim> box) {
-  for (int axis = 0; axis < Dim; ++axis) {
-    box.start[axis] -= 1;
-    box.size[axis] += 2;
-  }
-  return box;
-}
-
 template <int Dim>
 template <class Value, class Source>
 std::vector<Value> BoxGather<Dim>::gather(Source&& source, const Value& elsewhere) const {

@@ -38,6 +38,8 @@ struct Decomposition {
   IndexBox<Dim> elements_of(const Index<Dim>& position) const;
   /// Position of the process that has `element`.
   Index<Dim> position_of_element(const Index<Dim>& element) const;
+  /// The same of the nodes of a grid: one per element, and one more of the last process along an axis.
+  Decomposition of_nodes() const;
 };
 
 /// Splits 0 .. weights.size() - 1 into `parts` ranges of at least one entry. Their largest sum of weights is
@@ -52,13 +54,9 @@ std::vector<Index<Dim>> fitting_process_grids(int ranks, const Index<Dim>& eleme
 /// Chooses process grid and ranges. For every factorization that fits, the ranges follow from the marginal
 /// weights of each axis; they begin at multiples of as large a power of two as there is room for. Among the
 /// factorizations whose heaviest rank is within 1 % of the lightest one possible, the one with the least
-/// surface between ranks is taken. An empty function `weights` gives all elements the same weight. Collective
-/// on `comm`: each rank evaluates `weights` on one slab of the grid. Throws InputError on all ranks if no
-/// factorization fits.
-template <int Dim>
-Decomposition<Dim> choose_decomposition(MPI_Comm comm, const Index<Dim>& elements,
-                                        const ElementWeights<Dim>& weights);
-/// The same choice for `ranks` ranks, which need not exist: the ranks of `comm` only share the work.
+/// surface between ranks is taken. An empty function `weights` gives all elements the same weight. The
+/// `ranks` ranks need not exist: those of `comm` share the work. Collective on `comm`: each rank evaluates
+/// `weights` on one slab of the grid. Throws InputError on all ranks if no factorization fits.
 template <int Dim>
 Decomposition<Dim> choose_decomposition(MPI_Comm comm, int ranks, const Index<Dim>& elements,
                                         const ElementWeights<Dim>& weights);

@@ -16,7 +16,7 @@ class ElementHalo {
  public:
   ElementHalo(const Grid<Dim>& grid, const Index<Dim>& width);
   /// The same width along all axes.
-  ElementHalo(const Grid<Dim>& grid, int width);
+  ElementHalo(const Grid<Dim>& grid, int width) : ElementHalo(grid, uniform_index<Dim>(width)) {}
 
   /// Box of the gathered elements.
   const IndexBox<Dim>& box() const { return box_; }

@@ -45,13 +45,12 @@ Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) 
 
 /// Moves nodal values between the nodes that a rank owns and the ghosted box that its element loops work on.
 /// Arrays are [node][component], with nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes().
-/// All calls are collective on the communicator of the DMDA.
+/// All calls are collective on the communicator.
 template <int Dim>
 class NodeExchange {
  public:
-  /// `dm`: a DMDA with `components` degrees of freedom per node, which is not owned and must outlive the
-  /// exchange.
-  NodeExchange(DM dm, int components);
+  /// `nodes`: how the nodes are dealt out to the ranks of `comm`.
+  NodeExchange(MPI_Comm comm, const Decomposition<Dim>& nodes, int components);
 
   /// Copies owned values, and the neighbours' values in the ghosted box, to `ghosted`.
   void to_ghosted(std::span<const double> owned, std::span<double> ghosted) const;
@@ -62,14 +61,9 @@ class NodeExchange {
   void add_to_owned(std::span<const double> ghosted, std::span<double> owned) const;
 
  private:
-  DM dm_;
+  DmHandle dm_;
   VecHandle owned_, ghosted_;
 };
-
-/// A DMDA with a box stencil of width 1, whose nodes are dealt out as `nodes`. The caller owns the result.
-/// Collective on `comm`.
-template <int Dim>
-DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int components);
 
 /// A box grid of Q4 or H8 elements, decomposed as a DMDA. The element with index i belongs to the rank that
 /// owns its lowest node; the last rank along an axis owns one node more than elements. Ownership ranges are
@@ -77,16 +71,12 @@ DmHandle make_node_dm(MPI_Comm comm, const Decomposition<Dim>& nodes, int compon
 template <int Dim>
 class Grid {
  public:
-  /// Weights of elements for load balance. The grid calls the function with one box per rank, on all ranks or
-  /// on none. Empty: all elements have the same weight.
-  using WeightFunction = ElementWeights<Dim>;
-
-  /// Collective on `comm`. Keeps no reference to `weights`. A grid can be moved: its DMs and exchanges stay
-  /// where they are, but parts, halos and other objects that refer to the grid do not follow. Throws
-  /// InputError on all ranks if an axis has no elements or no length, if the grid needs more memory than
-  /// there is, if it has too few elements to deal out to the ranks, or if it has more nodes or unknowns than
-  /// indices can count.
-  Grid(MPI_Comm comm, const Domain<Dim>& domain, const WeightFunction& weights);
+  /// Collective on `comm`. `weights` is called with one box per rank, on all ranks or on none, and not kept;
+  /// empty: all elements have the same weight. A grid can be moved: its exchanges stay where they are, but
+  /// parts, halos and other objects that refer to the grid do not follow. Throws InputError on all ranks if
+  /// an axis has no elements or no length, if the grid needs more memory than there is, if it has too few
+  /// elements to deal out to the ranks, or if it has more nodes or unknowns than indices can count.
+  Grid(MPI_Comm comm, const Domain<Dim>& domain, const ElementWeights<Dim>& weights);
 
   MPI_Comm comm() const { return comm_; }
   const Domain<Dim>& domain() const { return domain_; }
@@ -107,13 +97,13 @@ class Grid {
   /// Owned nodes and one layer of nodes around them, within the grid. The box holds all nodes of the owned
   /// elements.
   const IndexBox<Dim>& ghosted_nodes() const { return ghosted_nodes_; }
-  /// Number of ranks along each axis; rank = px + Px (py + Py pz).
-  const Index<Dim>& processes() const { return decomposition_.processes; }
   /// Elements of every rank.
   const Decomposition<Dim>& decomposition() const { return decomposition_; }
 
-  Point<Dim> element_center(const Index<Dim>& element) const;
-  Point<Dim> node_position(const Index<Dim>& node) const;
+  Point<Dim> element_center(const Index<Dim>& element) const {
+    return fabseq::element_center<Dim>(domain_, element);
+  }
+  Point<Dim> node_position(const Index<Dim>& node) const { return fabseq::node_position<Dim>(domain_, node); }
 
   /// Offsets, in the ghosted node box, of an element's corners relative to its lowest node.
   const std::array<int, corner_count<Dim>>& corner_offsets() const { return corner_offsets_; }
@@ -122,16 +112,12 @@ class Grid {
     return static_cast<int>(ghosted_nodes_.offset(element));
   }
 
-  /// Number of an element or node in PETSc's order: rank after rank, lexicographic within each.
+  /// Number of an element in PETSc's order: rank after rank, lexicographic within each.
   std::int64_t element_number(const Index<Dim>& element) const;
-  std::int64_t node_number(const Index<Dim>& node) const;
 
-  /// DMDA over the nodes with this many components (box stencil of width 1), which the grid owns. The first
-  /// call for a number of components makes it and is collective. Throws InputError if PETSc's indices cannot
-  /// count the values of all nodes.
-  DM node_dm(int components) const;
   /// Exchange for nodal arrays with this many components, which the grid owns. The first call for a number of
-  /// components makes it and is collective.
+  /// components makes it and is collective. Throws InputError if PETSc's indices cannot count the values of
+  /// all nodes.
   const NodeExchange<Dim>& exchange(int components) const;
 
  private:
@@ -143,8 +129,7 @@ class Grid {
   Decomposition<Dim> decomposition_;
   IndexBox<Dim> owned_elements_, owned_nodes_, ghosted_nodes_;
   std::array<int, corner_count<Dim>> corner_offsets_{};
-  std::vector<std::int64_t> element_starts_, node_starts_;  ///< first number of each rank
-  mutable std::map<int, DmHandle> node_dms_;
+  std::vector<std::int64_t> element_starts_;  ///< first number of each rank
   mutable std::map<int, std::unique_ptr<NodeExchange<Dim>>> exchanges_;
 };
 

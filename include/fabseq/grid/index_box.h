@@ -37,6 +37,14 @@ double dot(const std::array<double, Size>& a, const std::array<double, Size>& b)
 template <int Dim>
 using Index = std::array<int, Dim>;
 
+/// The same entry along all axes.
+template <int Dim>
+Index<Dim> uniform_index(int entry) {
+  Index<Dim> result;
+  result.fill(entry);
+  return result;
+}
+
 /// "[1,2,3]" or "[0.5,1,1.5]", for messages.
 template <int Dim>
 std::string to_text(const Index<Dim>& index) {
@@ -131,5 +139,15 @@ struct IndexBox {
     for (std::int64_t o = 0; o < total; ++o) f(index(o), o);
   }
 };
+
+/// `box` extended by `width` at both ends of each axis, beyond the grid, too.
+template <int Dim>
+IndexBox<Dim> ringed(IndexBox<Dim> box, int width = 1) {
+  for (int axis = 0; axis < Dim; ++axis) {
+    box.start[axis] -= width;
+    box.size[axis] += 2 * width;
+  }
+  return box;
+}
 
 }  // namespace fabseq

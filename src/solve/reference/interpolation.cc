@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/box_gather.h"
 #include "fabseq/solve/reference/preconditioner.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
 namespace fabseq {
@@ -16,8 +14,6 @@ template <int Dim>
 struct Level {
   Decomposition<Dim> ranges;  ///< of the nodes
   IndexBox<Dim> owned, ghosted;
-  DmHandle dm;
-  std::unique_ptr<NodeExchange<Dim>> exchange;
   std::vector<PetscInt> numbers;  ///< of the ghosted nodes, -1: no unknown
   std::vector<int> unknowns;      ///< owned offsets
   std::int64_t count = 0;
@@ -27,8 +23,7 @@ template <int Dim>
 Level<Dim> finest_level(const Grid<Dim>& grid) {
   Level<Dim> level;
   level.owned = grid.owned_nodes();
-  level.ranges = grid.decomposition();
-  for (std::vector<int>& starts : level.ranges.range_starts) ++starts.back();
+  level.ranges = grid.decomposition().of_nodes();
   return level;
 }
 
@@ -68,22 +63,21 @@ void for_each_parent(const Index<Dim>& fine, Function&& f) {
 
 template <int Dim>
 void number_unknowns(const Grid<Dim>& grid, const Level<Dim>& fine, Level<Dim>& coarse) {
-  coarse.dm = make_node_dm<Dim>(grid.comm(), coarse.ranges, 1);
-  coarse.exchange = std::make_unique<NodeExchange<Dim>>(coarse.dm, 1);
+  const NodeExchange<Dim> exchange(grid.comm(), coarse.ranges, 1);
   std::vector<double> ghosted(static_cast<std::size_t>(coarse.ghosted.count()), 0.0);
   std::vector<double> owned(static_cast<std::size_t>(coarse.owned.count()));
   for (const int offset : fine.unknowns)
     for_each_parent<Dim>(fine.owned.index(offset), [&](const Index<Dim>& parent, double) {
       ghosted[coarse.ghosted.offset(parent)] += 1.0;
     });
-  coarse.exchange->add_to_owned(ghosted, owned);
+  exchange.add_to_owned(ghosted, owned);
   for (std::size_t i = 0; i < owned.size(); ++i)
     if (owned[i] > 0.0) coarse.unknowns.push_back(static_cast<int>(i));
   std::int64_t number = exclusive_sum(grid.comm(), static_cast<std::int64_t>(coarse.unknowns.size()));
   coarse.count = sum(grid.comm(), static_cast<std::int64_t>(coarse.unknowns.size()));
   std::fill(owned.begin(), owned.end(), -1.0);
   for (const int offset : coarse.unknowns) owned[offset] = static_cast<double>(number++);
-  coarse.exchange->to_ghosted(owned, ghosted);
+  exchange.to_ghosted(owned, ghosted);
   coarse.numbers.assign(ghosted.begin(), ghosted.end());
 }
 
