@@ -2,7 +2,6 @@
 #include "fabseq/machine/blocked.h"
 
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/machine/built_layers.h"
 #include "fabseq/machine/layer_pyramid.h"
 
 #include <algorithm>
@@ -98,7 +97,7 @@ std::vector<double> blocked_depth(const Part<Dim>& part, const Torch& torch, std
                                   std::span<const double> layer_index) {
   const Grid<Dim>& grid = part.grid();
   const ElementHalo<Dim> halo(grid, torch_halo(grid, torch));
-  const LayerPyramid<Dim> pyramid(halo.box(), halo.gather(built_layers(part, layer_index)));
+  const LayerPyramid<Dim> pyramid(halo.box(), halo.gather(part.expand(layer_index, INFINITY, 0.0)));
   DeepestSearch<Dim> search(pyramid, torch, grid.spacing());
   std::vector<double> result;
   for (std::size_t e = 0; e < layer_index.size(); ++e)

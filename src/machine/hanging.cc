@@ -2,7 +2,6 @@
 #include "fabseq/machine/hanging.h"
 
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/machine/built_layers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,16 +42,24 @@ Footing<Dim> footing_of(const Grid<Dim>& grid, double bead_width) {
   return {grid.spacing(), std::max(0.5 * width, 0.5 * std::sqrt(square))};
 }
 
-/// Steps from an element to all that may be in its footing, the nearest first.
+/// How many elements a footing may reach along each axis.
 template <int Dim>
-std::vector<Index<Dim>> steps_within(const Footing<Dim>& footing) {
-  IndexBox<Dim> box;
+Index<Dim> reach_of(const Footing<Dim>& footing) {
+  Index<Dim> result;
   double reach = footing.radius;
   for (const double edge : footing.spacing) reach += edge;
+  for (int axis = 0; axis < Dim; ++axis)
+    result[axis] = static_cast<int>(std::ceil(reach / footing.spacing[axis]));
+  return result;
+}
+
+/// Steps from an element to all that may be in its footing, the nearest first.
+template <int Dim>
+std::vector<Index<Dim>> steps_within(const Footing<Dim>& footing, const Index<Dim>& reach) {
+  IndexBox<Dim> box;
   for (int axis = 0; axis < Dim; ++axis) {
-    const int most = static_cast<int>(std::ceil(reach / footing.spacing[axis]));
-    box.start[axis] = -most;
-    box.size[axis] = 2 * most + 1;
+    box.start[axis] = -reach[axis];
+    box.size[axis] = 2 * reach[axis] + 1;
   }
   std::vector<Index<Dim>> result;
   box.for_each([&](const Index<Dim>& step, std::int64_t) { result.push_back(step); });
@@ -66,35 +73,6 @@ std::vector<Index<Dim>> steps_within(const Footing<Dim>& footing) {
   return result;
 }
 
-/// Width of the halo that all steps stay in.
-template <int Dim>
-Index<Dim> halo_width(const std::vector<Index<Dim>>& steps) {
-  Index<Dim> width{};
-  for (const Index<Dim>& step : steps)
-    for (int axis = 0; axis < Dim; ++axis) width[axis] = std::max(width[axis], std::abs(step[axis]));
-  return width;
-}
-
-/// The layer that builds each element of a box: 0 for the substrate and for the other side of the plate.
-template <int Dim>
-class BuiltIn {
- public:
-  BuiltIn(const Part<Dim>& part, std::span<const double> layer_index, const Index<Dim>& width)
-      : part_(part), halo_(part.grid(), width), layer_(halo_.gather(built_layers(part, layer_index))) {}
-
-  double layer(const Index<Dim>& element) const {
-    const BuildPlate& plate = part_.plate();
-    const int height = element[plate.axis];
-    if (plate.upper ? height >= part_.grid().domain().elements[plate.axis] : height < 0) return 0.0;
-    return halo_.box().contains(element) ? layer_[halo_.box().offset(element)] : never_built;
-  }
-
- private:
-  const Part<Dim>& part_;
-  ElementHalo<Dim> halo_;
-  std::vector<double> layer_;
-};
-
 }  // namespace
 
 template <int Dim>
@@ -102,8 +80,16 @@ std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const doub
                                      std::span<const double> layer_index, double bead_width) {
   const Grid<Dim>& grid = part.grid();
   const Footing<Dim> footing = footing_of(grid, bead_width);
-  const std::vector<Index<Dim>> steps = steps_within(footing);
-  const BuiltIn<Dim> built_in(part, layer_index, halo_width<Dim>(steps));
+  const Index<Dim> reach = reach_of(footing);
+  const std::vector<Index<Dim>> steps = steps_within<Dim>(footing, reach);
+  const ElementHalo<Dim> halo(grid, reach);
+  const std::vector<double> layers = halo.gather(part.expand(layer_index, INFINITY, 0.0));
+  // The layer that builds an element: 0 for the substrate and for the other side of the plate.
+  const auto layer_of = [&](const Index<Dim>& element) {
+    const auto [axis, upper] = part.plate();
+    if (upper ? element[axis] >= grid.domain().elements[axis] : element[axis] < 0) return 0.0;
+    return halo.box().contains(element) ? layers[halo.box().offset(element)] : INFINITY;
+  };
   const Point<Dim> normal = part.plate().template normal<Dim>();
   std::vector<double> result(layer_index.size());
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
@@ -113,7 +99,7 @@ std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const doub
       if (!footing.holds(step, axis_of_bead)) return false;
       Index<Dim> below = element;
       for (int axis = 0; axis < Dim; ++axis) below[axis] += step[axis];
-      return built_in.layer(below) <= layer_index[e];
+      return layer_of(below) <= layer_index[e];
     });
     result[e] = stands ? 0.0 : 1.0;
   }

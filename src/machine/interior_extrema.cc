@@ -14,22 +14,13 @@ namespace {
 // Of what is not in the part: before and after all pseudo-times.
 constexpr double of_substrate = -1.0, of_void = 2.0;
 
-template <int Dim>
-std::vector<double> time_of_all_elements(const Part<Dim>& part, std::span<const double> time) {
-  std::vector<double> result = part.expand(time, of_void);
-  const auto& substrate = part.substrate().elements();
-  for (std::size_t element = 0; element < substrate.size(); ++element)
-    if (substrate[element] != 0) result[element] = of_substrate;
-  return result;
-}
-
 }  // namespace
 
 template <int Dim>
 InteriorExtrema find_interior_extrema(const Part<Dim>& part, std::span<const double> time) {
   const Grid<Dim>& grid = part.grid();
   const ElementHalo<Dim> halo(grid, 1);
-  const std::vector<double> times = halo.gather(time_of_all_elements(part, time));
+  const std::vector<double> times = halo.gather(part.expand(time, of_void, of_substrate));
   InteriorExtrema result;
   for (std::size_t e = 0; e < part.elements().size(); ++e) {
     const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);

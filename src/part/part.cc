@@ -22,19 +22,11 @@ std::string piece_text(const Piece<Dim>& piece) {
          to_text<Dim>(piece.min) + ".." + to_text<Dim>(piece.max);
 }
 
-template <int Dim>
-void require_plate(const BuildPlate& plate) {
-  if (plate.axis < 0 || plate.axis >= Dim)
-    throw InputError("/build_plate: axis " + std::to_string(plate.axis) + " in " + std::to_string(Dim) +
-                     " dimensions, needs a face of the domain");
-}
-
 }  // namespace
 
 template <int Dim>
 Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate)
     : grid_(grid), plate_(plate), substrate_(grid, description.substrate), mesh_(description.mesh) {
-  require_plate<Dim>(plate);
   Clarity clarity;
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
   if (mesh_ && description.announce) warn_about(clarity);
@@ -42,20 +34,13 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
   const std::vector<double> distance = substrate_.contact_distance();
-  std::vector<char> on_substrate(distance.size());
-  std::transform(distance.begin(), distance.end(), on_substrate.begin(),
-                 [](double value) { return static_cast<char>(std::isfinite(value)); });
-  PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, on_substrate);
+  PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, distance);
   pieces_ = std::move(map.pieces);
-  piece_of_element_ = std::move(map.piece_of_element);
   refuse_no_contact();
-  drop_or_refuse_hanging_pieces(description);
+  drop_or_refuse_hanging_pieces(description, map.piece_of_element);
   collect_elements(distance);
   measure_extent();
-  std::vector<char> in_part(density_.size());
-  std::transform(density_.begin(), density_.end(), in_part.begin(),
-                 [](double value) { return static_cast<char>(value > 0.0); });
-  touched_nodes_ = nodes_of_elements(grid, in_part);
+  touched_nodes_ = nodes_of_elements(grid, elements_);
 }
 
 template <int Dim>
@@ -117,7 +102,8 @@ void Part<Dim>::refuse_no_contact() const {
 }
 
 template <int Dim>
-void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description) {
+void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description,
+                                              const std::vector<int>& piece_of_element) {
   constexpr int listed = 5;
   int hanging = 0;
   std::string list;
@@ -133,7 +119,7 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description
     throw InputError(message + "; set part.keep to \"connected\" to drop " + (hanging == 1 ? "it" : "them"));
   if (description.announce) warn(message + "; dropped");
   for (std::size_t e = 0; e < density_.size(); ++e)
-    if (piece_of_element_[e] >= 0 && !pieces_[piece_of_element_[e]].touches_plate) density_[e] = 0.0;
+    if (piece_of_element[e] >= 0 && !pieces_[piece_of_element[e]].touches_plate) density_[e] = 0.0;
 }
 
 template <int Dim>

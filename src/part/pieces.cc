@@ -5,6 +5,7 @@
 #include "fabseq/grid/box_gather.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -24,17 +25,16 @@ void for_each_face_neighbor(const IndexBox<Dim>& box, const Index<Dim>& element,
 }
 
 /// Face-connected components of this rank's elements alone, numbered in the order of their lowest elements.
-template <int Dim>
 struct LocalComponents {
   std::vector<int> of_element;      ///< component of each owned element, -1 outside the part
   std::vector<std::int64_t> first;  ///< number, in the whole grid, of each component's lowest element
 };
 
 template <int Dim>
-LocalComponents<Dim> flood_fill(const Grid<Dim>& grid, std::span<const double> density) {
+LocalComponents flood_fill(const Grid<Dim>& grid, std::span<const double> density) {
   const IndexBox<Dim>& box = grid.owned_elements();
   const IndexBox<Dim> all = grid.all_elements();
-  LocalComponents<Dim> components;
+  LocalComponents components;
   components.of_element.assign(density.size(), -1);
   std::vector<std::int64_t> pending;
   box.for_each([&](const Index<Dim>& seed, std::int64_t seed_offset) {
@@ -64,7 +64,7 @@ struct Contact {
 };
 
 template <int Dim>
-std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const LocalComponents<Dim>& components) {
+std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const LocalComponents& components) {
   const IndexBox<Dim> ring = ringed(box);
   std::vector<Contact> contacts;
   box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
@@ -80,7 +80,7 @@ std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const LocalComponents
 /// grid. Each round carries labels across one boundary between ranks, so the number of rounds is that of the
 /// boundaries that a piece winds through. Collective.
 template <int Dim>
-std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents<Dim>& components) {
+std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents& components) {
   constexpr std::int64_t nothing = -1;
   const IndexBox<Dim>& box = grid.owned_elements();
   const BoxGather<Dim> around(grid.comm(), box, ringed(box));
@@ -121,46 +121,44 @@ std::vector<std::int64_t> gather_labels(MPI_Comm comm, const std::vector<std::in
 template <int Dim>
 struct PieceMeasures {
   explicit PieceMeasures(std::size_t pieces)
-      : counts(2 * pieces), extremes(2 * Dim * pieces, std::numeric_limits<std::int64_t>::max()) {}
+      : counts(2 * pieces), extremes(2 * Dim * pieces, -std::numeric_limits<double>::infinity()) {}
 
   void add(int piece, const Index<Dim>& element, bool touches_plate) {
     counts[2 * piece] += 1;
     counts[2 * piece + 1] += touches_plate ? 1 : 0;
     for (int axis = 0; axis < Dim; ++axis) {
-      std::int64_t* extreme = &extremes[2 * (Dim * piece + axis)];
-      extreme[0] = std::min<std::int64_t>(extreme[0], element[axis]);
-      extreme[1] = std::min<std::int64_t>(extreme[1], -(element[axis] + 1));
+      double* extreme = &extremes[2 * (Dim * piece + axis)];
+      extreme[0] = std::max<double>(extreme[0], -element[axis]);
+      extreme[1] = std::max<double>(extreme[1], element[axis] + 1);
     }
   }
   void reduce(MPI_Comm comm) {
     sum_in_place(comm, counts);
-    for_each_message(std::span(extremes), [comm](std::span<std::int64_t> part) {
-      MPI_Allreduce(MPI_IN_PLACE, part.data(), static_cast<int>(part.size()), MPI_INT64_T, MPI_MIN, comm);
-    });
+    max_in_place(comm, extremes);
   }
   Piece<Dim> piece(int number, const Grid<Dim>& grid) const {
     Piece<Dim> result;
     result.elements = counts[2 * number];
     result.touches_plate = counts[2 * number + 1] > 0;
     for (int axis = 0; axis < Dim; ++axis) {
-      const std::int64_t* extreme = &extremes[2 * (Dim * number + axis)];
+      const double* extreme = &extremes[2 * (Dim * number + axis)];
       const double origin = grid.domain().origin[axis], spacing = grid.spacing()[axis];
-      result.min[axis] = origin + static_cast<double>(extreme[0]) * spacing;
-      result.max[axis] = origin + static_cast<double>(-extreme[1]) * spacing;
+      result.min[axis] = origin + -extreme[0] * spacing;
+      result.max[axis] = origin + extreme[1] * spacing;
     }
     return result;
   }
 
-  std::vector<std::int64_t> counts;    ///< [piece][2]: elements, and those with a face on plate or substrate
-  std::vector<std::int64_t> extremes;  ///< [piece][axis][2]: lowest index, and -(highest index + 1)
+  std::vector<std::int64_t> counts;  ///< [piece][2]: elements, and those with a face on plate or substrate
+  std::vector<double> extremes;      ///< [piece][axis][2]: -(lowest index), and highest index + 1
 };
 
 }  // namespace
 
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
-                          const std::vector<char>& on_substrate) {
-  const LocalComponents<Dim> components = flood_fill<Dim>(grid, density);
+                          std::span<const double> to_substrate) {
+  const LocalComponents components = flood_fill<Dim>(grid, density);
   const std::vector<std::int64_t> labels = join_components<Dim>(grid, components);
   const std::vector<std::int64_t> all_labels = gather_labels(grid.comm(), components.first, labels);
 
@@ -173,7 +171,7 @@ PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density
     const auto piece = std::lower_bound(all_labels.begin(), all_labels.end(), label) - all_labels.begin();
     map.piece_of_element[offset] = static_cast<int>(piece);
     const bool stands = plate.touches<Dim>(element, grid.domain().elements) ||
-                        (!on_substrate.empty() && on_substrate[offset] != 0);
+                        (!to_substrate.empty() && std::isfinite(to_substrate[offset]));
     measures.add(static_cast<int>(piece), element, stands);
   });
   measures.reduce(grid.comm());

@@ -11,12 +11,12 @@
 namespace fabseq {
 
 template <int Dim>
-std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements) {
+std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<int>& elements) {
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    if (elements[offset] == 0) return;
-    for (const int corner : grid.corner_offsets()) ghosted[grid.first_corner(element) + corner] = 1.0;
-  });
+  for (const int element : elements) {
+    const int first = grid.first_corner(grid.owned_elements().index(element));
+    for (const int corner : grid.corner_offsets()) ghosted[first + corner] = 1.0;
+  }
   std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()));
   grid.exchange(1).add_to_owned(ghosted, owned);
   std::vector<char> nodes(owned.size());
@@ -32,14 +32,17 @@ Substrate<Dim>::Substrate(const Grid<Dim>& grid, const std::optional<Shape>& sha
       nodes_(static_cast<std::size_t>(grid.owned_nodes().count()), 0) {
   if (!shape) return;
   const double tolerance = shape_tolerance * grid.smallest_spacing();
+  std::vector<int> chosen;
   grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    elements_[offset] = shape->contains(grid.element_center(element), tolerance) ? 1 : 0;
+    if (!shape->contains(grid.element_center(element), tolerance)) return;
+    elements_[offset] = 1;
+    chosen.push_back(static_cast<int>(offset));
   });
-  count_ = sum(grid.comm(), static_cast<std::int64_t>(std::count(elements_.begin(), elements_.end(), 1)));
+  count_ = sum(grid.comm(), static_cast<std::int64_t>(chosen.size()));
   if (count_ == 0)
     throw InputError(
         "/substrate: no element's centre in the domain lies inside the shape; needs at least one");
-  nodes_ = nodes_of_elements(grid, elements_);
+  nodes_ = nodes_of_elements(grid, chosen);
 }
 
 template <int Dim>

@@ -32,10 +32,10 @@ std::vector<char> held_nodes(const Part<Dim>& part, const PartDescription& descr
 template <int Dim>
 void require_held_pieces(const Grid<Dim>& grid, const PieceMap<Dim>& map, const std::vector<int>& holding,
                          bool clamps) {
-  std::vector<char> of_piece(map.piece_of_element.size());
   for (std::size_t piece = 0; piece < map.pieces.size(); ++piece) {
-    std::transform(map.piece_of_element.begin(), map.piece_of_element.end(), of_piece.begin(),
-                   [&](int number) { return static_cast<char>(number == static_cast<int>(piece)); });
+    std::vector<int> of_piece;
+    for (std::size_t e = 0; e < map.piece_of_element.size(); ++e)
+      if (map.piece_of_element[e] == static_cast<int>(piece)) of_piece.push_back(static_cast<int>(e));
     const std::vector<char> nodes = nodes_of_elements(grid, of_piece);
     std::vector<int> of_both;
     std::copy_if(holding.begin(), holding.end(), std::back_inserter(of_both),

@@ -8,9 +8,7 @@ namespace {
 /// Offsets in Grid::owned_nodes() of the nodes of these elements, offsets in Grid::owned_elements().
 template <int Dim>
 std::vector<int> nodes_of(const Grid<Dim>& grid, const std::vector<int>& elements) {
-  std::vector<char> chosen(static_cast<std::size_t>(grid.owned_elements().count()), 0);
-  for (const int element : elements) chosen[element] = 1;
-  const std::vector<char> touched = nodes_of_elements(grid, chosen);
+  const std::vector<char> touched = nodes_of_elements(grid, elements);
   std::vector<int> result;
   for (std::size_t node = 0; node < touched.size(); ++node)
     if (touched[node] != 0) result.push_back(static_cast<int>(node));

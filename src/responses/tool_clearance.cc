@@ -115,20 +115,14 @@ class ToolClearance : public Response<Dim> {
   }
   /// 1 on the substrate.
   static std::vector<double> standing_density(const Part<Dim>& part) {
-    return with_substrate(part, part.expand(part.part_density()), 1.0);
-  }
-  static std::vector<double> with_substrate(const Part<Dim>& part, std::vector<double> field, double value) {
-    const auto& substrate = part.substrate().elements();
-    for (std::size_t element = 0; element < substrate.size(); ++element)
-      if (substrate[element] != 0) field[element] = value;
-    return field;
+    return part.expand(part.part_density(), 0.0, 1.0);
   }
 
   Field gather(const PipelineState<Dim>& state) const {
     const double layer = 1.0 / state.layers.count();
     const Part<Dim>& part = context_.part;
-    return {halo_.gather(with_substrate(part, part.expand(state.time.time), substrate_time)),
-            settings_.delay * layer, settings_.sharpness * layer};
+    return {halo_.gather(part.expand(state.time.time, 0.0, substrate_time)), settings_.delay * layer,
+            settings_.sharpness * layer};
   }
   /// What a blocked sample of an element adds to the mean.
   double unit() const {

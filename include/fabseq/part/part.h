@@ -123,6 +123,13 @@ class Part {
     for (std::size_t i = 0; i < elements_.size(); ++i) field[elements_[i]] = part_field[i];
     return field;
   }
+  /// The same with another value for elements of the substrate.
+  std::vector<double> expand(std::span<const double> part_field, double outside, double on_substrate) const {
+    std::vector<double> field = expand(part_field, outside);
+    for (std::size_t element = 0; element < field.size(); ++element)
+      if (substrate_.elements()[element] != 0) field[element] = on_substrate;
+    return field;
+  }
   /// Part field of the values that a field on all owned elements has in the part.
   std::vector<double> restrict_to_part(std::span<const double> element_field) const {
     std::vector<double> field(elements_.size());
@@ -134,7 +141,8 @@ class Part {
   void warn_about(const Clarity& clarity) const;
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
-  void drop_or_refuse_hanging_pieces(const PartDescription& description);
+  void drop_or_refuse_hanging_pieces(const PartDescription& description,
+                                     const std::vector<int>& piece_of_element);
   void collect_elements(const std::vector<double>& distance_to_substrate);
   void measure_extent();
 
@@ -144,7 +152,6 @@ class Part {
   std::shared_ptr<const PlacedMesh> mesh_;
   std::vector<double> density_, part_density_, contact_distance_;
   std::vector<int> elements_, first_corners_;
-  std::vector<int> piece_of_element_;  ///< index into pieces_ for each owned element, -1 outside the part
   std::int64_t count_ = 0, plate_contact_ = 0;
   double volume_ = 0.0;
   Point<Dim> lower_{}, upper_{};

@@ -47,11 +47,11 @@ struct PieceMap {
 };
 
 /// Finds the pieces that the elements with `density` > 0 form; `density` has an entry per owned element of
-/// the grid. Elements that share only an edge or a corner are not connected. `on_substrate` says for each
-/// owned element whether it has a face on the substrate; empty: none has. Collective on the grid's
+/// the grid. Elements that share only an edge or a corner are not connected. `to_substrate`:
+/// Substrate::contact_distance(); empty: none has a face on the substrate. Collective on the grid's
 /// communicator.
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
-                          const std::vector<char>& on_substrate = {});
+                          std::span<const double> to_substrate = {});
 
 }  // namespace fabseq

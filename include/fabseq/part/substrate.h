@@ -42,9 +42,9 @@ class Substrate {
   std::int64_t count_ = 0;
 };
 
-/// 1 for the owned nodes of the elements whose entry in `elements` is not 0; `elements` has one entry per
-/// owned element, and elements of all ranks count. Collective on the grid's communicator.
+/// 1 for the owned nodes of these elements, offsets in Grid::owned_elements(); those of all ranks count.
+/// Collective on the grid's communicator.
 template <int Dim>
-std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<char>& elements);
+std::vector<char> nodes_of_elements(const Grid<Dim>& grid, const std::vector<int>& elements);
 
 }  // namespace fabseq
