@@ -56,11 +56,7 @@ Index<Dim> reach_of(const Footing<Dim>& footing) {
 /// Steps from an element to all that may be in its footing, the nearest first.
 template <int Dim>
 std::vector<Index<Dim>> steps_within(const Footing<Dim>& footing, const Index<Dim>& reach) {
-  IndexBox<Dim> box;
-  for (int axis = 0; axis < Dim; ++axis) {
-    box.start[axis] = -reach[axis];
-    box.size[axis] = 2 * reach[axis] + 1;
-  }
+  const IndexBox<Dim> box = ringed<Dim>({{}, uniform_index<Dim>(1)}, reach);
   std::vector<Index<Dim>> result;
   box.for_each([&](const Index<Dim>& step, std::int64_t) { result.push_back(step); });
   const auto square = [&](const Index<Dim>& step) {

@@ -3,7 +3,6 @@
 #include "fabseq/part/part_settings.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace fabseq {
 
@@ -65,55 +64,37 @@ Section<Shape> polygon_keys() {
            {.type = KeyType::axis, .required = true, .dimension = 3});
 }
 
-struct Primitive {
-  const char* name;
-  Shape::Kind kind;
-  int dimension;  ///< the only dimension in which it exists; 0: both
-  const char* meaning;
-  Section<Shape> keys;
-};
-
-const std::vector<Primitive>& primitives() {
-  static const std::vector<Primitive> list = {
-      {"box", Shape::Kind::box, 0, "Box along the axes", box_keys()},
-      {"half_space", Shape::Kind::half_space, 0, "(x - point) · normal <= 0", half_space_keys()},
-      {"cylinder", Shape::Kind::cylinder, 3, "Cylinder with flat ends", cylinder_keys()},
-      {"sphere", Shape::Kind::sphere, 0, "Sphere or disc", sphere_keys()},
-      {"polygon", Shape::Kind::polygon, 0, "Polygon, even-odd rule", polygon_keys()}};
-  return list;
-}
-
-struct Combination {
-  const char* name;
-  Shape::Kind kind;
-  const char* meaning;
-};
-
-constexpr Combination combinations[] = {
-    {"union", Shape::Kind::union_of, "Points in at least one of the shapes"},
-    {"intersection", Shape::Kind::intersection, "Points in all of the shapes"},
-    {"difference", Shape::Kind::difference, "Points in the first of the shapes and in none of the others"}};
-
 Section<Shape> shape_keys() {
+  using Kind = Shape::Kind;
   Section<Its> result(
       "shape",
       "Shapes, for `part`, `substrate`, `clamps`, node sets and `start`: an object with exactly one of");
-  for (const Primitive& primitive : primitives()) {
-    const auto of_kind = [kind = primitive.kind](Its& shape) -> Its& {
+  // `dimension`: the only one in which the shape exists; 0: both.
+  const auto primitive = [&](const char* name, Kind kind, int dimension, const char* meaning,
+                             const Section<Shape>& keys) {
+    const auto of_kind = [kind](Its& shape) -> Its& {
       shape.kind = kind;
       return shape;
     };
-    result.section(primitive.name, of_kind, primitive.meaning, primitive.keys,
-                   {.dimension = primitive.dimension, .source = true});
-  }
-  for (const Combination& combination : combinations)
+    result.section(name, of_kind, meaning, keys, {.dimension = dimension, .source = true});
+  };
+  primitive("box", Kind::box, 0, "Box along the axes", box_keys());
+  primitive("half_space", Kind::half_space, 0, "(x - point) · normal <= 0", half_space_keys());
+  primitive("cylinder", Kind::cylinder, 3, "Cylinder with flat ends", cylinder_keys());
+  primitive("sphere", Kind::sphere, 0, "Sphere or disc", sphere_keys());
+  primitive("polygon", Kind::polygon, 0, "Polygon, even-odd rule", polygon_keys());
+  const auto combination = [&](const char* name, Kind kind, const char* meaning) {
     result.key(
-        combination.name, combination.meaning, {.type = KeyType::shapes, .source = true},
-        [kind = combination.kind](Its& shape, const Json& value, const KeyPlace& place) {
+        name, meaning, {.type = KeyType::shapes, .source = true},
+        [kind](Its& shape, const Json& value, const KeyPlace& place) {
           shape.kind = kind;
           for (std::size_t i = 0; i < value.size(); ++i)
             shape.operands.push_back(make_shape(value[i], {pointer_to(place.pointer, i), place.dimension}));
         });
+  };
+  combination("union", Kind::union_of, "Points in at least one of the shapes");
+  combination("intersection", Kind::intersection, "Points in all of the shapes");
+  combination("difference", Kind::difference, "Points in the first of the shapes and in none of the others");
   return result;
 }
 

@@ -58,7 +58,7 @@ class Depths {
   bool is_middle_of_thin_wall(const Index<Dim>& element) const {
     const int here = depth(element), reach = here + tip;
     if (here == 0 || here == deep) return false;
-    const IndexBox<Dim> near = ringed<Dim>({element, uniform_index<Dim>(1)}, reach);
+    const IndexBox<Dim> near = ringed<Dim>({element, uniform_index<Dim>(1)}, uniform_index<Dim>(reach));
     for (std::int64_t i = 0; i < near.count(); ++i)
       if (depth(near.index(i)) > here) return false;
     return true;

@@ -10,16 +10,12 @@ template <int Dim>
 AveragingFilter<Dim>::AveragingFilter(const Part<Dim>& part, double radius) : part_(part) {
   if (radius <= 0.0) return;
   const Grid<Dim>& grid = part.grid();
-  Index<Dim> width{};
-  IndexBox<Dim> reach;
-  for (int axis = 0; axis < Dim; ++axis) {
-    // However large the radius, no two elements are farther apart than the grid is long.
+  Index<Dim> width;
+  // However large the radius, no two elements are farther apart than the grid is long.
+  for (int axis = 0; axis < Dim; ++axis)
     width[axis] = static_cast<int>(
         std::min(std::floor(radius / grid.spacing()[axis]), grid.domain().elements[axis] - 1.0));
-    reach.start[axis] = -width[axis];
-    reach.size[axis] = 2 * width[axis] + 1;
-  }
-  reach.for_each([&](const Index<Dim>& offset, std::int64_t) {
+  ringed<Dim>({{}, uniform_index<Dim>(1)}, width).for_each([&](const Index<Dim>& offset, std::int64_t) {
     double square = 0.0;
     for (int axis = 0; axis < Dim; ++axis) square += std::pow(offset[axis] * grid.spacing()[axis], 2);
     const double weight = radius - std::sqrt(square);

@@ -142,10 +142,10 @@ struct IndexBox {
 
 /// `box` extended by `width` at both ends of each axis, beyond the grid, too.
 template <int Dim>
-IndexBox<Dim> ringed(IndexBox<Dim> box, int width = 1) {
+IndexBox<Dim> ringed(IndexBox<Dim> box, const Index<Dim>& width = uniform_index<Dim>(1)) {
   for (int axis = 0; axis < Dim; ++axis) {
-    box.start[axis] -= width;
-    box.size[axis] += 2 * width;
+    box.start[axis] -= width[axis];
+    box.size[axis] += 2 * width[axis];
   }
   return box;
 }
