@@ -2,15 +2,67 @@
 #include "fabseq/machine/blocked.h"
 
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/machine/layer_pyramid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 namespace fabseq {
 
 namespace {
+
+/// The earliest layer in blocks of 1, 2, 4, ... elements along each axis of a box, for searches that leave
+/// out blocks without anything early enough.
+template <int Dim>
+class LayerPyramid {
+ public:
+  /// A block of a level: 2^level elements along each axis, fewer at the upper ends of the box.
+  struct Block {
+    int level = 0;
+    Index<Dim> index{};  ///< counts blocks of this level from the lower corner of the box
+  };
+
+  /// `layers`: the layer of each element of `box`, lexicographic.
+  LayerPyramid(const IndexBox<Dim>& box, std::span<const double> layers) : start_(box.start) {
+    levels_.push_back({{{}, box.size}, std::vector<float>(layers.begin(), layers.end())});
+    while (levels_.back().box.count() > 1) {
+      const Level& finer = levels_.back();
+      Level level;
+      for (int axis = 0; axis < Dim; ++axis) level.box.size[axis] = (finer.box.size[axis] + 1) / 2;
+      level.earliest.assign(static_cast<std::size_t>(level.box.count()),
+                            std::numeric_limits<float>::infinity());
+      finer.box.for_each([&](Index<Dim> index, std::int64_t offset) {
+        for (int& entry : index) entry /= 2;
+        float& earliest = level.earliest[level.box.offset(index)];
+        earliest = std::min(earliest, finer.earliest[offset]);
+      });
+      levels_.push_back(std::move(level));
+    }
+  }
+
+  /// The block that holds all elements.
+  Block root() const { return {static_cast<int>(levels_.size()) - 1, {}}; }
+  float earliest(const Block& block) const {
+    const Level& level = levels_[block.level];
+    return level.earliest[level.box.offset(block.index)];
+  }
+  /// Whether the box has that block.
+  bool has(const Block& block) const { return levels_[block.level].box.contains(block.index); }
+  /// First and last element of a block along an axis, as indices of the grid.
+  int first(const Block& block, int axis) const { return start_[axis] + (block.index[axis] << block.level); }
+  int last(const Block& block, int axis) const {
+    const int end = std::min((block.index[axis] + 1) << block.level, levels_.front().box.size[axis]);
+    return start_[axis] + end - 1;
+  }
+
+ private:
+  struct Level {
+    IndexBox<Dim> box;
+    std::vector<float> earliest;  ///< lexicographic in `box`
+  };
+  Index<Dim> start_;
+  std::vector<Level> levels_;
+};
 
 /// Finds the deepest of all centres that are in the torch's way: branch and bound on blocks of elements.
 template <int Dim>
