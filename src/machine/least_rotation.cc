@@ -34,7 +34,6 @@ void LeastRotation<Dim>::add_derivative(const Point<Dim>& point, const Point<Dim
                  along_point * along_image * up_[i];
 }
 
-template class LeastRotation<2>;
-template class LeastRotation<3>;
+FABSEQ_INSTANTIATE_CLASS(LeastRotation);
 
 }  // namespace fabseq

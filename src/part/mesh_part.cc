@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/mesh/read_mesh.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -68,15 +67,14 @@ PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPl
     shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];
   }
   mesh_ = placed(read);
-  lower_ = bounds(mesh_).low;
-  upper_ = bounds(mesh_).high;
+  bounds_ = bounds(mesh_);
   interior_.emplace(mesh_);
   volume_ = std::abs(signed_volume(mesh_));
   double volume_of_box = 1.0;
-  for (int axis = 0; axis < 3; ++axis) volume_of_box *= upper_[axis] - lower_[axis];
+  for (int axis = 0; axis < 3; ++axis) volume_of_box *= upper()[axis] - lower()[axis];
   if (!(volume_of_box > 0.0) || (interior_->closed() && volume_ < least_share_of_box * volume_of_box))
     throw InputError("/part/mesh/file: '" + description.file + "' encloses no volume between " +
-                     to_text<3>(lower_) + " and " + to_text<3>(upper_) +
+                     to_text<3>(lower()) + " and " + to_text<3>(upper()) +
                      "; allowed: the surface of a body in space");
 }
 

@@ -69,17 +69,17 @@ void Part<Dim>::refuse_empty_part(const PartDescription& description) const {
   const bool here = std::any_of(density_.begin(), density_.end(), [](double value) { return value > 0.0; });
   if (any(grid_.comm(), here)) return;
   std::string message = "/part: no element has a density above 0";
+  const std::string low = to_text<Dim>(grid_.domain().origin),
+                    high = to_text<Dim>(grid_.node_position(grid_.domain().elements));
   if (const auto* voxels = std::get_if<VoxelFile>(&description.source))
     message += " in dataset '" + voxels->dataset + "' of '" + voxels->file + "'" +
                (voxels->threshold ? " with this threshold" : "");
   else if (mesh_)
-    message += ": no element between " + to_text<Dim>(grid_.domain().origin) + " and " +
-               to_text<Dim>(grid_.node_position(grid_.domain().elements)) +
+    message += ": no element between " + low + " and " + high +
                " is filled by the mesh, which lies between " + to_text<3>(mesh_->lower()) + " and " +
                to_text<3>(mesh_->upper());
   else
-    message += ": no element's centre in the domain " + to_text<Dim>(grid_.domain().origin) + ".." +
-               to_text<Dim>(grid_.node_position(grid_.domain().elements)) + " lies inside the shape";
+    message += ": no element's centre in the domain " + low + ".." + high + " lies inside the shape";
   if (substrate_.count() > 0) message += " and outside the substrate";
   throw InputError(message + "; needs at least one");
 }
@@ -120,14 +120,6 @@ void Part<Dim>::drop_or_refuse_hanging_pieces(const PartDescription& description
   if (description.announce) warn(message + "; dropped");
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (piece_of_element[e] >= 0 && !pieces_[piece_of_element[e]].touches_plate) density_[e] = 0.0;
-}
-
-template <int Dim>
-std::vector<double> Part<Dim>::solid() const {
-  std::vector<double> result(density_.size());
-  for (std::size_t e = 0; e < result.size(); ++e)
-    result[e] = density_[e] > 0.0 || substrate_.elements()[e] != 0 ? 1.0 : 0.0;
-  return result;
 }
 
 template <int Dim>

@@ -15,6 +15,15 @@ Section<VoxelFile> voxel_keys() {
            {.range = "(0, 1]", .words = "none"});
 }
 
+Section<NearMesh> near_keys() {
+  using Its = NearMesh;
+  return Section<Its>("node_sets.NAME.near",
+                      "Nodes near a surface, such as a face that was exported on its own")
+      .key("mesh", &Its::file, "Mesh file, placed like the mesh of the part if the part is one",
+           {.type = KeyType::path, .required = true})
+      .key("distance", &Its::distance, "How far from it", {.range = "[0, inf)", .unit = "length"});
+}
+
 }  // namespace
 
 Section<MeshFile> mesh_keys() {
@@ -69,15 +78,6 @@ Section<PartDescription> part_keys() {
       });
   for (SectionKeys& section : shape_declarations()) result.declare(std::move(section));
   return result;
-}
-
-Section<NearMesh> near_keys() {
-  using Its = NearMesh;
-  return Section<Its>("node_sets.NAME.near",
-                      "Nodes near a surface, such as a face that was exported on its own")
-      .key("mesh", &Its::file, "Mesh file, placed like the mesh of the part if the part is one",
-           {.type = KeyType::path, .required = true})
-      .key("distance", &Its::distance, "How far from it", {.range = "[0, inf)", .unit = "length"});
 }
 
 Section<NodeSetDescription> node_set_keys() {

@@ -4,7 +4,6 @@
 #include "fabseq/grid/grid.h"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace fabseq {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
-#include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
 
 #include <span>

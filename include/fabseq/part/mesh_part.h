@@ -44,8 +44,8 @@ class PlacedMesh {
   PlacedMesh& operator=(const PlacedMesh&) = delete;
 
   /// Corners of the bounding box, length unit.
-  const Point<3>& lower() const { return lower_; }
-  const Point<3>& upper() const { return upper_; }
+  const Point<3>& lower() const { return bounds_.low; }
+  const Point<3>& upper() const { return bounds_.high; }
   std::size_t triangle_count() const { return mesh_.triangles.size(); }
   /// The way from the file's coordinates x to the config's: [row][column] of A and b in A x + b.
   std::array<std::array<double, 4>, 3> placement() const;
@@ -61,7 +61,7 @@ class PlacedMesh {
   TriangleMesh mesh_;
   std::array<Point<3>, 3> matrix_{};  ///< turns and scale, [row][column]
   Point<3> shift_{};
-  Point<3> lower_{}, upper_{};
+  Bounds bounds_;
   double volume_ = 0.0;
   std::optional<MeshInterior> interior_;  ///< refers to mesh_
 };

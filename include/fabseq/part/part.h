@@ -84,7 +84,7 @@ class Part {
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
   /// 1 on the owned elements of part and substrate, 0 on others; lexicographic.
-  std::vector<double> solid() const;
+  std::vector<double> solid() const { return expand(std::vector<double>(elements_.size(), 1.0), 0.0, 1.0); }
   /// Owned part elements (density > 0) as offsets in Grid::owned_elements(), ascending. A "part field" has
   /// one entry per entry of elements().
   const std::vector<int>& elements() const { return elements_; }

@@ -14,8 +14,6 @@ namespace fabseq {
 Section<PartDescription> part_keys();
 /// Section "part.mesh".
 Section<MeshFile> mesh_keys();
-/// Section "node_sets.NAME.near".
-Section<NearMesh> near_keys();
 /// Section "node_sets.NAME": a shape, and which of its nodes belong to the set.
 Section<NodeSetDescription> node_set_keys();
 /// The sections of all shapes, "shape" and "shape.*".
