@@ -9,7 +9,7 @@ namespace fabseq {
 
 template <int Dim>
 BoxGather<Dim>::BoxGather(MPI_Comm comm, const IndexBox<Dim>& owned, const IndexBox<Dim>& wanted)
-    : comm_(comm), owned_(owned), wanted_(wanted), own_wanted_(owned.common_with(wanted)) {
+    : comm_(comm), wanted_(wanted), own_wanted_(owned.common_with(wanted)) {
   using Boxes = std::array<IndexBox<Dim>, 2>;  // owned and wanted
   static_assert(sizeof(Boxes) == 4 * Dim * sizeof(int));
   const Boxes own{owned, wanted};

@@ -56,7 +56,7 @@ std::vector<char> nodes_near(const TriangleMesh& mesh, double distance, const Do
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::array<Point<3>, 3> triangle = mesh.corners(t);
     nodes_around(triangle, distance, domain, box).for_each([&](const Index<3>& node, std::int64_t) {
-      if (distance_to_triangle(node_position<3>(domain, node), triangle) <= distance)
+      if (distance_to_triangle(domain.node_position(node), triangle) <= distance)
         result[box.offset(node)] = 1;
     });
   }

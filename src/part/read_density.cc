@@ -24,8 +24,7 @@ std::vector<double> evaluate_shape(const Domain<Dim>& domain, const Shape& shape
     smallest = std::min(smallest, domain.size[axis] / domain.elements[axis]);
   std::vector<double> density(static_cast<std::size_t>(box.count()));
   box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    density[offset] =
-        shape.contains(element_center<Dim>(domain, element), shape_tolerance * smallest) ? 1.0 : 0.0;
+    density[offset] = shape.contains(domain.element_center(element), shape_tolerance * smallest) ? 1.0 : 0.0;
   });
   return density;
 }

@@ -76,7 +76,7 @@ double worst_error(const Domain<Dim>& domain) {
   double worst = 0.0;
   IndexBox<Dim>{{}, domain.elements}.for_each([&](const Index<Dim>& element, std::int64_t e) {
     if (distance[e] < 0.0) return;
-    const Point<Dim> center = element_center<Dim>(domain, element);
+    const Point<Dim> center = domain.element_center(element);
     const double exact = arch_path(center[0], center[Dim - 1]);
     worst = std::max(worst, std::abs(distance[e] - exact) / exact);
   });

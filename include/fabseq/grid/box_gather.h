@@ -20,10 +20,9 @@ class BoxGather {
  public:
   BoxGather(MPI_Comm comm, const IndexBox<Dim>& owned, const IndexBox<Dim>& wanted);
 
-  const IndexBox<Dim>& owned() const { return owned_; }
   const IndexBox<Dim>& wanted() const { return wanted_; }
 
-  /// Returns the field on wanted(), lexicographic. `source(index)` is the value at an index of owned(): a
+  /// Returns the field on wanted(), lexicographic. `source(index)` is the value at an owned index: a
   /// number, or a struct of numbers without pointers. `elsewhere`: the value of what nobody owns.
   template <class Value, class Source>
   std::vector<Value> gather(Source&& source, const Value& elsewhere = {}) const;
@@ -36,7 +35,7 @@ class BoxGather {
   };
 
   MPI_Comm comm_;
-  IndexBox<Dim> owned_, wanted_, own_wanted_;  ///< the last: what this rank owns of what it wants
+  IndexBox<Dim> wanted_, own_wanted_;  ///< the second: what this rank owns of what it wants
   std::vector<Neighbor> neighbors_;
 };
 

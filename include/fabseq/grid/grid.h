@@ -23,25 +23,21 @@ struct Domain {
   Index<Dim> elements{};   ///< number of elements along each axis
   double thickness = 1.0;  ///< 2D plane stress only, length unit; 1 in 3D
   Point<Dim> origin{};     ///< lower corner, length unit
+
+  /// Position of a node, and centre of an element, length unit.
+  Point<Dim> node_position(const Index<Dim>& node) const {
+    Point<Dim> position;
+    for (int axis = 0; axis < Dim; ++axis)
+      position[axis] = origin[axis] + node[axis] * (size[axis] / elements[axis]);
+    return position;
+  }
+  Point<Dim> element_center(const Index<Dim>& element) const {
+    Point<Dim> center;
+    for (int axis = 0; axis < Dim; ++axis)
+      center[axis] = origin[axis] + (element[axis] + 0.5) * (size[axis] / elements[axis]);
+    return center;
+  }
 };
-
-/// Position of a node, length unit, for callers without a grid.
-template <int Dim>
-Point<Dim> node_position(const Domain<Dim>& domain, const Index<Dim>& node) {
-  Point<Dim> position;
-  for (int axis = 0; axis < Dim; ++axis)
-    position[axis] = domain.origin[axis] + node[axis] * (domain.size[axis] / domain.elements[axis]);
-  return position;
-}
-
-/// Centre of an element, length unit, for callers without a grid.
-template <int Dim>
-Point<Dim> element_center(const Domain<Dim>& domain, const Index<Dim>& element) {
-  Point<Dim> center;
-  for (int axis = 0; axis < Dim; ++axis)
-    center[axis] = domain.origin[axis] + (element[axis] + 0.5) * (domain.size[axis] / domain.elements[axis]);
-  return center;
-}
 
 /// Moves nodal values between the nodes that a rank owns and the ghosted box that its element loops work on.
 /// Arrays are [node][component], with nodes lexicographic in Grid::owned_nodes() or Grid::ghosted_nodes().
@@ -74,8 +70,8 @@ class Grid {
   /// Collective on `comm`. `weights` is called with one box per rank, on all ranks or on none, and not kept;
   /// empty: all elements have the same weight. A grid can be moved: its exchanges stay where they are, but
   /// parts, halos and other objects that refer to the grid do not follow. Throws InputError on all ranks if
-  /// an axis has no elements or no length, if the grid needs more memory than there is, if it has too few
-  /// elements to deal out to the ranks, or if it has more nodes or unknowns than indices can count.
+  /// the grid needs more memory than there is, if it has too few elements to deal out to the ranks, or if it
+  /// has more elements, nodes or unknowns than indices can count. Every axis has elements and a length.
   Grid(MPI_Comm comm, const Domain<Dim>& domain, const ElementWeights<Dim>& weights);
 
   MPI_Comm comm() const { return comm_; }
@@ -100,10 +96,8 @@ class Grid {
   /// Elements of every rank.
   const Decomposition<Dim>& decomposition() const { return decomposition_; }
 
-  Point<Dim> element_center(const Index<Dim>& element) const {
-    return fabseq::element_center<Dim>(domain_, element);
-  }
-  Point<Dim> node_position(const Index<Dim>& node) const { return fabseq::node_position<Dim>(domain_, node); }
+  Point<Dim> element_center(const Index<Dim>& element) const { return domain_.element_center(element); }
+  Point<Dim> node_position(const Index<Dim>& node) const { return domain_.node_position(node); }
 
   /// Offsets, in the ghosted node box, of an element's corners relative to its lowest node.
   const std::array<int, corner_count<Dim>>& corner_offsets() const { return corner_offsets_; }
