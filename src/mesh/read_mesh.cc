@@ -91,37 +91,32 @@ void for_each_mesh(const aiScene& scene, const aiNode& node, const Transformatio
     for_each_mesh(scene, *node.mChildren[c], transformation, f);
 }
 
-/// Joins the meshes of a scene into one.
-class MeshBuilder {
- public:
-  void add(const aiMesh& mesh, const Transformation& transformation) {
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      for (unsigned i = 2; i < face.mNumIndices; ++i) {
-        std::array<std::int32_t, 3> triangle;
-        const unsigned corners[3] = {face.mIndices[0], face.mIndices[i - 1], face.mIndices[i]};
-        for (int c = 0; c < 3; ++c) triangle[c] = number_of(transformation, mesh.mVertices[corners[c]]);
-        const auto& [p, q, r] = triangle;
-        if (p != q && q != r && r != p) result_.triangles.push_back(triangle);
-      }
+/// Number of a vertex of a scene where its transformation puts it.
+std::int32_t number_of(const aiVector3D& vertex, const Transformation& transformation,
+                       PointNumbers& numbers) {
+  const aiVector3t<double> moved = transformation * aiVector3t<double>(vertex.x, vertex.y, vertex.z);
+  const Point<3> point = {moved.x + 0.0, moved.y + 0.0, moved.z + 0.0};  // -0.0 becomes 0.0
+  for (const double coordinate : point)
+    if (!std::isfinite(coordinate))
+      throw InputError("has a point " + to_text<3>(point) + ", needs finite coordinates");
+  return numbers.number_of(point);
+}
+
+/// Adds the triangles of a mesh of a scene.
+void add_triangles(const aiMesh& mesh, const Transformation& transformation, PointNumbers& numbers,
+                   TriangleMesh& result) {
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    for (unsigned i = 2; i < face.mNumIndices; ++i) {
+      std::array<std::int32_t, 3> triangle;
+      const unsigned corners[3] = {face.mIndices[0], face.mIndices[i - 1], face.mIndices[i]};
+      for (int c = 0; c < 3; ++c)
+        triangle[c] = number_of(mesh.mVertices[corners[c]], transformation, numbers);
+      const auto& [p, q, r] = triangle;
+      if (p != q && q != r && r != p) result.triangles.push_back(triangle);
     }
   }
-
-  TriangleMesh take() { return std::move(result_); }
-
- private:
-  std::int32_t number_of(const Transformation& transformation, const aiVector3D& vertex) {
-    const aiVector3t<double> moved = transformation * aiVector3t<double>(vertex.x, vertex.y, vertex.z);
-    const Point<3> point = {moved.x + 0.0, moved.y + 0.0, moved.z + 0.0};  // -0.0 becomes 0.0
-    for (const double coordinate : point)
-      if (!std::isfinite(coordinate))
-        throw InputError("has a point " + to_text<3>(point) + ", needs finite coordinates");
-    return numbers_.number_of(point);
-  }
-
-  TriangleMesh result_;
-  PointNumbers numbers_{result_.points};
-};
+}
 
 /// Text of an error of assimp on one line.
 std::string one_line(std::string text) {
@@ -163,10 +158,11 @@ TriangleMesh read_alone(const std::string& path) {
   if (triangles > most_triangles)
     throw InputError("has " + std::to_string(triangles) + " triangles, allowed are up to " +
                      std::to_string(most_triangles));
-  MeshBuilder builder;
-  for_each_mesh(*scene, *scene->mRootNode, {},
-                [&](const aiMesh& mesh, const Transformation& there) { builder.add(mesh, there); });
-  TriangleMesh result = builder.take();
+  TriangleMesh result;
+  PointNumbers numbers(result.points);
+  for_each_mesh(*scene, *scene->mRootNode, {}, [&](const aiMesh& mesh, const Transformation& there) {
+    add_triangles(mesh, there, numbers, result);
+  });
   if (result.triangles.empty())
     throw InputError("has no triangle, nor a polygon, with corners at different points; needs a surface");
   return result;

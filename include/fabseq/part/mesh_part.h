@@ -40,8 +40,7 @@ class PlacedMesh {
   /// Rank 0 reads, all ranks get the mesh. Collective on `comm`. Throws what read_mesh() throws, and
   /// InputError on all ranks for a mesh without volume.
   PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate);
-  PlacedMesh(const PlacedMesh&) = delete;
-  PlacedMesh& operator=(const PlacedMesh&) = delete;
+  PlacedMesh(PlacedMesh&&) = delete;
 
   /// Corners of the bounding box, length unit.
   const Point<3>& lower() const { return bounds_.low; }
