@@ -37,22 +37,23 @@ LocalComponents flood_fill(const Grid<Dim>& grid, std::span<const double> densit
   LocalComponents components;
   components.of_element.assign(density.size(), -1);
   std::vector<std::int64_t> pending;
-  box.for_each([&](const Index<Dim>& seed, std::int64_t seed_offset) {
-    if (!(density[seed_offset] > 0.0) || components.of_element[seed_offset] >= 0) return;
-    const int component = static_cast<int>(components.first.size());
+  int component = 0;
+  const auto visit = [&](const Index<Dim>& element) {
+    const std::int64_t offset = box.offset(element);
+    if (!(density[offset] > 0.0) || components.of_element[offset] >= 0) return;
+    components.of_element[offset] = component;
+    pending.push_back(offset);
+  };
+  box.for_each([&](const Index<Dim>& seed, std::int64_t) {
+    visit(seed);
+    if (pending.empty()) return;
     components.first.push_back(all.offset(seed));
-    components.of_element[seed_offset] = component;
-    pending.push_back(seed_offset);
     while (!pending.empty()) {
       const Index<Dim> element = box.index(pending.back());
       pending.pop_back();
-      for_each_face_neighbor<Dim>(box, element, [&](const Index<Dim>& neighbor) {
-        const std::int64_t offset = box.offset(neighbor);
-        if (!(density[offset] > 0.0) || components.of_element[offset] >= 0) return;
-        components.of_element[offset] = component;
-        pending.push_back(offset);
-      });
+      for_each_face_neighbor<Dim>(box, element, visit);
     }
+    ++component;
   });
   return components;
 }
