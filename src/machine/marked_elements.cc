@@ -7,21 +7,6 @@
 
 namespace fabseq {
 
-namespace {
-
-/// The first element of the whole grid among those that `chosen` names. Collective.
-template <int Dim, class Chosen>
-Point<Dim> first_place(const Part<Dim>& part, const Chosen& chosen) {
-  const Grid<Dim>& grid = part.grid();
-  const IndexBox<Dim> whole = grid.all_elements();
-  std::int64_t place = whole.count();
-  for (std::size_t e = 0; e < part.elements().size(); ++e)
-    if (chosen(e)) place = std::min(place, whole.offset(grid.owned_elements().index(part.elements()[e])));
-  return grid.element_center(whole.index(min(grid.comm(), place)));
-}
-
-}  // namespace
-
 template <int Dim>
 MarkedElements count_marked(const Part<Dim>& part, std::span<const double> marks,
                             std::span<const double> layer_index, int layers, MarkedPlace place) {
@@ -44,7 +29,7 @@ MarkedElements count_marked(const Part<Dim>& part, std::span<const double> marks
   const auto first = std::find_if(result.per_layer.begin(), result.per_layer.end(),
                                   [](std::int64_t count) { return count > 0; });
   const double layer = static_cast<double>(first - result.per_layer.begin()) + 1.0;
-  const Point<Dim> at = first_place(part, [&](std::size_t e) {
+  const Point<Dim> at = part.first_place([&](std::size_t e) {
     return place == MarkedPlace::largest ? marks[e] == result.largest
                                          : marks[e] > 0.0 && layer_index[e] == layer;
   });

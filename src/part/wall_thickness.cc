@@ -118,21 +118,15 @@ template <int Dim>
 ThinWall<Dim> thinnest_wall(const Part<Dim>& part) {
   const Grid<Dim>& grid = part.grid();
   const Depths<Dim> depths(part);
-  const auto number = [&](int offset) {
-    return grid.all_elements().offset(grid.owned_elements().index(offset));
-  };
+  std::vector<double> walls;
   double least = thick_wall;
-  std::int64_t place = grid.all_elements().count();
   for (const int offset : part.elements()) {
     const Index<Dim> element = grid.owned_elements().index(offset);
-    const double run = depths.is_middle_of_thin_wall(element) ? depths.thickness(element) : thick_wall;
-    if (run >= least && place != grid.all_elements().count()) continue;
-    least = run;
-    place = number(offset);
+    walls.push_back(depths.is_middle_of_thin_wall(element) ? depths.thickness(element) : thick_wall);
+    least = std::min(least, walls.back());
   }
-  const double least_of_all = min(grid.comm(), least);
-  place = min(grid.comm(), least == least_of_all ? place : grid.all_elements().count());
-  return {least_of_all, grid.element_center(grid.all_elements().index(place))};
+  least = min(grid.comm(), least);
+  return {least, part.first_place([&](std::size_t e) { return walls[e] == least; })};
 }
 
 FABSEQ_INSTANTIATE_STRUCT(ThinWall);

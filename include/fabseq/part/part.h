@@ -3,12 +3,14 @@
 /// The part: which elements are to be built, and where it stands on the build plate (docs/formulation.md 1).
 #pragma once
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/grid/grid.h"
 #include "fabseq/part/mesh_part.h"
 #include "fabseq/part/pieces.h"
 #include "fabseq/part/shape.h"
 #include "fabseq/part/substrate.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -135,6 +137,16 @@ class Part {
     std::vector<double> field(elements_.size());
     for (std::size_t i = 0; i < elements_.size(); ++i) field[i] = element_field[elements_[i]];
     return field;
+  }
+  /// Centre of the element that comes first in the grid, among the part elements of all ranks that `chosen`
+  /// names: chosen(index in a part field). There must be one. Collective on the grid's communicator.
+  template <class Chosen>
+  Point<Dim> first_place(const Chosen& chosen) const {
+    const IndexBox<Dim> whole = grid_.all_elements();
+    std::int64_t place = whole.count();
+    for (std::size_t e = 0; e < elements_.size(); ++e)
+      if (chosen(e)) place = std::min(place, whole.offset(grid_.owned_elements().index(elements_[e])));
+    return grid_.element_center(whole.index(min(grid_.comm(), place)));
   }
 
  private:
