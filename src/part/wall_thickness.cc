@@ -129,7 +129,6 @@ ThinWall<Dim> thinnest_wall(const Part<Dim>& part) {
   return {least, part.first_place([&](std::size_t e) { return walls[e] == least; })};
 }
 
-FABSEQ_INSTANTIATE_STRUCT(ThinWall);
 FABSEQ_INSTANTIATE_FUNCTION(thinnest_wall);
 
 }  // namespace fabseq

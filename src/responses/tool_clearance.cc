@@ -4,7 +4,6 @@
 #include "fabseq/grid/element_halo.h"
 #include "fabseq/machine/least_rotation.h"
 #include "fabseq/machine/torch.h"
-#include "fabseq/machine/torch_samples.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/responses/smooth_excess.h"
 #include "fabseq/responses/unit_gradient.h"

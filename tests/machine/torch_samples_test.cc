@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /// Points that fill a torch (docs/formulation.md 13.2).
-#include "fabseq/machine/torch_samples.h"
-
 #include "fabseq/machine/torch.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 /// Limits of a machine (docs/formulation.md 13.2): values against the formulas on gathered fields, element by
 /// element; they bound what the exact checks count; rows.
 #include "fabseq/machine/least_rotation.h"
-#include "fabseq/machine/torch_samples.h"
+#include "fabseq/machine/torch.h"
 
 #include <gtest/gtest.h>
 
