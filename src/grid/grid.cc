@@ -144,25 +144,20 @@ Grid<Dim>::Grid(MPI_Comm comm, const Domain<Dim>& domain, const ElementWeights<D
   require_domain<Dim>(comm, domain);
   for (int axis = 0; axis < Dim; ++axis) spacing_[axis] = domain.size[axis] / domain.elements[axis];
   decomposition_ = choose_decomposition<Dim>(comm, size_of(comm), domain.elements, weights);
-  set_up_boxes();
-}
-
-template <int Dim>
-void Grid<Dim>::set_up_boxes() {
-  const Index<Dim> position = decomposition_.position_of(rank_of(comm_));
+  const Index<Dim> position = decomposition_.position_of(rank_of(comm));
   owned_elements_ = decomposition_.elements_of(position);
   owned_nodes_ = decomposition_.of_nodes().elements_of(position);
   ghosted_nodes_ = ringed(owned_nodes_).common_with(all_nodes());
-  if (any(comm_, ghosted_nodes_.count() > std::numeric_limits<int>::max()))
-    throw InputError("/domain/elements: " + to_text<Dim>(domain_.elements) + " on " +
-                     std::to_string(size_of(comm_)) + " ranks leave a rank more than " +
+  if (any(comm, ghosted_nodes_.count() > std::numeric_limits<int>::max()))
+    throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + " on " +
+                     std::to_string(size_of(comm)) + " ranks leave a rank more than " +
                      std::to_string(std::numeric_limits<int>::max()) + " nodes: use more ranks");
 
   for (int corner = 0; corner < corner_count<Dim>; ++corner)
     corner_offsets_[corner] = first_corner(stepped<Dim>(ghosted_nodes_.start, corner, 1));
 
   element_starts_.push_back(0);
-  for (int rank = 0; rank < size_of(comm_); ++rank)
+  for (int rank = 0; rank < size_of(comm); ++rank)
     element_starts_.push_back(element_starts_[rank] +
                               decomposition_.elements_of(decomposition_.position_of(rank)).count());
 }

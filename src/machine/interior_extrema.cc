@@ -9,12 +9,8 @@
 
 namespace fabseq {
 
-namespace {
-
 // Of what is not in the part: before and after all pseudo-times.
 constexpr double of_substrate = -1.0, of_void = 2.0;
-
-}  // namespace
 
 template <int Dim>
 InteriorExtrema find_interior_extrema(const Part<Dim>& part, std::span<const double> time) {

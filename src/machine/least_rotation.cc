@@ -3,12 +3,8 @@
 
 namespace fabseq {
 
-namespace {
-
 /// Added to 1 + up . a.
 constexpr double least_denominator = 1e-6;
-
-}  // namespace
 
 template <int Dim>
 LeastRotation<Dim>::LeastRotation(const Point<Dim>& up, const Point<Dim>& axis)

@@ -115,8 +115,6 @@ class Grid {
   const NodeExchange<Dim>& exchange(int components) const;
 
  private:
-  void set_up_boxes();
-
   MPI_Comm comm_;
   Domain<Dim> domain_;
   Point<Dim> spacing_{};
