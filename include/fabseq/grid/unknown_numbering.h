@@ -21,28 +21,17 @@ struct SystemDomain {
 /// element of the model, or all of whose components are fixed, are no unknowns. Construction is collective on
 /// the grid's communicator. The grid must outlive the object.
 template <int Dim>
-class UnknownNumbering {
- public:
-  UnknownNumbering(const Grid<Dim>& grid, const SystemDomain& domain);
+struct UnknownNumbering {
+  UnknownNumbering(const Grid<Dim>& grid_, const SystemDomain& domain);
 
-  const Grid<Dim>& grid() const { return grid_; }
-  int components() const { return components_; }
-  /// Unknown nodes of this rank as offsets in Grid::owned_nodes(), ascending.
-  const std::vector<int>& owned_nodes() const { return owned_nodes_; }
-  /// Number of this rank's first unknown node, and the count of unknown nodes of all ranks.
-  std::int64_t first() const { return first_; }
-  std::int64_t count() const { return count_; }
-  /// Number of each node of the ghosted box; -1 for nodes that are no unknowns.
-  const std::vector<PetscInt>& numbers() const { return numbers_; }
+  const Grid<Dim>& grid;
+  int components;
+  std::vector<int> owned_nodes;   ///< unknown nodes of this rank: offsets in Grid::owned_nodes(), ascending
+  std::int64_t first = 0;         ///< number of this rank's first unknown node
+  std::int64_t count = 0;         ///< number of unknown nodes of all ranks
+  std::vector<PetscInt> numbers;  ///< of each node of the ghosted box; -1 for nodes that are no unknowns
   /// This rank's matrix rows (number * components + component) of the fixed components of unknown nodes.
-  const std::vector<PetscInt>& fixed_rows() const { return fixed_rows_; }
-
- private:
-  const Grid<Dim>& grid_;
-  int components_;
-  std::vector<int> owned_nodes_;
-  std::int64_t first_ = 0, count_ = 0;
-  std::vector<PetscInt> numbers_, fixed_rows_;
+  std::vector<PetscInt> fixed_rows;
 };
 
 }  // namespace fabseq

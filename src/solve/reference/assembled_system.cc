@@ -94,22 +94,17 @@ AssembledSystem<Dim>::AssembledSystem(const SystemDomain& domain,
 
 template <int Dim>
 void AssembledSystem<Dim>::create_matrix() {
-  const int components = numbering_->components();
-  const auto rows = static_cast<PetscInt>(numbering_->owned_nodes().size());
-  const auto& grid = numbering_->grid();
+  const int components = numbering_->components;
+  const auto rows = static_cast<PetscInt>(numbering_->owned_nodes.size());
+  const auto& grid = numbering_->grid;
   // A node couples to at most 3^Dim nodes: count those that are unknowns, here or on other ranks.
   std::vector<PetscInt> own(rows, 0), other(rows, 0);
-  const auto first = static_cast<PetscInt>(numbering_->first());
+  const auto first = static_cast<PetscInt>(numbering_->first);
   for (PetscInt row = 0; row < rows; ++row) {
-    const Index<Dim> node = grid.owned_nodes().index(numbering_->owned_nodes()[row]);
-    IndexBox<Dim> neighbours;
-    for (int axis = 0; axis < Dim; ++axis) {
-      neighbours.start[axis] = std::max(node[axis] - 1, 0);
-      neighbours.size[axis] =
-          std::min(node[axis] + 1, grid.domain().elements[axis]) + 1 - neighbours.start[axis];
-    }
-    neighbours.for_each([&](const Index<Dim>& neighbour, std::int64_t) {
-      const PetscInt number = numbering_->numbers()[grid.ghosted_nodes().offset(neighbour)];
+    const Index<Dim> node = grid.owned_nodes().index(numbering_->owned_nodes[row]);
+    const IndexBox<Dim> around = ringed(IndexBox<Dim>{node, uniform_index<Dim>(1)});
+    around.common_with(grid.all_nodes()).for_each([&](const Index<Dim>& neighbour, std::int64_t) {
+      const PetscInt number = numbering_->numbers[grid.ghosted_nodes().offset(neighbour)];
       if (number >= first && number < first + rows)
         ++own[row];
       else if (number >= 0)
@@ -127,7 +122,7 @@ void AssembledSystem<Dim>::create_matrix() {
 
 template <int Dim>
 void AssembledSystem<Dim>::create_solver() {
-  check(KSPCreate(numbering_->grid().comm(), solver_.receive()));
+  check(KSPCreate(numbering_->grid.comm(), solver_.receive()));
   check(KSPSetType(solver_, KSPCG));
   check(KSPSetNormType(solver_, KSP_NORM_PRECONDITIONED));
   check(KSPSetTolerances(solver_, settings_.tolerance, 1e-300, 1e30, settings_.max_iterations));
@@ -153,7 +148,7 @@ template <int Dim>
 void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
   static const LogEvent event("fabseq set-up");
   const auto scope = event.enter();
-  const auto& grid = numbering_->grid();
+  const auto& grid = numbering_->grid;
   constexpr int corners = corner_count<Dim>;
   const std::size_t entries = terms.begin()->matrix.size();
   std::vector<double> element_matrix(entries);
@@ -166,13 +161,13 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
         element_matrix[i] += term.coefficients[element] * term.matrix[i];
     // Negative numbers, the nodes that are no unknowns, are skipped by PETSc.
     for (int corner = 0; corner < corners; ++corner)
-      nodes[corner] = numbering_->numbers()[domain_.first_corners[element] + grid.corner_offsets()[corner]];
+      nodes[corner] = numbering_->numbers[domain_.first_corners[element] + grid.corner_offsets()[corner]];
     check(MatSetValuesBlocked(matrix_, corners, nodes.data(), corners, nodes.data(), element_matrix.data(),
                               ADD_VALUES));
   }
   check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
-  const auto& fixed = numbering_->fixed_rows();
+  const auto& fixed = numbering_->fixed_rows;
   check(
       MatZeroRowsColumns(matrix_, static_cast<PetscInt>(fixed.size()), fixed.data(), 1.0, nullptr, nullptr));
   // GAMG cannot change the sizes of its levels in place.
@@ -182,9 +177,9 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
 
 template <int Dim>
 void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar* values) const {
-  const int components = numbering_->components();
+  const int components = numbering_->components;
   std::size_t position = 0;
-  for (const int node : numbering_->owned_nodes())
+  for (const int node : numbering_->owned_nodes)
     for (int c = 0; c < components; ++c) {
       const std::size_t unknown = static_cast<std::size_t>(node) * components + c;
       values[position++] = domain_.fixed[unknown] != 0 ? 0.0 : load[unknown];
@@ -194,10 +189,10 @@ void AssembledSystem<Dim>::gather_load(std::span<const double> load, PetscScalar
 /// Aggregates couple a node's components: rounding reaches fixed ones, too.
 template <int Dim>
 void AssembledSystem<Dim>::scatter_solution(const PetscScalar* values, std::span<double> solution) const {
-  const int components = numbering_->components();
+  const int components = numbering_->components;
   std::fill(solution.begin(), solution.end(), 0.0);
   std::size_t position = 0;
-  for (const int node : numbering_->owned_nodes())
+  for (const int node : numbering_->owned_nodes)
     for (int c = 0; c < components; ++c, ++position) {
       const std::size_t unknown = static_cast<std::size_t>(node) * components + c;
       if (domain_.fixed[unknown] == 0) solution[unknown] = values[position];
@@ -217,7 +212,7 @@ SolveReport AssembledSystem<Dim>::solve(std::span<const double> load, std::span<
   check(VecNorm(load_, NORM_INFINITY, &size));
   if (size == 0.0) return {};
 
-  const MPI_Comm comm = numbering_->grid().comm();
+  const MPI_Comm comm = numbering_->grid.comm();
   stop_if_requested(comm);
   check(KSPSolve(solver_, load_, solution_));
   SolveReport report = last_report();
@@ -258,10 +253,10 @@ std::vector<SolveReport> AssembledSystem<Dim>::solve_side_by_side(std::span<cons
                                                                   std::span<std::vector<double>> solutions) {
   static const LogEvent event("fabseq block solve");
   const auto scope = event.enter();
-  const std::size_t rows = numbering_->owned_nodes().size() * numbering_->components();
+  const std::size_t rows = numbering_->owned_nodes.size() * numbering_->components;
   const auto columns = static_cast<PetscInt>(loads.size());
   MatHandle load, solution;
-  check(MatCreateDense(numbering_->grid().comm(), static_cast<PetscInt>(rows), PETSC_DECIDE, PETSC_DETERMINE,
+  check(MatCreateDense(numbering_->grid.comm(), static_cast<PetscInt>(rows), PETSC_DECIDE, PETSC_DETERMINE,
                        columns, nullptr, load.receive()));
   check(MatDuplicate(load, MAT_DO_NOT_COPY_VALUES, solution.receive()));
   PetscScalar* values = nullptr;
@@ -269,7 +264,7 @@ std::vector<SolveReport> AssembledSystem<Dim>::solve_side_by_side(std::span<cons
   for (PetscInt column = 0; column < columns; ++column) gather_load(loads[column], values + column * rows);
   check(MatDenseRestoreArrayWrite(load, &values));
 
-  stop_if_requested(numbering_->grid().comm());
+  stop_if_requested(numbering_->grid.comm());
   const BlockReport block = solve_block(solver_, load, solution, settings_.tolerance);
   std::vector<SolveReport> reports;
   const PetscScalar* result = nullptr;

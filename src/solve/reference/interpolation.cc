@@ -119,15 +119,15 @@ std::string coarsening_obstacle(const Grid<Dim>& grid) {
 
 template <int Dim>
 std::vector<MatHandle> make_interpolations(const UnknownNumbering<Dim>& numbering, std::int64_t coarsest) {
-  const Grid<Dim>& grid = numbering.grid();
+  const Grid<Dim>& grid = numbering.grid;
   Level<Dim> fine = finest_level(grid);
-  fine.unknowns = numbering.owned_nodes();
-  fine.count = numbering.count();
+  fine.unknowns = numbering.owned_nodes;
+  fine.count = numbering.count;
   std::vector<MatHandle> result;
   Level<Dim> coarse;
   while (fine.count > coarsest && coarsen_boxes(grid, fine, coarse)) {
     number_unknowns(grid, fine, coarse);
-    result.push_back(interpolation(grid, numbering.components(), fine, coarse));
+    result.push_back(interpolation(grid, numbering.components, fine, coarse));
     fine = std::move(coarse);
     coarse = Level<Dim>();
   }

@@ -44,8 +44,8 @@ void set_normal_option(const std::string& name, const char* value) {
 template <int Dim>
 NullSpaceHandle near_null_space(Mat matrix, const UnknownNumbering<Dim>& numbering) {
   NullSpaceHandle result;
-  const auto& grid = numbering.grid();
-  if (numbering.components() == 1) {
+  const auto& grid = numbering.grid;
+  if (numbering.components == 1) {
     check(MatNullSpaceCreate(grid.comm(), PETSC_TRUE, 0, nullptr, result.receive()));
     return result;
   }
@@ -55,7 +55,7 @@ NullSpaceHandle near_null_space(Mat matrix, const UnknownNumbering<Dim>& numberi
   PetscScalar* values = nullptr;
   check(VecGetArray(coordinates, &values));
   std::size_t position = 0;
-  for (const int node : numbering.owned_nodes())
+  for (const int node : numbering.owned_nodes)
     for (const double x : grid.node_position(grid.owned_nodes().index(node))) values[position++] = x;
   check(VecRestoreArray(coordinates, &values));
   check(MatNullSpaceCreateRigidBody(coordinates, result.receive()));
@@ -108,17 +108,17 @@ template <int Dim>
 ReferenceMethod usable_method(ReferenceMethod wanted, const UnknownNumbering<Dim>& numbering) {
   if (wanted == ReferenceMethod::multigrid) {
     // One level would be the smoother alone.
-    if (!coarsening_obstacle(numbering.grid()).empty()) return ReferenceMethod::gamg;
-    return numbering.count() > coarsest_nodes ? wanted : ReferenceMethod::direct;
+    if (!coarsening_obstacle(numbering.grid).empty()) return ReferenceMethod::gamg;
+    return numbering.count > coarsest_nodes ? wanted : ReferenceMethod::direct;
   }
   if (wanted != ReferenceMethod::automatic) return wanted;
-  if (numbering.count() * numbering.components() <= direct_limit<Dim>) return ReferenceMethod::direct;
+  if (numbering.count * numbering.components <= direct_limit<Dim>) return ReferenceMethod::direct;
   const std::vector<MatHandle> interpolations = make_interpolations(numbering, coarsest_nodes);
   if (interpolations.empty()) return ReferenceMethod::gamg;
   PetscInt coarsest = 0;
   check(MatGetSize(interpolations.back(), nullptr, &coarsest));
-  return coarsest <= coarsest_limit * numbering.components() ? ReferenceMethod::multigrid
-                                                             : ReferenceMethod::gamg;
+  return coarsest <= coarsest_limit * numbering.components ? ReferenceMethod::multigrid
+                                                           : ReferenceMethod::gamg;
 }
 
 /// What makes multigrid fast makes its preconditioner indefinite in some graded layers. Geometric multigrid

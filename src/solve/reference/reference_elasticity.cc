@@ -11,7 +11,7 @@ ReferenceElasticity<Dim>::ReferenceElasticity(const Grid<Dim>& grid, const Syste
       stiffness_(stiffness),
       settings_(settings),
       numbering_(std::make_shared<UnknownNumbering<Dim>>(grid, domain)),
-      keep_(numbering_->count() * Dim <= keep_limit) {
+      keep_(numbering_->count * Dim <= keep_limit) {
   settings_.method = usable_method(settings_.method, *numbering_);
 }
 
@@ -71,7 +71,7 @@ void ReferenceElasticity<Dim>::start_cold() {
 
 template <int Dim>
 std::string ReferenceElasticity<Dim>::description() const {
-  const auto unknowns = numbering_->count() * Dim;
+  const auto unknowns = numbering_->count * Dim;
   const char* name = settings_.method == ReferenceMethod::direct ? "CG + Cholesky (MUMPS)"
                      : settings_.method == ReferenceMethod::multigrid
                          ? "CG + geometric multigrid (Galerkin, Chebyshev/Jacobi)"
