@@ -53,8 +53,7 @@ void Part<Dim>::warn_about(const Clarity& clarity) const {
   const int first = static_cast<int>(
       min(grid_.comm(), std::int64_t{doubt == most ? rank_of(grid_.comm()) : size_of(grid_.comm())}));
   Point<3> place = clarity.least_clear;
-  if (rank_of(grid_.comm()) != first) place.fill(0.0);
-  sum_in_place(grid_.comm(), place);
+  broadcast(grid_.comm(), place, first);
   std::array<char, 128> share{};
   std::snprintf(share.data(), share.size(), "%.2g %% of %lld points",
                 100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
