@@ -32,7 +32,7 @@ LaneCase::LaneCase(MPI_Comm comm, const DrawnPart& part)
   fabseq::SystemDomain domain;
   domain.components = 3;
   grid_.owned_elements().for_each([&](const Index<3>& element, std::int64_t) {
-    const Point<3> center = fabseq::element_center<3>(grid_.domain(), element);
+    const Point<3> center = grid_.element_center(element);
     const bool in_part = part.contains(center, element);
     if (!in_part && !part.quiet_void) return;
     domain.first_corners.push_back(grid_.first_corner(element));

@@ -29,8 +29,7 @@ template <class Time>
 Sequence sequence(const Part<3>& part, int layers, const Time& time_of) {
   Sequence result;
   for (const int element : part.elements()) {
-    const Point<3> center =
-        element_center<3>(part.grid().domain(), part.grid().owned_elements().index(element));
+    const Point<3> center = part.grid().element_center(part.grid().owned_elements().index(element));
     const auto [time, direction] = time_of(center);
     result.time.push_back(time);
     result.layer.push_back(std::ceil(time * layers));
