@@ -57,9 +57,17 @@ constexpr double bytes_per_node = 150.0;
 
 template <int Dim>
 void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
-  if (*std::max_element(domain.elements.begin(), domain.elements.end()) > most_along_axis)
-    throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + ", at most " +
-                     std::to_string(most_along_axis) + " are allowed along an axis");
+  for (int axis = 0; axis < Dim; ++axis) {
+    if (domain.elements[axis] < 1)
+      throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) +
+                       ", needs at least 1 along each axis");
+    if (domain.elements[axis] > most_along_axis)
+      throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + ", at most " +
+                       std::to_string(most_along_axis) + " are allowed along an axis");
+    if (!(domain.size[axis] > 0.0))
+      throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
+                       std::to_string(axis) + ", needs positive lengths");
+  }
   constexpr int most_in_plane = std::numeric_limits<int>::max();
   if (const double plane = node_count<Dim>(domain.elements, Dim - 1); plane > most_in_plane)
     throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + " make " + whole_number(plane) +

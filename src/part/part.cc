@@ -22,11 +22,19 @@ std::string piece_text(const Piece<Dim>& piece) {
          to_text<Dim>(piece.min) + ".." + to_text<Dim>(piece.max);
 }
 
+template <int Dim>
+void require_plate(const BuildPlate& plate) {
+  if (plate.axis < 0 || plate.axis >= Dim)
+    throw InputError("/build_plate: axis " + std::to_string(plate.axis) + " in " + std::to_string(Dim) +
+                     " dimensions, needs a face of the domain");
+}
+
 }  // namespace
 
 template <int Dim>
 Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const BuildPlate& plate)
     : grid_(grid), plate_(plate), substrate_(grid, description.substrate), mesh_(description.mesh) {
+  require_plate<Dim>(plate);
   Clarity clarity;
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
   if (mesh_ && description.announce) warn_about(clarity);

@@ -182,5 +182,16 @@ TEST(Grid, RefusesMoreThanIntegersHold) {
       << plane;
 }
 
+TEST(Grid, RefusesAnEmptyDomain) {
+  EXPECT_NE(test::refusal([] {
+              Grid<2>(PETSC_COMM_WORLD, {{1, 1}, {4, 0}, 1.0}, nullptr);
+            }).find("/domain/elements"),
+            std::string::npos);
+  EXPECT_NE(test::refusal([] {
+              Grid<2>(PETSC_COMM_WORLD, {{1, -1}, {4, 4}, 1.0}, nullptr);
+            }).find("/domain/size"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace fabseq

@@ -90,6 +90,8 @@ TEST(Part, RefusesEmptyPartsAndMissingContact) {
   EXPECT_EQ(above,
             "/build_plate: no element of the part has a face on the build plate z-; nearest: 4 elements in "
             "[1,1,2]..[3,2,4], needs contact with that face of the domain");
+  const std::string flat = part_refusal<2>({{3, 3}, {3, 3}, 1.0}, box({0, 0}, {1, 1}), bottom);
+  EXPECT_EQ(flat.rfind("/build_plate:", 0), 0u) << flat;
 }
 
 TEST(Part, StandsOnAnyFace) {

@@ -70,8 +70,8 @@ class Grid {
   /// Collective on `comm`. `weights` is called with one box per rank, on all ranks or on none, and not kept;
   /// empty: all elements have the same weight. A grid can be moved: its exchanges stay where they are, but
   /// parts, halos and other objects that refer to the grid do not follow. Throws InputError on all ranks if
-  /// the grid needs more memory than there is, if it has too few elements to deal out to the ranks, or if it
-  /// has more elements, nodes or unknowns than indices can count. Every axis has elements and a length.
+  /// an axis has no elements or no length, if the grid needs more memory than there is, if it has too few
+  /// elements to deal out to the ranks, or if it has more elements, nodes or unknowns than indices can count.
   Grid(MPI_Comm comm, const Domain<Dim>& domain, const ElementWeights<Dim>& weights);
 
   MPI_Comm comm() const { return comm_; }
