@@ -40,7 +40,7 @@ class LaneDirect {
  private:
   template <class, int, class>
   friend class LaneDirect;
-  static constexpr int factors = Problem::own_operators ? Width : 1;
+  static constexpr int factors = Problem::template operators<Width>;
 
   void assemble(Operator& matrix, int lane, BandCholesky& band);
   LaneDeal::Layout layout() const;

@@ -7,6 +7,8 @@
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/lanes/element_kernels.h"
 
+#include <array>
+
 namespace fabseq {
 
 /// Linear elasticity (docs/formulation.md 4.1): every lane has stiffness factors of its own.
@@ -18,6 +20,9 @@ class LaneElasticityProblem {
   static constexpr int element_size = element_unknowns<Dim>;
   /// Whether lanes differ in their operator, not only in their right-hand side.
   static constexpr bool own_operators = true;
+  /// Operators of so many lanes.
+  template <int Width>
+  static constexpr int operators = Width;
   template <int Width, class Real = double>
   using Kernel = ElasticKernel<Dim, Width, Real>;
 
@@ -59,6 +64,8 @@ class LaneHeatProblem {
   static constexpr int components = 1;
   static constexpr int element_size = corner_count<Dim>;
   static constexpr bool own_operators = false;
+  template <int Width>
+  static constexpr int operators = 1;
   template <int Width, class Real = double>
   using Kernel = HeatKernel<Dim, Width, Real>;
 

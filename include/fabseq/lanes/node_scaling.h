@@ -5,6 +5,8 @@
 #include "fabseq/lanes/lane_hierarchy.h"
 #include "fabseq/lanes/lane_problem.h"
 
+#include <algorithm>
+
 namespace fabseq {
 
 /// What the smoother scales residuals with: the inverse of a node's block of the operator, `components` wide,
@@ -15,7 +17,7 @@ template <class Problem, int Width, class Real = double>
 class NodeScaling {
  public:
   static constexpr int components = Problem::components;
-  static constexpr int width = Problem::own_operators ? Width : 1;
+  static constexpr int width = Problem::template operators<Width>;
   /// Entries of a symmetric block: diagonal first, then (0,1), (0,2), (1,2).
   static constexpr int entries = components * (components + 1) / 2;
 
