@@ -28,7 +28,7 @@ std::string search(const std::string& directory) {
   if (newest == slots[1]) std::swap(candidates[0], candidates[1]);
   std::string faults;
   for (const std::string& slot : candidates) {
-    const std::string path = directory + "/" + slot;
+    std::string path = directory + "/" + slot;
     std::error_code error;
     if (newest.empty() && !std::filesystem::exists(path, error)) continue;
     try {

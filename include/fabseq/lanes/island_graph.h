@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -18,7 +17,10 @@ struct RiseOrder {
   std::int64_t depth = std::numeric_limits<std::int64_t>::max();  ///< falls with the stiffness
   std::int64_t element = 0;
 
-  auto operator<=>(const RiseOrder&) const = default;
+  bool operator<(const RiseOrder& other) const {
+    return depth != other.depth ? depth < other.depth : element < other.element;
+  }
+  bool operator<=(const RiseOrder& other) const { return !(other < *this); }
   /// The turn of an element of this stiffness, which is above 0.
   static RiseOrder of(double stiffness, std::int64_t element) { return {depth_of(stiffness), element}; }
   /// By the exponent and two bits of the fraction.
