@@ -58,7 +58,8 @@ class System:
 
     def halo(self, level, size):
         counts = self.levels[level]
-        return Traffic(counts.halo_messages, counts.halo_nodes * size, counts.own_neighbors, counts.own_halo_nodes * size)
+        return Traffic(counts.halo_messages, counts.halo_nodes * size,
+                       counts.own_neighbors, counts.own_halo_nodes * size)
 
     def exchange(self, kind, size):
         """Of "nodes" or "elements"."""

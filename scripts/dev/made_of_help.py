@@ -33,5 +33,6 @@ def keep_up_to_date(documentation, document, made):
     if arguments.write:
         path.write_text(text, encoding="utf-8")
     elif there != text:
-        sys.stdout.writelines(difflib.unified_diff(there.splitlines(True), text.splitlines(True), str(path), "as it should be"))
+        sys.stdout.writelines(difflib.unified_diff(there.splitlines(True), text.splitlines(True),
+                                                   str(path), "as it should be"))
         sys.exit(f"{SCRIPT}: {path} is out of date; scripts/dev/{SCRIPT} --write mends it")

@@ -39,7 +39,8 @@ def main():
     for grid in arguments.grids:
         for count in arguments.layers:
             # One planar run has both models; of an optimization it is the binary layers of the best design.
-            planar = summary(arguments, "planar", grid, count, "-task", "simulate", "-set", 'sequence={"type": "planar"}')
+            planar = summary(arguments, "planar", grid, count, "-task", "simulate",
+                             "-set", 'sequence={"type": "planar"}')
             for model in MODELS:
                 optimized = summary(arguments, model, grid, count, "-deposition", model, "-restart", "auto")
                 figures["planar", model, grid, count] = numbers(planar, model)
@@ -53,7 +54,8 @@ def summary(arguments, name, grid, count, *options):
     directory = os.path.join(arguments.output, f"{name}_{grid.replace(',', 'x')}_{count}")
     if not os.path.exists(os.path.join(directory, "summary.json")):
         target = [{"type": "layer_thickness", "target": HEIGHT / count, "tolerance": 0.1}]
-        run_command(["mpirun", "-np", arguments.ranks, arguments.program, "-config", CONFIG, "-elements", grid, "-layers", count,
+        run_command(["mpirun", "-np", arguments.ranks, arguments.program, "-config", CONFIG,
+                     "-elements", grid, "-layers", count,
                      "-set", "constraints=" + json.dumps(target), *options, "-output", directory], capture=False)
     return read_json(directory, "summary.json")
 

@@ -90,7 +90,8 @@ def export_surface(part, placement, layer, faces, path, formats):
         write_surface(data, f"{path}.{form}")
     a, b, c = np.moveaxis(points[corners], 1, 0)
     return {"files": [f"{os.path.basename(path)}.{form}" for form in formats], "triangles": len(corners),
-            "open_edges": len(boundary(data)), "area": 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),
+            "open_edges": len(boundary(data)),
+            "area": 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()),
             "bounds": [points.min(axis=0).tolist(), points.max(axis=0).tolist()]}
 
 
