@@ -92,7 +92,7 @@ void add_coarse_solve() {
     const fabseq::BandNumbering<3> numbering(part.hierarchy().level(0).mesh, 3);
     const auto unknowns = static_cast<double>(right.size());
     const double band = unknowns * (numbering.bandwidth + 1);
-    measure(state, {unknowns, 2.0 * sizeof(double) * band, 4.0 * band},
+    measure(state, {unknowns, 2.0 * word * band, 4.0 * band},
             [&] { multigrid.apply(right.data(), solution.data()); });
   });
 }

@@ -31,6 +31,7 @@ IslandMap<Dim>::IslandMap(const LaneLevel<Dim>& level)
       whole_{Index<Dim>{}, level.elements},
       owned_(level.mesh.element_box()),
       ring_(level.comm, owned_, ringed(owned_)),
+      places_(static_cast<std::size_t>(level.mesh.elements())),
       node_held_(level.mesh.nodes(), 0),
       node_counted_(level.mesh.nodes(), 0),
       supported_(static_cast<std::size_t>(owned_.count()), 0) {
@@ -38,7 +39,9 @@ IslandMap<Dim>::IslandMap(const LaneLevel<Dim>& level)
   for (const auto& range : level.counted)
     std::fill(node_counted_.begin() + range.begin, node_counted_.begin() + range.end, 1);
   owned_.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    if (level.mesh.element_number(element) < 0) return;
+    const int number = level.mesh.element_number(element);
+    if (number < 0) return;
+    places_[number] = ring_.wanted().offset(element);
     for (int corner = 0; corner < corner_count<Dim>; ++corner)
       if (node_held_[level.mesh.node_number(stepped<Dim>(element, corner, 1))] != 0) supported_[offset] = 1;
   });
@@ -62,13 +65,18 @@ std::vector<IslandLimits> IslandMap<Dim>::limits_of(std::span<const double> stif
   return limits;
 }
 
-/// A lane's stiffness on the ring.
+/// A lane's stiffness on the ring. Where there are no elements, the field stays as it is.
 template <int Dim>
-std::vector<double> IslandMap<Dim>::field_of(std::span<const double> stiffness, int width, int lane) const {
-  return ring_.template gather<double>([&](const Index<Dim>& element) {
-    const int number = level_.mesh.element_number(element);
-    return number < 0 ? 0.0 : stiffness[static_cast<std::size_t>(number) * width + lane];
-  });
+void IslandMap<Dim>::set_field(std::span<const double> stiffness, int width, int lane,
+                               std::vector<double>& field) const {
+  for (std::size_t number = 0; number < places_.size(); ++number)
+    field[places_[number]] = stiffness[number * width + lane];
+  ring_.gather_others(
+      [&](const Index<Dim>& element) {
+        const int number = level_.mesh.element_number(element);
+        return number < 0 ? 0.0 : stiffness[static_cast<std::size_t>(number) * width + lane];
+      },
+      field);
 }
 
 template <int Dim>
@@ -76,23 +84,27 @@ typename IslandMap<Dim>::Found IslandMap<Dim>::find_basins(std::span<const doubl
                                                            const std::vector<IslandLimits>& limits) const {
   const int width = static_cast<int>(limits.size());
   Found found;
+  std::vector<double> values = empty_field();
+  std::vector<std::int64_t> ids(values.size(), -1);  // of other ranks' elements
   for (int lane = 0; lane < width; ++lane) {
-    const std::vector<double> values = field_of(stiffness, width, lane);
+    set_field(stiffness, width, lane, values);
     const typename LocalBasins<Dim>::Field field{whole_, owned_, values, supported_};
-    const LocalBasins<Dim> local(field, limits[lane], rank_of(level_.comm));
-    const auto ids = ring_.template gather<std::int64_t>([&](const Index<Dim>& element) {
-      const int basin = local.of_element()[owned_.offset(element)];
-      return basin < 0 ? std::int64_t{-1} : local.basins()[basin].id;
-    });
+    LocalBasins<Dim> local(field, limits[lane], rank_of(level_.comm));
+    ring_.gather_others(
+        [&](const Index<Dim>& element) {
+          const int basin = local.of_element()[owned_.offset(element)];
+          return basin < 0 ? std::int64_t{-1} : local.basins()[basin].id;
+        },
+        ids);
     found.saddles.push_back(local.saddles(ids));
     found.numbers.push_back(local.candidates(found.saddles.back()));
-    found.of_element.push_back(local.of_element());
     auto& basins = found.basins.emplace_back();
     for (const int number : found.numbers.back()) {
       basins.push_back(local.basins()[number]);
       basins.back().lane = lane;
     }
     for (Saddle& saddle : found.saddles.back()) saddle.lane = lane;
+    found.of_element.push_back(local.take_elements());
   }
   return found;
 }
@@ -165,10 +177,12 @@ std::vector<LaneIslands> IslandMap<Dim>::find(std::span<const double> stiffness,
   const Found found = find_basins(stiffness, limits);
   const std::vector<BasinIslands> islands = resolve(found, limits);
   std::vector<LaneIslands> result(static_cast<std::size_t>(width));
+  std::vector<double> field;
   for (int lane = 0; lane < width; ++lane) {
     result[lane].count = islands[lane].count;
     if (islands[lane].count == 0) continue;
-    const std::vector<double> field = field_of(stiffness, width, lane);
+    if (field.empty()) field = empty_field();
+    set_field(stiffness, width, lane, field);
     std::vector<int> of_basin;  // up to the last that may be one
     for (std::size_t i = 0; i < found.numbers[lane].size(); ++i) {
       of_basin.resize(std::max<std::size_t>(of_basin.size(), found.numbers[lane][i] + 1), -1);

@@ -28,7 +28,7 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
 
 template <int Dim>
 void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<const double> stiffness,
-                                        bool /*changed*/) {
+                                        bool changed) {
   static const LogEvent event("fabseq lane set-up");
   const auto scope = event.enter();
   first_layer_ = first_layer;
@@ -39,13 +39,15 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
     if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
   sum_in_place(grid_.comm(), not_finite_);
   sets_ = 1;
+  auto& islands = islands_[first_layer];
+  if (changed) islands.clear();
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
     width_ = Width;
     LaneArray& coefficients = solver.matrix().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
       for (int lane = 0; lane < Width; ++lane)
         coefficients[numbers_[e] * Width + lane] = stiffness[e * lanes + (lane < lanes ? lane : 0)];
-    solver.set_up();
+    solver.set_up(islands);
   });
 }
 

@@ -2,6 +2,8 @@
 /// The band solver and its numbering against dense matrices.
 #include "fabseq/lanes/band_cholesky.h"
 
+#include "fabseq/lanes/band_factor.h"
+
 #include <gtest/gtest.h>
 
 #include "support/brute_force.h"
@@ -35,9 +37,22 @@ BandCholesky filled(const std::vector<double>& matrix, int size, int bandwidth) 
   return result;
 }
 
+/// The largest error of a factor's solve, relative to the largest value.
+template <class Real, int Width>
+double error_of_factor(const BandCholesky& cholesky, const std::vector<double>& right,
+                       const std::vector<double>& expected) {
+  const std::size_t rows = BandFactor<Real>::padded(cholesky.size(), cholesky.bandwidth());
+  LaneArray values(rows * Width, 0.0);
+  std::copy(right.begin(), right.end(), values.begin());
+  BandFactor<Real>(cholesky).template solve<Width>(values.data());
+  for (std::size_t i = right.size(); i < values.size(); ++i) EXPECT_EQ(values[i], 0.0) << "behind the rows";
+  values.resize(right.size());
+  return test::relative_difference({values.begin(), values.end()}, expected);
+}
+
 TEST(BandCholeskyTest, SolvesLikeADenseMatrix) {
-  for (const auto& [size, bandwidth] :
-       std::vector<std::pair<int, int>>{{1, 0}, {7, 0}, {40, 1}, {60, 13}, {150, 70}, {20, 19}}) {
+  for (const auto& [size, bandwidth] : std::vector<std::pair<int, int>>{
+           {1, 0}, {7, 0}, {8, 3}, {40, 1}, {60, 13}, {64, 16}, {150, 70}, {20, 19}}) {
     const auto matrix = band_matrix(size, bandwidth);
     BandCholesky cholesky = filled(matrix, size, bandwidth);
     ASSERT_TRUE(cholesky.factor());
@@ -50,10 +65,10 @@ TEST(BandCholeskyTest, SolvesLikeADenseMatrix) {
             values[i * Width + lane] += matrix[i * size + j] * expected[j * Width + lane];
       std::vector<double> one;
       for (int i = 0; i < size; ++i) one.push_back(values[i * Width]);
-      cholesky.solve_lanes<Width>(values);
-      EXPECT_LT(test::relative_difference(values, expected), 1e-10) << size << " " << bandwidth;
+      EXPECT_LT((error_of_factor<double, Width>(cholesky, values, expected)), 1e-10) << size;
+      EXPECT_LT((error_of_factor<float, Width>(cholesky, values, expected)), 1e-4) << size;
       cholesky.solve(one);
-      for (int i = 0; i < size; ++i) EXPECT_NEAR(one[i], values[i * Width], 1e-12);
+      for (int i = 0; i < size; ++i) EXPECT_NEAR(one[i], expected[i * Width], 1e-10);
     });
   }
 }

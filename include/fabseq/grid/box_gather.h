@@ -26,6 +26,11 @@ class BoxGather {
   /// number, or a struct of numbers without pointers. `elsewhere`: the value of what nobody owns.
   template <class Value, class Source>
   std::vector<Value> gather(Source&& source, const Value& elsewhere = {}) const;
+  /// The same without what this rank owns: changes only what others own in `field`, which is on wanted().
+  template <class Value, class Source>
+  void gather_others(Source&& source, std::vector<Value>& field) const {
+    exchange(source, field, [] {});
+  }
 
  private:
   /// What two ranks have to send to each other; the boxes may be empty.
@@ -33,6 +38,10 @@ class BoxGather {
     int rank = 0;
     IndexBox<Dim> sent, received;
   };
+
+  /// `meanwhile`: to do while messages are under way.
+  template <class Value, class Source, class Meanwhile>
+  void exchange(Source&& source, std::vector<Value>& field, Meanwhile&& meanwhile) const;
 
   MPI_Comm comm_;
   IndexBox<Dim> wanted_, own_wanted_;  ///< the second: what this rank owns of what it wants
@@ -42,8 +51,18 @@ class BoxGather {
 template <int Dim>
 template <class Value, class Source>
 std::vector<Value> BoxGather<Dim>::gather(Source&& source, const Value& elsewhere) const {
-  const MpiType type = type_in_memory<Value>();
   std::vector<Value> result(static_cast<std::size_t>(wanted_.count()), elsewhere);
+  exchange(source, result, [&] {
+    own_wanted_.for_each(
+        [&](const Index<Dim>& index, std::int64_t) { result[wanted_.offset(index)] = source(index); });
+  });
+  return result;
+}
+
+template <int Dim>
+template <class Value, class Source, class Meanwhile>
+void BoxGather<Dim>::exchange(Source&& source, std::vector<Value>& field, Meanwhile&& meanwhile) const {
+  const MpiType type = type_in_memory<Value>();
   std::vector<std::vector<Value>> incoming(neighbors_.size()), outgoing(neighbors_.size());
   std::vector<MPI_Request> requests;
   for (std::size_t n = 0; n < neighbors_.size(); ++n) {
@@ -61,14 +80,12 @@ std::vector<Value> BoxGather<Dim>::gather(Source&& source, const Value& elsewher
     MPI_Isend(outgoing[n].data(), static_cast<int>(box.count()), type, neighbors_[n].rank, 0, comm_,
               &requests.emplace_back());
   }
-  own_wanted_.for_each(
-      [&](const Index<Dim>& index, std::int64_t) { result[wanted_.offset(index)] = source(index); });
+  meanwhile();
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
   for (std::size_t n = 0; n < neighbors_.size(); ++n)
     neighbors_[n].received.for_each([&](const Index<Dim>& index, std::int64_t offset) {
-      result[wanted_.offset(index)] = incoming[n][offset];
+      field[wanted_.offset(index)] = incoming[n][offset];
     });
-  return result;
 }
 
 }  // namespace fabseq

@@ -4,10 +4,7 @@
 #pragma once
 
 #include "fabseq/lanes/lane_mesh.h"
-#include "fabseq/lanes/lanes.h"
 
-#include <algorithm>
-#include <array>
 #include <span>
 #include <vector>
 
@@ -40,35 +37,18 @@ class BandCholesky {
   bool factor();
   /// Solves in place.
   void solve(std::span<double> values) const;
-  /// Solves in place for several right-hand sides, [row][lane].
-  template <int Width>
-  void solve_lanes(std::span<double> values) const;
+
+  int size() const { return size_; }
+  int bandwidth() const { return bandwidth_; }
+  /// Of the lower triangle, after factor() of the factor; zero outside the band and below the last row.
+  double entry(int row, int column) const {
+    if (row - column > bandwidth_ || row >= size_) return 0.0;
+    return band_[static_cast<std::size_t>(column) * (bandwidth_ + 1) + row - column];
+  }
 
  private:
   int size_ = 0, bandwidth_ = 0;
   std::vector<double> band_;  ///< LAPACK's lower band storage
 };
-
-/// One pass over the factor for all lanes, where LAPACK takes one per right-hand side.
-template <int Width>
-void BandCholesky::solve_lanes(std::span<double> values) const {
-  using Value = Lanes<Width>;
-  const auto at = [&](int row) { return values.data() + static_cast<std::size_t>(row) * Width; };
-  const auto column = [&](int j) { return &band_[static_cast<std::size_t>(j) * (bandwidth_ + 1)]; };
-  for (int j = 0; j < size_; ++j) {
-    const double* const factor = column(j);
-    const Value value = Value::load(at(j)) * (1.0 / factor[0]);
-    value.store(at(j));
-    for (int i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
-      (Value::load(at(j + i)) - value * factor[i]).store(at(j + i));
-  }
-  for (int j = size_ - 1; j >= 0; --j) {
-    const double* const factor = column(j);
-    std::array<Value, 2> sums{Value::zero(), Value::zero()};  // side by side: each waits for itself only
-    for (int i = 1; i <= std::min(bandwidth_, size_ - 1 - j); ++i)
-      sums[i % 2] += Value::load(at(j + i)) * factor[i];
-    ((Value::load(at(j)) - (sums[0] + sums[1])) * (1.0 / factor[0])).store(at(j));
-  }
-}
 
 }  // namespace fabseq

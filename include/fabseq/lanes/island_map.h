@@ -50,7 +50,10 @@ class IslandMap {
 
   std::vector<IslandLimits> limits_of(std::span<const double> stiffness, int width, double contrast,
                                       int most) const;
-  std::vector<double> field_of(std::span<const double> stiffness, int width, int lane) const;
+  std::vector<double> empty_field() const {
+    return std::vector<double>(static_cast<std::size_t>(ring_.wanted().count()), 0.0);
+  }
+  void set_field(std::span<const double> stiffness, int width, int lane, std::vector<double>& field) const;
   Found find_basins(std::span<const double> stiffness, const std::vector<IslandLimits>& limits) const;
   std::vector<BasinIslands> resolve(const Found& found, const std::vector<IslandLimits>& limits) const;
   std::vector<LaneIslands::Node> nodes_of(const std::vector<double>& field,
@@ -58,7 +61,8 @@ class IslandMap {
 
   const LaneLevel<Dim>& level_;
   IndexBox<Dim> whole_, owned_;
-  BoxGather<Dim> ring_;  ///< of the elements around this rank's
+  BoxGather<Dim> ring_;               ///< of the elements around this rank's
+  std::vector<std::int64_t> places_;  ///< of the mesh's elements on the ring
   std::vector<char> node_held_, node_counted_;
   std::vector<char> supported_;  ///< whether an element of the box has a held node
 };

@@ -38,7 +38,19 @@ class IslandModes {
   static constexpr int node_values = dim * Width;
   using Operator = LaneOperator<Problem, Width>;
 
+  /// What is known of each lane's islands, whatever the width: it can be kept.
+  using Known = std::vector<std::shared_ptr<const IslandMotions<dim>>>;
+
   bool empty() const { return most_ == 0; }
+  Known known() const { return {lanes_.begin(), lanes_.end()}; }
+  /// Takes over what known() has returned for the very same operators. Not collective.
+  void take(const Known& known) {
+    most_ = 0;
+    for (int lane = 0; lane < Width; ++lane) {
+      lanes_[lane] = known[lane];
+      most_ = std::max(most_, lanes_[lane]->count);
+    }
+  }
   /// Collective on the level's communicator.
   void set_up(Operator& matrix, const std::vector<LaneIslands>& islands) {
     constexpr double regularization = 1e-10;

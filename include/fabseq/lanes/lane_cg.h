@@ -38,8 +38,15 @@ class LaneCg {
   }
   /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
   void give_back_memory();
-  /// Sets up the multigrid for the coefficients given to matrix().
-  void set_up();
+  /// What is known of the islands: kept, it saves looking for them in the very same systems again.
+  using Islands = typename IslandModes<Problem, Width>::Known;
+  /// Sets up the multigrid for the coefficients given to matrix(). `islands`: of these systems, or nothing;
+  /// they are looked for then, and set. Problems with one operator leave it as it is.
+  void set_up(Islands& islands);
+  void set_up() {
+    Islands unknown;
+    set_up(unknown);
+  }
   /// For a body that nothing holds, Width 1: from now on iterates in the space without rigid motions. Loads
   /// must balance themselves. `motions` must outlive the solver.
   void keep_free_of(const FreeMotions<Problem::dim>& motions) { free_motions_ = &motions; }

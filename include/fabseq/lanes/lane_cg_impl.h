@@ -40,14 +40,19 @@ void LaneCg<Problem, Width>::give_back_memory() {
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::set_up() {
+void LaneCg<Problem, Width>::set_up(Islands& islands) {
   const LaneArray& coefficients = matrix_->coefficients();
   multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
   positive_ = multigrid_->set_up();
   if constexpr (Problem::own_operators) {
     if (!cycle_.islands || hierarchy_.count() == 1) return;
-    if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
-    islands_.set_up(*matrix_, island_map_->find(matrix_->coefficients(), Width));
+    if (islands.empty()) {
+      if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
+      islands_.set_up(*matrix_, island_map_->find(matrix_->coefficients(), Width));
+      islands = islands_.known();
+    } else {
+      islands_.take(islands);
+    }
   }
 }
 

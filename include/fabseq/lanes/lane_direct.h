@@ -3,6 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/lanes/band_cholesky.h"
+#include "fabseq/lanes/band_factor.h"
 #include "fabseq/lanes/lane_hierarchy.h"
 #include "fabseq/lanes/lane_operator.h"
 
@@ -13,9 +14,10 @@
 
 namespace fabseq {
 
-/// Solves on the last level of a multigrid, by band Cholesky in double precision. Lanes with operators of
-/// their own are dealt out to the ranks; a single operator for all lanes is the first rank's. Calls are
-/// collective on the grid's communicator. `Real`: of right-hand sides and solutions.
+/// Solves on the last level of a multigrid, by band Cholesky. Lanes with operators of their own are dealt out
+/// to the ranks; a single operator for all lanes is the first rank's. Calls are collective on the grid's
+/// communicator. `Real`: of right-hand sides, solutions and the factors kept; matrices are factored, and sums
+/// computed, in double precision.
 template <class Problem, int Width, class Real>
 class LaneDirect {
  public:
@@ -44,13 +46,16 @@ class LaneDirect {
 
   void assemble(Operator& matrix, int lane, BandCholesky& band);
   LaneDeal::Layout layout() const;
+  std::size_t padded_rows() const {
+    return BandFactor<Real>::padded(static_cast<int>(numbering_.rows.size()), numbering_.bandwidth);
+  }
   void solve_lanes();
 
   LaneHierarchy<dim>& hierarchy_;
   BandNumbering<dim> numbering_;
-  std::array<std::shared_ptr<BandCholesky>, factors> factors_;  ///< of the lanes dealt to this rank
-  std::array<int, Width> owners_{};                             ///< rank that solves each lane
-  std::vector<double> values_;
+  std::array<std::shared_ptr<const BandFactor<Real>>, factors> factors_;  ///< of the lanes dealt to this rank
+  std::array<int, Width> owners_{};                                       ///< rank that solves each lane
+  LaneArray values_;
 };
 
 template <class Problem, int Width, class Real>
@@ -58,15 +63,18 @@ std::array<bool, Width> LaneDirect<Problem, Width, Real>::factor(Operator& matri
   const MPI_Comm comm = hierarchy_.level(0).comm;
   const auto& rows = numbering_.rows;
   std::array<double, factors> failed{};
+  BandCholesky band;
   for (int lane = 0; lane < Width; ++lane) owners_[lane] = Problem::own_operators ? lane % size_of(comm) : 0;
   for (int lane = 0; lane < factors; ++lane) {
     factors_[lane] = nullptr;
     if (owners_[lane] != rank_of(comm)) continue;
-    factors_[lane] = std::make_shared<BandCholesky>();
-    factors_[lane]->resize(static_cast<int>(rows.size()), numbering_.bandwidth);
-    assemble(matrix, lane, *factors_[lane]);
-    if (shift > 0.0) factors_[lane]->raise_diagonal(shift);
-    if (!factors_[lane]->factor()) failed[lane] = 1.0;
+    band.resize(static_cast<int>(rows.size()), numbering_.bandwidth);
+    assemble(matrix, lane, band);
+    if (shift > 0.0) band.raise_diagonal(shift);
+    if (band.factor())
+      factors_[lane] = std::make_shared<BandFactor<Real>>(band);
+    else
+      failed[lane] = 1.0;
   }
   sum_in_place(comm, failed);
   std::array<bool, Width> positive;
@@ -116,9 +124,8 @@ void LaneDirect<Problem, Width, Real>::select(const LaneDirect<Problem, Wider, R
 /// Lanes with factors of their own are solved one by one, the others side by side.
 template <class Problem, int Width, class Real>
 LaneDeal::Layout LaneDirect<Problem, Width, Real>::layout() const {
-  const auto& rows = numbering_.rows;
-  if (Problem::own_operators) return {rows, components, 1, rows.size()};
-  return {rows, components, Width, 1};
+  if (Problem::own_operators) return {numbering_.rows, components, 1, padded_rows()};
+  return {numbering_.rows, components, Width, 1};
 }
 
 template <class Problem, int Width, class Real>
@@ -128,7 +135,7 @@ void LaneDirect<Problem, Width, Real>::solve(Operator& matrix, const Real* right
   const auto place = [&](std::size_t unknown, int lane) {
     return places.rows[unknown] * places.row_stride + lane * places.lane_stride;
   };
-  values_.assign(places.rows.size() * Width, 0.0);
+  values_.assign(padded_rows() * Width, 0.0);
   if (level.lanes_dealt) {
     hierarchy_.deal().add_at_owners(owners_, places, right, values_.data());
     for (const std::int64_t unknown : level.fixed)
@@ -150,11 +157,10 @@ void LaneDirect<Problem, Width, Real>::solve(Operator& matrix, const Real* right
 template <class Problem, int Width, class Real>
 void LaneDirect<Problem, Width, Real>::solve_lanes() {
   if constexpr (Problem::own_operators) {
-    const std::size_t rows = numbering_.rows.size();
     for (int lane = 0; lane < Width; ++lane)
-      if (factors_[lane] != nullptr) factors_[lane]->solve({values_.data() + lane * rows, rows});
+      if (factors_[lane] != nullptr) factors_[lane]->template solve<1>(values_.data() + lane * padded_rows());
   } else if (factors_[0] != nullptr) {
-    factors_[0]->template solve_lanes<Width>(values_);
+    factors_[0]->template solve<Width>(values_.data());
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -31,6 +32,8 @@ class LocalBasins {
   const std::vector<Basin>& basins() const { return basins_; }
   /// Basin of each owned element, an index into basins(); -1: too soft to be in one.
   const std::vector<int>& of_element() const { return of_element_; }
+  /// The same, to keep: the object has them no more.
+  std::vector<int> take_elements() { return std::move(of_element_); }
   /// The saddles that join components. `ids`: Basin::id of what elements of other ranks are in, on
   /// ringed(owned). Not collective.
   std::vector<Saddle> saddles(std::span<const std::int64_t> ids) const;

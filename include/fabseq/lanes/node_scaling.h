@@ -6,6 +6,10 @@
 #include "fabseq/lanes/lane_problem.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace fabseq {
 
@@ -24,18 +28,40 @@ class NodeScaling {
   /// `coefficients` as the problem's kernel takes them. Collective on the level's communicator.
   void set_up(LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
               const Real* coefficients) {
-    constexpr int block = entries * width;
-    LaneArray blocks(static_cast<std::size_t>(level.mesh.nodes()) * block, 0.0);
-    collect(level, matrices, coefficients, blocks);
-    sum_over_holders(level, blocks.data(), block);
-    inverse_.resize(blocks.size());
-    std::size_t next = 0;  // among the held unknowns
-    for (std::int64_t node = 0; node < level.mesh.nodes(); ++node) {
-      unsigned held = 0;
-      for (; next < level.fixed.size() && level.fixed[next] / components == node; ++next)
-        held |= 1U << (level.fixed[next] % components);
-      invert(&blocks[node * block], held, &inverse_[node * block]);
+    const LaneMesh<Problem::dim>& mesh = level.mesh;
+    std::vector<unsigned char> held(static_cast<std::size_t>(mesh.nodes()), 0);  // a bit per component
+    for (const std::int64_t unknown : level.fixed) held[unknown / components] |= 1U << (unknown % components);
+    inverse_.resize(static_cast<std::size_t>(mesh.nodes()) * block);
+    LaneArray window(static_cast<std::size_t>(mesh.window()) * block, 0.0);
+    LaneArray shared(level.shared.nodes().size() * block);
+    const auto finish = [&](std::int64_t node, double* sums) {
+      invert(sums, held[node], &inverse_[node * block]);
+      std::fill_n(sums, block, 0.0);
+    };
+    for (const auto& line : mesh.lines()) {
+      for (int number = line.first_row; number < line.last_row; ++number) {
+        const auto& row = mesh.rows()[number];
+        add(row, matrices, coefficients, window.data());
+        for (int i = row.finish_begin; i < row.finish_end; ++i)
+          finish(row.node[0] + i, &window[(row.slot[0] + i) * block]);
+      }
+      for (int number = line.first_segment; number < line.last_segment; ++number) {
+        const auto& segment = mesh.segments()[number];
+        for (int i = 0; i < segment.length; ++i) {
+          double* const sums = &window[(segment.slot + i) * block];
+          if (segment.shared < 0) {
+            finish(segment.node + i, sums);
+          } else {
+            std::copy_n(sums, block, &shared[(segment.shared + i) * block]);
+            std::fill_n(sums, block, 0.0);
+          }
+        }
+      }
     }
+    if (!level.distributed) return;
+    level.shared.sum(std::span<double>(shared), block);
+    for (std::size_t i = 0; i < level.shared.nodes().size(); ++i)
+      finish(level.shared.nodes()[i], &shared[i * block]);
   }
 
   /// Takes over lanes of a wider one.
@@ -49,23 +75,24 @@ class NodeScaling {
 
   using Values = std::array<Lanes<Width, Real>, components>;
   [[gnu::always_inline]] Values apply(std::int64_t node, const Values& values) const {
-    const float* block = inverse_.data() + node * entries * width;
+    const float* own = inverse_.data() + node * block;
     Values result;
     for (int a = 0; a < components; ++a) {
-      result[a] = load(block + a * width) * values[a];
+      result[a] = load(own + a * width) * values[a];
       for (int b = 0; b < components; ++b)
-        if (b != a) result[a] += load(block + off_diagonal(a, b) * width) * values[b];
+        if (b != a) result[a] += load(own + off_diagonal(a, b) * width) * values[b];
     }
     return result;
   }
   void prefetch(std::int64_t node) const {
-    const float* block = inverse_.data() + node * entries * width;
-    for (int i = 0; i < entries * width; i += 16) __builtin_prefetch(block + i);
+    for (int i = 0; i < block; i += 16) __builtin_prefetch(inverse_.data() + node * block + i);
   }
 
  private:
   template <class, int, class>
   friend class NodeScaling;
+
+  static constexpr int block = entries * width;
 
   static constexpr int off_diagonal(int a, int b) { return a == b ? a : components + a + b - 1; }
   [[gnu::always_inline]] static Lanes<Width, Real> load(const float* from) {
@@ -74,31 +101,30 @@ class NodeScaling {
     else
       return Lanes<Width, Real>::broadcast(*from);
   }
-  void collect(const LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
-               const Real* coefficients, LaneArray& blocks) const {
+  /// Adds up the blocks of a row's elements in the window.
+  void add(const typename LaneMesh<Problem::dim>::Row& row, const typename Problem::Matrices& matrices,
+           const Real* coefficients, double* window) const {
     constexpr int stride = Problem::template Kernel<Width>::stride;
-    constexpr int corners = corner_count<Problem::dim>;
-    for (const auto& row : level.mesh.rows())
-      for (int i = 0; i < row.length; ++i) {
-        const Real* of_element = coefficients + (row.element + i) * stride;
-        for (int corner = 0; corner < corners; ++corner) {
-          double* place = &blocks[(row.node[corner / 2] + i + corner % 2) * entries * width];
-          for (int a = 0; a < components; ++a)
-            for (int b = a; b < components; ++b)
-              for (int lane = 0; lane < width; ++lane)
-                place[off_diagonal(a, b) * width + lane] += Problem::template entry<Width>(
-                    matrices, corner * components + a, corner * components + b, of_element, lane);
-        }
+    for (int i = 0; i < row.length; ++i) {
+      const Real* of_element = coefficients + (row.element + i) * stride;
+      for (int corner = 0; corner < corner_count<Problem::dim>; ++corner) {
+        double* place = window + (row.slot[corner / 2] + i + corner % 2) * block;
+        for (int a = 0; a < components; ++a)
+          for (int b = a; b < components; ++b)
+            for (int lane = 0; lane < width; ++lane)
+              place[off_diagonal(a, b) * width + lane] += Problem::template entry<Width>(
+                  matrices, corner * components + a, corner * components + b, of_element, lane);
       }
+    }
   }
 
   /// Held unknowns count as unit rows while inverting.
-  void invert(const double* block, unsigned held, float* inverse) const {
+  void invert(const double* sums, unsigned held, float* inverse) const {
     using Value = Lanes<width>;
     const auto is_held = [&](int a, int b) { return (((held >> a) | (held >> b)) & 1U) != 0; };
     const auto entry = [&](int a, int b) {
       if (is_held(a, b)) return Value::broadcast(a == b ? 1.0 : 0.0);
-      return Value::load(block + off_diagonal(a, b) * width);
+      return Value::load(sums + off_diagonal(a, b) * width);
     };
     const auto set = [&](int a, int b, const Value& value) {
       float* place = inverse + off_diagonal(a, b) * width;

@@ -10,6 +10,7 @@
 #include "fabseq/solve/elasticity_solver.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +66,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::vector<double> not_finite_;  ///< stiffness values per lane of the block that are no numbers
   std::vector<double> stiffness_;   ///< of the current block, [element][lane], for the fallback
   LaneArray load_, displacement_;
+  /// Of the blocks, by their first layer: adjoints have the operators of the solves before them.
+  std::map<int, typename LaneCg<LaneElasticityProblem<Dim>, widest>::Islands> islands_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
 

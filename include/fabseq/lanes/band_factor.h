@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/lanes/band_cholesky.h"
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lanes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace fabseq {
+
+/// A band matrix's Cholesky factor L, arranged for many solves: eight columns side by side make a panel, so
+/// that the unknowns pass through the registers once for eight columns. `Real`: of the numbers kept; sums are
+/// in double precision. Half the bytes of a factor in double precision are half the time, as the factor does
+/// not fit into the caches near the core. L L^T stays symmetric and positive definite when L is rounded.
+template <class Real>
+class BandFactor {
+ public:
+  /// `factored`: a matrix after its factor() has succeeded.
+  explicit BandFactor(const BandCholesky& factored);
+
+  /// Rows that a vector must have room for, those behind the matrix's own being zero.
+  static std::size_t padded(int size, int bandwidth) { return panels(size) * panel + tail(bandwidth); }
+  /// Solves in place: `values` is [row][lane], padded, on a cache line.
+  template <int Width>
+  void solve(double* values) const;
+
+ private:
+  static constexpr std::size_t panel = 8;
+  static std::size_t panels(std::size_t size) { return (size + panel - 1) / panel; }
+  static std::size_t tail(std::size_t bandwidth) { return panels(bandwidth) * panel; }
+  /// Of a panel: its triangle's inverse by columns, then by rows, then what is below the triangle, as squares
+  /// of eight rows and columns; squares are stored by columns.
+  const Real* place(std::size_t number) const { return &values_[number * (2 * panel + tail_) * panel]; }
+  void invert_triangle(const BandCholesky& factored, std::size_t first, Real* to) const;
+  template <int Width>
+  static std::array<Lanes<Width>, panel> times_triangle(const Real* triangle,
+                                                        const std::array<Lanes<Width>, panel>& values);
+  void solve_one(double* values) const;
+
+  std::size_t panels_, tail_;
+  LaneValues<Real> values_;
+};
+
+template <class Real>
+BandFactor<Real>::BandFactor(const BandCholesky& factored)
+    : panels_(panels(factored.size())),
+      tail_(tail(factored.bandwidth())),
+      values_(panels_ * (2 * panel + tail_) * panel, Real{0}) {
+  for (std::size_t number = 0; number < panels_; ++number) {
+    Real* const to = &values_[number * (2 * panel + tail_) * panel];
+    invert_triangle(factored, number * panel, to);
+    for (std::size_t k = 0; k < panel; ++k)
+      for (std::size_t row = 0; row < tail_; ++row)
+        to[2 * panel * panel + row / panel * panel * panel + k * panel + row % panel] =
+            static_cast<Real>(factored.entry(static_cast<int>((number + 1) * panel + row),
+                                             static_cast<int>(number * panel + k)));
+  }
+}
+
+/// Rows behind the last one are those of a unit matrix.
+template <class Real>
+void BandFactor<Real>::invert_triangle(const BandCholesky& factored, std::size_t first, Real* to) const {
+  std::array<std::array<double, panel>, panel> inverse{};  // [column][row]
+  const auto entry = [&](std::size_t row, std::size_t column) {
+    if (first + row < static_cast<std::size_t>(factored.size()))
+      return factored.entry(static_cast<int>(first + row), static_cast<int>(first + column));
+    return row == column ? 1.0 : 0.0;
+  };
+  for (std::size_t column = 0; column < panel; ++column)
+    for (std::size_t row = column; row < panel; ++row) {
+      double sum = row == column ? 1.0 : 0.0;
+      for (std::size_t k = column; k < row; ++k) sum -= entry(row, k) * inverse[column][k];
+      inverse[column][row] = sum / entry(row, row);
+      to[column * panel + row] = to[(panel + row) * panel + column] = static_cast<Real>(inverse[column][row]);
+    }
+}
+
+/// Sum of the triangle's eight columns, times a value each.
+template <class Real>
+template <int Width>
+std::array<Lanes<Width>, BandFactor<Real>::panel> BandFactor<Real>::times_triangle(
+    const Real* triangle, const std::array<Lanes<Width>, panel>& values) {
+  std::array<Lanes<Width>, panel> sums;
+  sums.fill(Lanes<Width>::zero());
+  for (std::size_t k = 0; k < panel; ++k)
+    for (std::size_t row = 0; row < panel; ++row)
+      sums[row] += values[k] * static_cast<double>(triangle[k * panel + row]);
+  return sums;
+}
+
+template <class Real>
+template <int Width>
+void BandFactor<Real>::solve(double* values) const {
+  if constexpr (Width == 1) {
+    solve_one(values);
+  } else {
+    using Value = Lanes<Width>;
+    const auto at = [&](std::size_t row) { return values + row * Width; };
+    std::array<Value, panel> own;
+    for (std::size_t number = 0; number < panels_; ++number) {
+      const Real* const from = place(number);
+      const Real* const below = from + 2 * panel * panel;
+      for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
+      own = times_triangle<Width>(from, own);
+      for (std::size_t k = 0; k < panel; ++k) own[k].store(at(number * panel + k));
+      for (std::size_t row = 0; row < tail_; ++row) {
+        auto value = Value::load(at((number + 1) * panel + row));
+        const Real* const numbers = below + row / panel * panel * panel + row % panel;
+        for (std::size_t k = 0; k < panel; ++k)
+          value = value - own[k] * static_cast<double>(numbers[k * panel]);
+        value.store(at((number + 1) * panel + row));
+      }
+    }
+    for (std::size_t number = panels_; number-- > 0;) {
+      const Real* const from = place(number);
+      const Real* const below = from + 2 * panel * panel;
+      for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
+      for (std::size_t row = 0; row < tail_; ++row) {
+        const auto value = Value::load(at((number + 1) * panel + row));
+        const Real* const numbers = below + row / panel * panel * panel + row % panel;
+        for (std::size_t k = 0; k < panel; ++k)
+          own[k] = own[k] - value * static_cast<double>(numbers[k * panel]);
+      }
+      own = times_triangle<Width>(from + panel * panel, own);
+      for (std::size_t k = 0; k < panel; ++k) own[k].store(at(number * panel + k));
+    }
+  }
+}
+
+/// The same for one lane, with the rows of a panel in the lanes of registers.
+template <class Real>
+void BandFactor<Real>::solve_one(double* values) const {
+  using Rows = Lanes<static_cast<int>(panel)>;
+  const auto times = [](const Real* triangle, const std::array<double, panel>& own) {
+    std::array<Rows, 2> sums{Rows::zero(), Rows::zero()};  // side by side: each waits for itself only
+    for (std::size_t k = 0; k < panel; ++k) sums[k % 2] += Rows::load(triangle + k * panel) * own[k];
+    return sums[0] + sums[1];
+  };
+  std::array<double, panel> own;
+  for (std::size_t number = 0; number < panels_; ++number) {
+    const Real* const from = place(number);
+    const Real* const below = from + 2 * panel * panel;
+    double* const here = values + number * panel;
+    std::copy_n(here, panel, own.begin());
+    times(from, own).store(own.data());
+    std::copy_n(own.begin(), panel, here);
+    for (std::size_t row = 0; row < tail_; row += panel) {
+      auto value = Rows::load(here + panel + row);
+      for (std::size_t k = 0; k < panel; ++k)
+        value = value - Rows::load(below + row * panel + k * panel) * own[k];
+      value.store(here + panel + row);
+    }
+  }
+  for (std::size_t number = panels_; number-- > 0;) {
+    const Real* const from = place(number);
+    const Real* const below = from + 2 * panel * panel;
+    double* const here = values + number * panel;
+    std::array<Rows, panel> sums;
+    sums.fill(Rows::zero());
+    for (std::size_t row = 0; row < tail_; row += panel) {
+      const auto value = Rows::load(here + panel + row);
+      for (std::size_t k = 0; k < panel; ++k) sums[k] += Rows::load(below + row * panel + k * panel) * value;
+    }
+    for (std::size_t k = 0; k < panel; ++k) {
+      own[k] = here[k];
+      for (std::size_t lane = 0; lane < panel; ++lane) own[k] -= sums[k][static_cast<int>(lane)];
+    }
+    times(from + panel * panel, own).store(here);
+  }
+}
+
+}  // namespace fabseq
