@@ -102,11 +102,11 @@ class LaneSolver:
             self.halo(level, problem.scaling() * operators * DOUBLE)
             self.transfer_down(level, 0, (width if problem.own_operators else 2) * SINGLE)
             self.tally.work[self.phase] += self.levels[level].own_nodes * operators * np.array(
-                [70 * problem.components, problem.scaling() * (4 * DOUBLE + SINGLE)])
+                [70 * problem.components, problem.scaling() * SINGLE])
         self.reduce(operators * DOUBLE)  # of factor()
         self.serial("factor", most_lanes(self.owners(operators)))
-        if not problem.own_operators or len(self.levels) == 1:
-            return
+        if not problem.own_operators or len(self.levels) == 1 or self.phase == "adjoint":
+            return  # the islands of an adjoint are those of the solve before it
         self.reduce(2 * width * DOUBLE)  # extremes of the stiffness
         self.exchange(1, 2 * width, "elements")  # of the stiffness, of what elements are in
         for _ in "basins", "saddles", "islands":

@@ -87,7 +87,7 @@ class Clock:
             return rows * band**2 / machine.flops
         if what in ("direct", "direct heat"):  # the factor passes twice, for all right-hand sides of the heat problem at once
             passes = 1.0 if what == "direct" else 1.0 / 8.0
-            return 4 * rows * band / machine.flops + passes * 2 * rows * band * DOUBLE / machine.core_bandwidth
+            return 4 * rows * band / machine.flops + passes * 2 * rows * band * SINGLE / machine.core_bandwidth
         if what == "islands":
             return self.part_elements / self.ranks * ISLAND_SECONDS
         return self.part_elements / self.ranks * ELEMENT_SECONDS[phase]

@@ -51,6 +51,12 @@ class LaneElasticityProblem {
   static double entry(const Matrices& matrices, int row, int column, const Real* coefficients, int lane) {
     return matrices.stiffness[row * element_size + column] * coefficients[lane];
   }
+  /// The same in all operators.
+  template <int Width, class Real>
+  static Lanes<operators<Width>> entries(const Matrices& matrices, int row, int column,
+                                         const Real* coefficients) {
+    return Lanes<operators<Width>>::load(coefficients) * matrices.stiffness[row * element_size + column];
+  }
 
  private:
   double thickness_, poisson_;
@@ -97,6 +103,10 @@ class LaneHeatProblem {
   static double entry(const Matrices& matrices, int row, int column, const Real* coefficients, int) {
     const int at = row * element_size + column;
     return matrices.conductivity[at] * coefficients[0] + matrices.mass[at] * coefficients[1];
+  }
+  template <int Width, class Real>
+  static Lanes<1> entries(const Matrices& matrices, int row, int column, const Real* coefficients) {
+    return {entry<Width>(matrices, row, column, coefficients, 0)};
   }
 
  private:

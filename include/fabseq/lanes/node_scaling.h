@@ -28,40 +28,34 @@ class NodeScaling {
   /// `coefficients` as the problem's kernel takes them. Collective on the level's communicator.
   void set_up(LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
               const Real* coefficients) {
-    const LaneMesh<Problem::dim>& mesh = level.mesh;
-    std::vector<unsigned char> held(static_cast<std::size_t>(mesh.nodes()), 0);  // a bit per component
-    for (const std::int64_t unknown : level.fixed) held[unknown / components] |= 1U << (unknown % components);
-    inverse_.resize(static_cast<std::size_t>(mesh.nodes()) * block);
-    LaneArray window(static_cast<std::size_t>(mesh.window()) * block, 0.0);
+    inverse_.resize(static_cast<std::size_t>(level.mesh.nodes()) * block);
     LaneArray shared(level.shared.nodes().size() * block);
-    const auto finish = [&](std::int64_t node, double* sums) {
-      invert(sums, held[node], &inverse_[node * block]);
-      std::fill_n(sums, block, 0.0);
+    const auto held = [&, next = std::size_t{0}](std::int64_t node) mutable {  // nodes ascend
+      unsigned bits = 0;
+      while (next < level.fixed.size() && level.fixed[next] / components < node) ++next;
+      for (; next < level.fixed.size() && level.fixed[next] / components == node; ++next)
+        bits |= 1U << (level.fixed[next] % components);
+      return bits;
     };
-    for (const auto& line : mesh.lines()) {
-      for (int number = line.first_row; number < line.last_row; ++number) {
-        const auto& row = mesh.rows()[number];
-        add(row, matrices, coefficients, window.data());
-        for (int i = row.finish_begin; i < row.finish_end; ++i)
-          finish(row.node[0] + i, &window[(row.slot[0] + i) * block]);
+    std::size_t next = 0;  // among the shared nodes
+    auto held_of_own = held;
+    for (const auto& run : level.mesh.node_runs())
+      for (int i = 0; i < run.length; ++i) {
+        Index<Problem::dim> index = run.index;
+        index[0] += i;
+        const Sums sums = sums_of_elements(level.mesh, index, matrices, coefficients);
+        if (next < level.shared.nodes().size() && level.shared.nodes()[next] == run.node + i)
+          store(sums, &shared[next++ * block]);
+        else
+          invert(sums, held_of_own(run.node + i), &inverse_[(run.node + i) * block]);
       }
-      for (int number = line.first_segment; number < line.last_segment; ++number) {
-        const auto& segment = mesh.segments()[number];
-        for (int i = 0; i < segment.length; ++i) {
-          double* const sums = &window[(segment.slot + i) * block];
-          if (segment.shared < 0) {
-            finish(segment.node + i, sums);
-          } else {
-            std::copy_n(sums, block, &shared[(segment.shared + i) * block]);
-            std::fill_n(sums, block, 0.0);
-          }
-        }
-      }
-    }
     if (!level.distributed) return;
     level.shared.sum(std::span<double>(shared), block);
-    for (std::size_t i = 0; i < level.shared.nodes().size(); ++i)
-      finish(level.shared.nodes()[i], &shared[i * block]);
+    auto held_of_shared = held;
+    for (std::size_t i = 0; i < level.shared.nodes().size(); ++i) {
+      const std::int64_t node = level.shared.nodes()[i];
+      invert(load_sums(&shared[i * block]), held_of_shared(node), &inverse_[node * block]);
+    }
   }
 
   /// Takes over lanes of a wider one.
@@ -93,6 +87,7 @@ class NodeScaling {
   friend class NodeScaling;
 
   static constexpr int block = entries * width;
+  using Sums = std::array<Lanes<width>, entries>;
 
   static constexpr int off_diagonal(int a, int b) { return a == b ? a : components + a + b - 1; }
   [[gnu::always_inline]] static Lanes<Width, Real> load(const float* from) {
@@ -101,30 +96,40 @@ class NodeScaling {
     else
       return Lanes<Width, Real>::broadcast(*from);
   }
-  /// Adds up the blocks of a row's elements in the window.
-  void add(const typename LaneMesh<Problem::dim>::Row& row, const typename Problem::Matrices& matrices,
-           const Real* coefficients, double* window) const {
+  /// A node's block, of this rank's elements around it.
+  Sums sums_of_elements(const LaneMesh<Problem::dim>& mesh, const Index<Problem::dim>& node,
+                        const typename Problem::Matrices& matrices, const Real* coefficients) const {
     constexpr int stride = Problem::template Kernel<Width>::stride;
-    for (int i = 0; i < row.length; ++i) {
-      const Real* of_element = coefficients + (row.element + i) * stride;
-      for (int corner = 0; corner < corner_count<Problem::dim>; ++corner) {
-        double* place = window + (row.slot[corner / 2] + i + corner % 2) * block;
-        for (int a = 0; a < components; ++a)
-          for (int b = a; b < components; ++b)
-            for (int lane = 0; lane < width; ++lane)
-              place[off_diagonal(a, b) * width + lane] += Problem::template entry<Width>(
-                  matrices, corner * components + a, corner * components + b, of_element, lane);
-      }
+    Sums sums;
+    sums.fill(Lanes<width>::zero());
+    for (int corner = corner_count<Problem::dim> - 1; corner >= 0; --corner) {  // ascending elements
+      const Index<Problem::dim> element = stepped<Problem::dim>(node, corner, -1);
+      const int number = mesh.element_box().contains(element) ? mesh.element_number(element) : -1;
+      if (number < 0) continue;
+      const Real* const own = coefficients + static_cast<std::int64_t>(number) * stride;
+      for (int a = 0; a < components; ++a)
+        for (int b = a; b < components; ++b)
+          sums[off_diagonal(a, b)] += Problem::template entries<Width>(matrices, corner * components + a,
+                                                                       corner * components + b, own);
     }
+    return sums;
+  }
+  static void store(const Sums& sums, double* to) {
+    for (int i = 0; i < entries; ++i) sums[i].store(to + i * width);
+  }
+  static Sums load_sums(const double* from) {
+    Sums sums;
+    for (int i = 0; i < entries; ++i) sums[i] = Lanes<width>::load(from + i * width);
+    return sums;
   }
 
   /// Held unknowns count as unit rows while inverting.
-  void invert(const double* sums, unsigned held, float* inverse) const {
+  void invert(const Sums& sums, unsigned held, float* inverse) const {
     using Value = Lanes<width>;
     const auto is_held = [&](int a, int b) { return (((held >> a) | (held >> b)) & 1U) != 0; };
     const auto entry = [&](int a, int b) {
       if (is_held(a, b)) return Value::broadcast(a == b ? 1.0 : 0.0);
-      return Value::load(sums + off_diagonal(a, b) * width);
+      return sums[off_diagonal(a, b)];
     };
     const auto set = [&](int a, int b, const Value& value) {
       float* place = inverse + off_diagonal(a, b) * width;
