@@ -38,7 +38,8 @@ struct Lanes {
   [[gnu::always_inline]] static Lanes load(const From* from) {
     Lanes result;
     for (int i = 0; i < parts; ++i)
-      result.part[i] = converted<Real>(*reinterpret_cast<const LoosePart<From>*>(from + i * part_width));
+      result.part[i] =
+          converted<From, Real>(*reinterpret_cast<const LoosePart<From>*>(from + i * part_width));
     return result;
   }
   [[gnu::always_inline]] static Lanes broadcast(Real value) {
@@ -52,7 +53,7 @@ struct Lanes {
   template <class To>
   [[gnu::always_inline]] void store(To* to) const {
     for (int i = 0; i < parts; ++i)
-      *reinterpret_cast<LoosePart<To>*>(to + i * part_width) = converted<To>(part[i]);
+      *reinterpret_cast<LoosePart<To>*>(to + i * part_width) = converted<Real, To>(part[i]);
   }
   /// store() past the caches, for what is not read again soon; `to` is aligned to a register.
   [[gnu::always_inline]] void stream(Real* to) const {
@@ -107,12 +108,12 @@ struct Lanes {
       __attribute__((vector_size(sizeof(Other) * part_width), aligned(sizeof(Other)), may_alias)) = Other;
   /// One instruction between eight floats and eight doubles, which GCC 12 makes four. Without a mask, its
   /// intrinsics warn of a value that is not set.
-  template <class To, class From>
-  [[gnu::always_inline]] static PartOf<To> converted(const From& from) {
+  template <class From, class To>
+  [[gnu::always_inline]] static PartOf<To> converted(PartOf<From> from) {
 #if defined(__AVX512F__)
-    if constexpr (part_width == 8 && sizeof(From) == 32 && sizeof(To) == sizeof(double))
+    if constexpr (part_width == 8 && sizeof(From) < sizeof(To))
       return (PartOf<To>)_mm512_maskz_cvtps_pd(0xFF, (__m256)from);
-    else if constexpr (part_width == 8 && sizeof(From) == 64 && sizeof(To) == sizeof(float))
+    else if constexpr (part_width == 8 && sizeof(From) > sizeof(To))
       return (PartOf<To>)_mm512_maskz_cvtpd_ps(0xFF, (__m512d)from);
     else
 #endif
