@@ -3,6 +3,7 @@
 
 #include "fabseq/base/blas.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace fabseq {
@@ -52,6 +53,12 @@ bool BandCholesky::factor() {
   int info = 0;
   dpbtrf_("L", &size_, &bandwidth_, band_.data(), &leading, &info);
   return info == 0;
+}
+
+int BandCholesky::last_row(int column) const {
+  int row = std::min(column + bandwidth_, size_ - 1);
+  while (row > column && entry(row, column) == 0.0) --row;
+  return row;
 }
 
 void BandCholesky::solve(std::span<double> values) const {

@@ -16,15 +16,17 @@
 namespace fabseq {
 namespace {
 
-/// A symmetric band matrix, dense; rows of very different size, strongly diagonal.
+/// A symmetric band matrix, dense; rows of very different size, strongly diagonal. The band is narrower in
+/// the second half.
 std::vector<double> band_matrix(int size, int bandwidth) {
   std::vector<double> matrix(static_cast<std::size_t>(size) * size, 0.0);
   const auto scale = [](int row) { return std::pow(10.0, -4.0 * test::noise(row, 6)); };
   for (int row = 0; row < size; ++row)
     for (int column = std::max(0, row - bandwidth); column <= row; ++column)
-      matrix[row * size + column] = matrix[column * size + row] =
-          scale(row) * scale(column) *
-          (row == column ? 2.0 * (bandwidth + 1) : test::noise(row * size + column) - 0.5);
+      if (row - column <= (column < size / 2 ? bandwidth : bandwidth / 3))
+        matrix[row * size + column] = matrix[column * size + row] =
+            scale(row) * scale(column) *
+            (row == column ? 2.0 * (bandwidth + 1) : test::noise(row * size + column) - 0.5);
   return matrix;
 }
 BandCholesky filled(const std::vector<double>& matrix, int size, int bandwidth) {

@@ -40,6 +40,8 @@ class BandCholesky {
 
   int size() const { return size_; }
   int bandwidth() const { return bandwidth_; }
+  /// The last row where a column of the factor is not zero.
+  int last_row(int column) const;
   /// Of the lower triangle, after factor() of the factor; zero outside the band and below the last row.
   double entry(int row, int column) const {
     if (row - column > bandwidth_ || row >= size_) return 0.0;

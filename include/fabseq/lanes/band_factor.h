@@ -8,13 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <vector>
 
 namespace fabseq {
 
 /// A band matrix's Cholesky factor L, arranged for many solves: eight columns side by side make a panel, so
-/// that the unknowns pass through the registers once for eight columns. `Real`: of the numbers kept; sums are
-/// in double precision. Half the bytes of a factor in double precision are half the time, as the factor does
-/// not fit into the caches near the core. L L^T stays symmetric and positive definite when L is rounded.
+/// that the unknowns pass through the registers once for eight columns; a panel ends with its last number
+/// that is not zero. `Real`: of the numbers kept; sums are in double precision. Half the bytes of a factor in
+/// double precision are half the time, as the factor does not fit into the caches near the core. L L^T stays
+/// symmetric and positive definite when L is rounded.
 template <class Real>
 class BandFactor {
  public:
@@ -22,7 +24,7 @@ class BandFactor {
   explicit BandFactor(const BandCholesky& factored);
 
   /// Rows that a vector must have room for, those behind the matrix's own being zero.
-  static std::size_t padded(int size, int bandwidth) { return panels(size) * panel + tail(bandwidth); }
+  static std::size_t padded(int size, int bandwidth) { return (panels(size) + panels(bandwidth)) * panel; }
   /// Solves in place: `values` is [row][lane], padded, on a cache line.
   template <int Width>
   void solve(double* values) const;
@@ -30,33 +32,42 @@ class BandFactor {
  private:
   static constexpr std::size_t panel = 8;
   static std::size_t panels(std::size_t size) { return (size + panel - 1) / panel; }
-  static std::size_t tail(std::size_t bandwidth) { return panels(bandwidth) * panel; }
   /// Of a panel: its triangle's inverse by columns, then by rows, then what is below the triangle, as squares
   /// of eight rows and columns; squares are stored by columns.
-  const Real* place(std::size_t number) const { return &values_[number * (2 * panel + tail_) * panel]; }
+  const Real* place(std::size_t number) const { return &values_[starts_[number]]; }
+  /// Rows of a panel below its triangle, up to the last that is not zero.
+  std::size_t rows_below(std::size_t number) const {
+    return (starts_[number + 1] - starts_[number]) / panel - 2 * panel;
+  }
   void invert_triangle(const BandCholesky& factored, std::size_t first, Real* to) const;
   template <int Width>
   static std::array<Lanes<Width>, panel> times_triangle(const Real* triangle,
                                                         const std::array<Lanes<Width>, panel>& values);
   void solve_one(double* values) const;
 
-  std::size_t panels_, tail_;
+  std::size_t panels_;
+  std::vector<std::size_t> starts_;  ///< of each panel in the values, and the end
   LaneValues<Real> values_;
 };
 
 template <class Real>
-BandFactor<Real>::BandFactor(const BandCholesky& factored)
-    : panels_(panels(factored.size())),
-      tail_(tail(factored.bandwidth())),
-      values_(panels_ * (2 * panel + tail_) * panel, Real{0}) {
+BandFactor<Real>::BandFactor(const BandCholesky& factored) : panels_(panels(factored.size())), starts_{0} {
+  const int size = factored.size();
+  for (int first = 0; first < size; first += panel) {
+    int last = first + static_cast<int>(panel) - 1;
+    for (int column = first; column < std::min(first + static_cast<int>(panel), size); ++column)
+      last = std::max(last, factored.last_row(column));
+    starts_.push_back(starts_.back() + (2 * panel + panels(last - first + 1 - panel) * panel) * panel);
+  }
+  values_.resize(starts_.back());
   for (std::size_t number = 0; number < panels_; ++number) {
-    Real* const to = &values_[number * (2 * panel + tail_) * panel];
-    invert_triangle(factored, number * panel, to);
+    Real* const to = &values_[starts_[number]];
+    const std::size_t first = number * panel;
+    invert_triangle(factored, first, to);
     for (std::size_t k = 0; k < panel; ++k)
-      for (std::size_t row = 0; row < tail_; ++row)
-        to[2 * panel * panel + row / panel * panel * panel + k * panel + row % panel] =
-            static_cast<Real>(factored.entry(static_cast<int>((number + 1) * panel + row),
-                                             static_cast<int>(number * panel + k)));
+      for (std::size_t row = 0; row < rows_below(number); ++row)
+        to[2 * panel * panel + row / panel * panel * panel + k * panel + row % panel] = static_cast<Real>(
+            factored.entry(static_cast<int>(first + panel + row), static_cast<int>(first + k)));
   }
 }
 
@@ -106,7 +117,7 @@ void BandFactor<Real>::solve(double* values) const {
       for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
       own = times_triangle<Width>(from, own);
       for (std::size_t k = 0; k < panel; ++k) own[k].store(at(number * panel + k));
-      for (std::size_t row = 0; row < tail_; ++row) {
+      for (std::size_t row = 0; row < rows_below(number); ++row) {
         auto value = Value::load(at((number + 1) * panel + row));
         const Real* const numbers = below + row / panel * panel * panel + row % panel;
         for (std::size_t k = 0; k < panel; ++k)
@@ -118,7 +129,7 @@ void BandFactor<Real>::solve(double* values) const {
       const Real* const from = place(number);
       const Real* const below = from + 2 * panel * panel;
       for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
-      for (std::size_t row = 0; row < tail_; ++row) {
+      for (std::size_t row = 0; row < rows_below(number); ++row) {
         const auto value = Value::load(at((number + 1) * panel + row));
         const Real* const numbers = below + row / panel * panel * panel + row % panel;
         for (std::size_t k = 0; k < panel; ++k)
@@ -147,7 +158,7 @@ void BandFactor<Real>::solve_one(double* values) const {
     std::copy_n(here, panel, own.begin());
     times(from, own).store(own.data());
     std::copy_n(own.begin(), panel, here);
-    for (std::size_t row = 0; row < tail_; row += panel) {
+    for (std::size_t row = 0; row < rows_below(number); row += panel) {
       auto value = Rows::load(here + panel + row);
       for (std::size_t k = 0; k < panel; ++k)
         value = value - Rows::load(below + row * panel + k * panel) * own[k];
@@ -160,7 +171,7 @@ void BandFactor<Real>::solve_one(double* values) const {
     double* const here = values + number * panel;
     std::array<Rows, panel> sums;
     sums.fill(Rows::zero());
-    for (std::size_t row = 0; row < tail_; row += panel) {
+    for (std::size_t row = 0; row < rows_below(number); row += panel) {
       const auto value = Rows::load(here + panel + row);
       for (std::size_t k = 0; k < panel; ++k) sums[k] += Rows::load(below + row * panel + k * panel) * value;
     }
