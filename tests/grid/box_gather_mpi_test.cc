@@ -45,6 +45,12 @@ void expect_gathered(const Grid<Dim>& grid, const IndexBox<Dim>& wanted) {
     EXPECT_EQ(found[offset].known, inside);
     EXPECT_EQ(found[offset].value, inside ? static_cast<double>(all.offset(element)) : -1.0);
   });
+  std::vector<int> others(found.size(), 7);
+  gather.gather_others([](const Index<Dim>&) { return 3; }, others);
+  wanted.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    const bool of_another = all.contains(element) && !grid.owned_elements().contains(element);
+    EXPECT_EQ(others[offset], of_another ? 3 : 7);
+  });
 }
 
 TYPED_TEST(BoxGatherTest, BringsWhatIsAroundAndLeavesWhatIsOutside) {

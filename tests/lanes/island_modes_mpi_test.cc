@@ -108,6 +108,26 @@ TYPED_TEST(IslandModesTest, AreASymmetricProjection) {
   }
 }
 
+/// What is known of the islands of the very same systems can be given to another solver.
+TYPED_TEST(IslandModesTest, CanBeKept) {
+  constexpr int Dim = TypeParam::value;
+  const IslandCase<Dim> islands;
+  auto m = islands.multigrid();
+  using Solver = LaneCg<typename IslandCase<Dim>::Problem, 4>;
+  typename Solver::Islands known;
+  std::array<LaneArray, 2> solutions;
+  for (LaneArray& solution : solutions) {
+    Solver solver(m.hierarchy, m.physics.problem, test::cycle_of(SolverCycle::v));
+    solver.matrix().coefficients() = m.multigrid.finest().coefficients();
+    solver.set_up(known);
+    ASSERT_EQ(known.size(), 4U);
+    LaneArray load = m.random(1);
+    solver.solve(load, solution, 4, {.tolerance = 1e-8});
+  }
+  EXPECT_GT(known[1]->count, 0);
+  EXPECT_EQ(solutions[0], solutions[1]);
+}
+
 /// With them, conjugate gradients take fewer iterations where there are islands, and as many where there are
 /// none.
 TYPED_TEST(IslandModesTest, SaveIterations) {

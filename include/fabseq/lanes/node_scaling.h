@@ -29,33 +29,25 @@ class NodeScaling {
   void set_up(LaneLevel<Problem::dim>& level, const typename Problem::Matrices& matrices,
               const Real* coefficients) {
     inverse_.resize(static_cast<std::size_t>(level.mesh.nodes()) * block);
-    LaneArray shared(level.shared.nodes().size() * block);
-    const auto held = [&, next = std::size_t{0}](std::int64_t node) mutable {  // nodes ascend
-      unsigned bits = 0;
-      while (next < level.fixed.size() && level.fixed[next] / components < node) ++next;
-      for (; next < level.fixed.size() && level.fixed[next] / components == node; ++next)
-        bits |= 1U << (level.fixed[next] % components);
-      return bits;
-    };
-    std::size_t next = 0;  // among the shared nodes
-    auto held_of_own = held;
+    LaneArray shared(level.shared.nodes().size() * block);  // parts of their blocks
+    std::vector<unsigned char> held(static_cast<std::size_t>(level.mesh.nodes()), 0);  // a bit per component
+    for (const std::int64_t unknown : level.fixed) held[unknown / components] |= 1U << (unknown % components);
+    const auto& shared_nodes = level.shared.nodes();
+    std::size_t next = 0;  // among these: both ascend
     for (const auto& run : level.mesh.node_runs())
-      for (int i = 0; i < run.length; ++i) {
+      for (std::int64_t node = run.node; node < run.node + run.length; ++node) {
         Index<Problem::dim> index = run.index;
-        index[0] += i;
+        index[0] += static_cast<int>(node - run.node);
         const Sums sums = sums_of_elements(level.mesh, index, matrices, coefficients);
-        if (next < level.shared.nodes().size() && level.shared.nodes()[next] == run.node + i)
+        if (next < shared_nodes.size() && shared_nodes[next] == node)
           store(sums, &shared[next++ * block]);
         else
-          invert(sums, held_of_own(run.node + i), &inverse_[(run.node + i) * block]);
+          invert(sums, held[node], &inverse_[node * block]);
       }
     if (!level.distributed) return;
     level.shared.sum(std::span<double>(shared), block);
-    auto held_of_shared = held;
-    for (std::size_t i = 0; i < level.shared.nodes().size(); ++i) {
-      const std::int64_t node = level.shared.nodes()[i];
-      invert(load_sums(&shared[i * block]), held_of_shared(node), &inverse_[node * block]);
-    }
+    for (std::size_t i = 0; i < shared_nodes.size(); ++i)
+      invert(load_sums(&shared[i * block]), held[shared_nodes[i]], &inverse_[shared_nodes[i] * block]);
   }
 
   /// Takes over lanes of a wider one.
