@@ -39,6 +39,8 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
     if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
   sum_in_place(grid_.comm(), not_finite_);
   sets_ = 1;
+  if (changed && !changed_) islands_.clear();  // blocks may be others than before
+  changed_ = changed;
   auto& islands = islands_[first_layer];
   if (changed) islands.clear();
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {

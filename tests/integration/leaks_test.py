@@ -73,13 +73,14 @@ class SuppressionsTest(FabseqTest):
 class GrowthTest(FabseqTest):
     @run_fabseq.only_release
     def test_two_hundred_iterations(self):
-        """Peaks of iteration 20 and of iteration 200: dumps and checkpoints have been written by both."""
+        """Peaks of iteration 60, when what is freed has found its places in the heap, and of iteration 200: dumps and
+        checkpoints have been written by both."""
         run = self.run_config(2, plate_2d(), "-max_iterations", 200, "-output_every", 10, "-checkpoint_every", 10)
         self.assert_done(run)
         peaks = [line["peak_memory_bytes"] for line in run.history()]
         self.assertEqual(len(peaks), 200)
-        print(f"peak memory after 20 iterations {peaks[19] / MIB:.1f} MiB, after 200 {peaks[-1] / MIB:.1f} MiB")
-        self.assertLess(peaks[-1] - peaks[19], 1 * MIB)
+        print(f"peak memory after 60 iterations {peaks[59] / MIB:.1f} MiB, after 200 {peaks[-1] / MIB:.1f} MiB")
+        self.assertLess(peaks[-1] - peaks[59], 0.75 * MIB)  # a leak of 6 kB per iteration
 
 
 if __name__ == "__main__":
