@@ -36,7 +36,7 @@ class Machine:
 # Seconds on one core, measured on the V-shape (docs/performance.md): per element of the part and layer.
 ELEMENT_SECONDS = {"primal": 2.4e-8, "adjoint": 3.5e-8, "layers": 2e-8}
 # Per element of the part and lane: finding islands.
-ISLAND_SECONDS = 4e-8
+ISLAND_SECONDS = 2.6e-8
 # Interior-point steps of the optimizer's small model, which every rank solves.
 ROW_MODEL_STEPS = 15
 # Share of a rank's surface that lies on the surface of its node: 4 x 4 x 4 ranks.
