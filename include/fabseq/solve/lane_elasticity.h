@@ -68,7 +68,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   LaneArray load_, displacement_;
   /// Of the blocks, by their first layer: adjoints have the operators of the solves before them.
   std::map<int, typename LaneCg<LaneElasticityProblem<Dim>, widest>::Islands> islands_;
-  bool changed_ = false;  ///< whether the last block set had changed
+  bool changed_ = false;                                ///< whether the last block set had changed
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
 
