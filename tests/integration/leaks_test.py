@@ -73,8 +73,8 @@ class SuppressionsTest(FabseqTest):
 class GrowthTest(FabseqTest):
     @run_fabseq.only_release
     def test_two_hundred_iterations(self):
-        """Peaks of iteration 60, when what is freed has found its places in the heap, and of iteration 200: dumps
-        and checkpoints have been written by both."""
+        """Peaks of iteration 60, when what is freed has found its places in the heap, and of iteration 200:
+        dumps and checkpoints have been written by both."""
         run = self.run_config(2, plate_2d(), "-max_iterations", 200, "-output_every", 10, "-checkpoint_every", 10)
         self.assert_done(run)
         peaks = [line["peak_memory_bytes"] for line in run.history()]
