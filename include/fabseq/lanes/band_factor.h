@@ -35,7 +35,7 @@ class BandFactor {
   /// Of a panel: its triangle's inverse by columns, then by rows, then what is below the triangle, as squares
   /// of eight rows and columns; squares are stored by columns.
   const Real* place(std::size_t number) const { return &values_[starts_[number]]; }
-  /// Rows of a panel below its triangle, up to the last that is not zero.
+  /// Rows of a panel below its triangle, up to the square with the last that is not zero.
   std::size_t rows_below(std::size_t number) const {
     return (starts_[number + 1] - starts_[number]) / panel - 2 * panel;
   }
