@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <fcntl.h>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -66,10 +67,11 @@ class SharedFile {
     const int viewed = MPI_File_set_view(file_, offset, entity, box, "native", MPI_INFO_NULL);
     run_on_all(comm_, [&] { require_success(viewed, path_); });
 
+    std::vector<double> room;
+    const std::span<const double> all = field.whole(owned.count(), room);
     std::vector<float> rounded;
-    if (field.single_precision) rounded.assign(field.values.begin(), field.values.end());
-    const void* values =
-        field.single_precision ? static_cast<const void*>(rounded.data()) : field.values.data();
+    if (field.single_precision) rounded.assign(all.begin(), all.end());
+    const void* values = field.single_precision ? static_cast<const void*>(rounded.data()) : all.data();
     const int count = static_cast<int>(owned.count());
     MPI_Status status;
     const int written = MPI_File_write_at_all(file_, 0, values, count, entity, &status);

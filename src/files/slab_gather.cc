@@ -12,9 +12,9 @@ template <int Dim>
 SlabGather<Dim>::SlabGather(MPI_Comm comm, const Grid<Dim>& grid, const Field& field)
     : comm_(comm),
       components_(field.components),
-      values_(field.values),
       whole_(field.on_nodes ? grid.all_nodes() : grid.all_elements()),
-      owned_(field.on_nodes ? grid.owned_nodes() : grid.owned_elements()) {
+      owned_(field.on_nodes ? grid.owned_nodes() : grid.owned_elements()),
+      values_(field.whole(owned_.count(), room_)) {
   if (rank_of(comm_) >= size_of(grid.comm())) owned_ = {};  // this rank holds a copy
   const bool is_first = rank_of(comm_) == 0;
   if (is_first) boxes_.resize(static_cast<std::size_t>(size_of(comm_)));

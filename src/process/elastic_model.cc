@@ -52,6 +52,24 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
 }
 
 template <int Dim>
+std::vector<double> ElasticModel<Dim>::at_nodes(std::span<const double> field) const {
+  std::vector<double> result;
+  result.reserve(nodes.size() * Dim);
+  for (const int node : nodes)
+    for (int axis = 0; axis < Dim; ++axis)
+      result.push_back(field[static_cast<std::size_t>(node) * Dim + axis]);
+  return result;
+}
+
+template <int Dim>
+std::vector<double> ElasticModel<Dim>::on_all_nodes(std::span<const double> values) const {
+  std::vector<double> result(domain.fixed.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    result[static_cast<std::size_t>(nodes[i / Dim]) * Dim + i % Dim] = values[i];
+  return result;
+}
+
+template <int Dim>
 std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
   std::vector<double> result(elements.size());
   for (std::size_t e = 0; e < result.size(); ++e)

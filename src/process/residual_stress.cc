@@ -86,9 +86,10 @@ std::vector<double> finished_stress(const ElasticModel<Dim>& model, std::span<co
 
 template <int Dim>
 std::vector<double> equivalent_stress(const Part<Dim>& part, std::span<const double> stress) {
-  std::vector<double> result(part.density().size());
+  std::vector<double> result;
+  result.reserve(part.elements().size());
   for (const int element : part.elements())
-    result[element] = von_mises<Dim>(&stress[static_cast<std::size_t>(element) * voigt_size<Dim>]);
+    result.push_back(von_mises<Dim>(&stress[static_cast<std::size_t>(element) * voigt_size<Dim>]));
   return result;
 }
 

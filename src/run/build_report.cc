@@ -30,16 +30,6 @@ void estimate_time(const ModelSettings& settings, double volume, int layers, Bui
       *numbers.wire / *settings.process.deposition_rate + layers * settings.process.dwell / seconds_per_hour;
 }
 
-/// Vectors of the part elements on all owned elements; none if they are defined on no rank.
-template <int Dim>
-std::optional<std::vector<double>> expand_vectors(const Part<Dim>& part, std::span<const double> vectors) {
-  if (!any(part.grid().comm(), !vectors.empty())) return std::nullopt;
-  std::vector<double> field(part.density().size() * Dim, 0.0);
-  for (std::size_t i = 0; i < vectors.size(); ++i)
-    field[static_cast<std::size_t>(part.elements()[i / Dim]) * Dim + i % Dim] = vectors[i];
-  return field;
-}
-
 /// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).
 template <int Dim>
 class MachineChecks {
@@ -53,13 +43,12 @@ class MachineChecks {
 
   /// Collective.
   void add_to(BuildReport& report) const {
-    report.fields.direction = expand_vectors<Dim>(part_, direction_);
+    if (any(part_.grid().comm(), !direction_.empty())) report.fields.direction = direction_;
     add_torch(report);
     add_thickness(report);
-    const std::vector<double> hanging =
-        hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
+    std::vector<double> hanging = hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
     report.numbers.hanging = count(hanging, MarkedPlace::earliest);
-    report.fields.hanging = part_.expand(hanging);
+    report.fields.hanging = std::move(hanging);
     const InteriorExtrema extrema = find_interior_extrema<Dim>(part_, state_.time.time);
     report.numbers.interior_minima = count(extrema.minima, MarkedPlace::earliest);
     report.numbers.interior_maxima = count(extrema.maxima, MarkedPlace::earliest);
@@ -74,8 +63,7 @@ class MachineChecks {
     const ToolSettings& tool = settings_.tool;
     const std::vector<double> axis = torch_axis<Dim>(part_, tool, direction_);
     if (!any(part_.grid().comm(), !axis.empty())) return;
-    const std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
-    report.fields.tilt = part_.expand(tilt);
+    std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
     double largest = 0.0;
     std::vector<double> beyond;
     for (const double angle : tilt) {
@@ -83,17 +71,18 @@ class MachineChecks {
       beyond.push_back(angle - tool.max_tilt);
     }
     report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond, MarkedPlace::largest)};
+    report.fields.tilt = std::move(tilt);
     if (tool.profile.empty()) return;
-    const std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
+    std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
     report.numbers.blocked = count(blocked, MarkedPlace::largest);
-    report.fields.blocked = part_.expand(blocked);
+    report.fields.blocked = std::move(blocked);
   }
 
   void add_thickness(BuildReport& report) const {
-    const std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
+    std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
     report.numbers.local_thickness =
         thickness_range<Dim>(part_, thickness, allowed_thickness(settings_), layer_, state_.layers.count());
-    if (report.numbers.local_thickness) report.fields.local_thickness = part_.expand(thickness);
+    if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
   }
 
   const Part<Dim>& part_;
@@ -105,14 +94,18 @@ class MachineChecks {
 }  // namespace
 
 template <int Dim>
-void add_build_fields(FieldSet<Dim>& fields, const BuildFields& build, const std::string& prefix) {
-  const auto& [direction, blocked, tilt, local_thickness, hanging, von_mises] = build;
-  if (direction) fields.add_elements(prefix + "build_direction", *direction, Dim);
-  if (blocked) fields.add_elements(prefix + "blocked", *blocked);
-  if (tilt) fields.add_elements(prefix + "tilt", *tilt);
-  if (local_thickness) fields.add_elements(prefix + "local_thickness", *local_thickness);
-  if (hanging) fields.add_elements(prefix + "hanging", *hanging);
-  if (von_mises) fields.add_elements(prefix + "von_mises", *von_mises);
+void add_build_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const BuildFields& build,
+                      const std::string& prefix) {
+  const auto add = [&](const char* name, const std::optional<std::vector<double>>& values,
+                       int components = 1) {
+    if (values) fields.add_elements(prefix + name, *values, components, &part.elements());
+  };
+  add("build_direction", build.direction, Dim);
+  add("blocked", build.blocked);
+  add("tilt", build.tilt);
+  add("local_thickness", build.local_thickness);
+  add("hanging", build.hanging);
+  add("von_mises", build.von_mises);
 }
 
 template <int Dim>

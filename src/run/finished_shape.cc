@@ -137,10 +137,11 @@ FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipel
   FinishedShape result;
   std::vector<double> displacement = state.process.displacement;
   result.as_built = deviation_of(model, displacement);
-  result.release = release_displacement(model, pipeline, state, result.failure);
-  if (result.release.empty()) return result;
-  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += result.release[i];
+  const std::vector<double> release = release_displacement(model, pipeline, state, result.failure);
+  if (release.empty()) return result;
+  add_scaled(displacement, 1.0, release);
   result.released = deviation_of(model, displacement);
+  result.release = pipeline.process().model().at_nodes(release);
   return result;
 }
 

@@ -7,6 +7,8 @@
 #include "fabseq/run/sensitivity.h"
 #include "fabseq/run/tasks.h"
 
+#include <utility>
+
 namespace fabseq {
 
 namespace {
@@ -55,6 +57,14 @@ std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const P
   }
 }
 
+/// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
+void drop_unwritten_fields(SequenceReport& binary) {
+  binary.time = binary.layer = binary.temperature = {};
+  BuildFields written;
+  written.von_mises = std::move(binary.build_fields.von_mises);
+  binary.build_fields = std::move(written);
+}
+
 /// What the best design comes to, the one that the config starts from, at the same sharpness, and as many
 /// planar layers.
 template <int Dim>
@@ -67,6 +77,7 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
     return report_sequence(setup, problem, pipeline, state);
   };
   reports.binary = report(true);
+  drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few.
   pipeline.forget_results();
   reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);

@@ -18,14 +18,12 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   fields.add(setup.design_support.on_nodes(), "design", design);
-  add_sequence_fields(fields, reports.optimized, "");
-  fields.add_nodes("binary/displacement", reports.binary.displacement, Dim);
-  if (const auto& finished = reports.binary.finished; finished && !finished->release.empty())
-    fields.add_nodes("binary/release_displacement", finished->release, Dim);
+  add_sequence_fields(fields, setup.part, reports.optimized, "");
+  add_displacements(fields, reports.binary, "binary/");
   if (const auto& stress = reports.binary.build_fields.von_mises)
-    fields.add_elements("binary/von_mises", *stress);
-  add_sequence_fields(fields, baseline, "planar/");
-  if (reports.start) add_sequence_fields(fields, *reports.start, "start/");
+    fields.add_elements("binary/von_mises", *stress, 1, &setup.part.elements());
+  add_sequence_fields(fields, setup.part, baseline, "planar/");
+  if (reports.start) add_sequence_fields(fields, setup.part, *reports.start, "start/");
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", best.design());
@@ -53,17 +51,16 @@ void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& dire
                             std::span<const double> share, const std::vector<double>& displacement,
                             const BuildFields& checks) {
   const std::vector<double> design = model.design_field(share);
-  std::vector<double> time, layer;
   FieldSet<Dim> fields{&model.grid, {}};
   fields.add_elements("density", model.part.density());
   const PseudoTime<Dim>* last = pipeline.last_time();
+  std::vector<double> layer;
   if (last != nullptr) {
-    time = model.part.expand(last->time);
-    layer = model.part.expand(pipeline.last_layer_index());
-    fields.add_elements("time", time);
-    fields.add_elements("layer", layer);
+    layer = pipeline.last_layer_index();
+    fields.add_elements("time", last->time, 1, &model.part.elements());
+    fields.add_elements("layer", layer, 1, &model.part.elements());
   }
-  add_build_fields(fields, checks, "");
+  add_build_fields(fields, model.part, checks, "");
   fields.add(model.design_support.on_nodes(), "design", design);
   if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
   if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);

@@ -81,14 +81,20 @@ int SequenceNumbers::used_layers() const {
 }
 
 template <int Dim>
-void add_sequence_fields(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix) {
-  fields.add_elements(prefix + "time", report.time);
-  fields.add_elements(prefix + "layer", report.layer);
-  add_build_fields(fields, report.build_fields, prefix);
+void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
+                         const std::string& prefix) {
+  fields.add_elements(prefix + "time", report.time, 1, &part.elements());
+  fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
+  add_build_fields(fields, part, report.build_fields, prefix);
   if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
-  fields.add_nodes(prefix + "displacement", report.displacement, Dim);
-  if (report.finished && !report.finished->release.empty())
-    fields.add_nodes(prefix + "release_displacement", report.finished->release, Dim);
+  add_displacements(fields, report, prefix);
+}
+
+template <int Dim>
+void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix) {
+  fields.add_nodes(prefix + "displacement", report.displacement, Dim, &report.nodes);
+  if (report.finished && report.finished->released)
+    fields.add_nodes(prefix + "release_displacement", report.finished->release, Dim, &report.nodes);
 }
 
 template <int Dim>
@@ -118,14 +124,16 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
     report.build = std::move(build.numbers);
     report.build_fields = std::move(build.fields);
   }
-  report.time = model.part.expand(state.time.time);
-  report.layer = model.part.expand(pipeline.last_layer_index());
+  report.time = state.time.time;
+  report.layer = pipeline.last_layer_index();
   report.temperature = state.time.temperature;
-  report.displacement = state.process.displacement;
+  report.nodes = pipeline.process().model().nodes;
+  report.displacement = pipeline.process().model().at_nodes(state.process.displacement);
   return report;
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(add_sequence_fields);
+FABSEQ_INSTANTIATE_FUNCTION(add_displacements);
 FABSEQ_INSTANTIATE_FUNCTION(report_depositions);
 FABSEQ_INSTANTIATE_FUNCTION(report_sequence);
 

@@ -72,7 +72,7 @@ struct Simulation {
 template <int Dim>
 Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& part,
                             const Simulation<Dim>& simulation) {
-  std::vector<double> stress = finished_stress(model, simulation.shape().release);
+  std::vector<double> stress = finished_stress(model, model.on_all_nodes(simulation.shape().release));
   for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.stress.field[i];
   return {part, std::move(stress)};
 }
@@ -90,7 +90,7 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
-  add_sequence_fields(fields, simulation.report, "");
+  add_sequence_fields(fields, setup.part, simulation.report, "");
   fields.add_elements("residual_stress", simulation.stress.field, voigt_size<Dim>);
   if (released) fields.add_elements("released_stress", released->field, voigt_size<Dim>);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
@@ -162,7 +162,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                              {setup.part, residual_stress(process, state.layers)},
                              increment_norms(process, state.layers.count(), setup.grid.comm())};
   const FinishedShape& shape = simulation.shape();
-  if (!shape.release.empty())
+  if (shape.released)
     simulation.released = released_stress(process.model(), setup.part, simulation);
   else if (shape.failure.empty())
     warn("no release_displacement: " +

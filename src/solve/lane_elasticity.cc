@@ -39,18 +39,25 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
     if (!std::isfinite(stiffness[i])) not_finite_[i % lanes] += 1.0;
   sum_in_place(grid_.comm(), not_finite_);
   sets_ = 1;
-  if (changed && !changed_) islands_.clear();  // blocks may be others than before
-  changed_ = changed;
-  auto& islands = islands_[first_layer];
-  if (changed) islands.clear();
   with_narrowest(solver_, lanes, [&]<int Width>(auto& solver) {
     width_ = Width;
     LaneArray& coefficients = solver.matrix().coefficients();
     for (std::size_t e = 0; e < numbers_.size(); ++e)
       for (int lane = 0; lane < Width; ++lane)
         coefficients[numbers_[e] * Width + lane] = stiffness[e * lanes + (lane < lanes ? lane : 0)];
-    solver.set_up(islands);
+    set_up(solver, changed);
   });
+}
+
+/// Looks for islands only in systems that have changed.
+template <int Dim>
+void LaneElasticity<Dim>::set_up(auto& solver, bool changed) {
+  const auto layer = [&](int lane) { return first_layer_ + (lane < lanes_ ? lane : 0); };
+  typename LaneCg<LaneElasticityProblem<Dim>, widest>::Islands islands;
+  for (int lane = 0; !changed && lane < width_ && islands_.contains(layer(lane)); ++lane)
+    islands.push_back(islands_[layer(lane)]);
+  solver.set_up(islands);
+  for (int lane = 0; lane < lanes_ && !islands.empty(); ++lane) islands_[layer(lane)] = islands[lane];
 }
 
 template <int Dim>

@@ -5,6 +5,7 @@
 
 #include "support/io_support.h"
 #include <cstring>
+#include <optional>
 #include <sys/wait.h>
 
 namespace fabseq {
@@ -25,14 +26,17 @@ struct SampleFields {
       for (const int components : {1, Dim, 6})
         values.push_back(
             analytic_field<Dim>(on_nodes ? grid.owned_nodes() : grid.owned_elements(), components));
+    partial.emplace(grid.owned_elements(), Dim);
     set.add_elements("density", values[0]);
     set.add_nodes("displacement", values[4], Dim);
     set.add_elements("stress", values[2], 6);
     set.add_elements("direction", values[1], Dim);
     set.add_nodes("temperature", values[3]);
     set.fields.back().single_precision = true;
+    set.add_elements("partial", partial->values, Dim, &partial->places);
   }
   FieldSet<Dim> set;
+  std::optional<test::PartialField<Dim>> partial;
   std::vector<std::vector<double>> values;
 };
 
@@ -54,6 +58,7 @@ std::string expected_bytes(const Grid<Dim>& grid) {
   append<double>(bytes, analytic_field<Dim>(grid.all_elements(), 6));
   append<double>(bytes, analytic_field<Dim>(grid.all_elements(), Dim));
   append<float>(bytes, analytic_field<Dim>(grid.all_nodes(), 1));
+  append<double>(bytes, test::PartialField<Dim>(grid.all_elements(), Dim).whole);
   return bytes;
 }
 

@@ -62,11 +62,13 @@ void expect_analytic_datasets() {
   const std::vector<double> density = analytic_field<Dim>(grid.owned_elements(), 1);
   const std::vector<double> displacement = analytic_field<Dim>(grid.owned_nodes(), Dim);
   const std::vector<double> stress = analytic_field<Dim>(grid.owned_elements(), 6);
+  const test::PartialField<Dim> partial(grid.owned_nodes(), Dim);
   FieldSet<Dim> set{&grid, {}};
   set.add_elements("density", density);
   set.add_nodes("a/b/displacement", displacement, Dim);
   set.add_elements("a/stress", stress, 6);
   set.fields.back().single_precision = true;
+  set.add_nodes("partial", partial.values, Dim, &partial.places);
 
   Hdf5Writer writer(PETSC_COMM_WORLD, path);
   writer.write_fields(set);
@@ -91,6 +93,7 @@ void expect_analytic_datasets() {
   const std::vector<double> all_displacements = analytic_field<Dim>(grid.all_nodes(), Dim);
   EXPECT_EQ(nodes.shape, extents<Dim>(grid.all_nodes(), {}, {Dim}));
   EXPECT_EQ(nodes.values, all_displacements);
+  EXPECT_EQ(read(path, "partial").values, test::PartialField<Dim>(grid.all_nodes(), Dim).whole);
   const Dataset floats = read(path, "a/stress");
   EXPECT_TRUE(floats.single_precision);
   EXPECT_EQ(floats.shape, extents<Dim>(grid.all_elements(), {}, {6}));

@@ -123,6 +123,24 @@ std::vector<double> analytic_field(const IndexBox<Dim>& box, int components) {
   return values;
 }
 
+/// The analytic field where the first index is even, 0 elsewhere: where it has values, which, and as a whole.
+template <int Dim>
+struct PartialField {
+  std::vector<int> places;
+  std::vector<double> values, whole;
+
+  PartialField(const IndexBox<Dim>& box, int components) {
+    box.for_each([&](const Index<Dim>& index, std::int64_t offset) {
+      const bool has_values = index[0] % 2 == 0;
+      if (has_values) places.push_back(static_cast<int>(offset));
+      for (int c = 0; c < components; ++c) {
+        whole.push_back(has_values ? analytic<Dim>(index, c) : 0.0);
+        if (has_values) values.push_back(whole.back());
+      }
+    });
+  }
+};
+
 /// A grid with odd numbers of elements, unequal edges, and shares of different size.
 template <int Dim>
 Grid<Dim> odd_grid() {

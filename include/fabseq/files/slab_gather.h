@@ -38,8 +38,9 @@ class SlabGather {
 
   MPI_Comm comm_;
   int components_;
-  std::span<const double> values_;
   IndexBox<Dim> whole_, owned_;
+  std::vector<double> room_;  ///< of a field that has values on some entities only
+  std::span<const double> values_;
   // Rank 0 only:
   std::vector<IndexBox<Dim>> boxes_;  ///< owned box of each rank, empty for copies
   std::vector<int> counts_, offsets_;

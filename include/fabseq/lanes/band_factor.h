@@ -35,6 +35,10 @@ class BandFactor {
   /// Of a panel: its triangle's inverse by columns, then by rows, then what is below the triangle, as squares
   /// of eight rows and columns; squares are stored by columns.
   const Real* place(std::size_t number) const { return &values_[starts_[number]]; }
+  /// Where an entry is among those below a triangle.
+  static constexpr std::size_t below(std::size_t row, std::size_t column) {
+    return (row / panel * panel + column) * panel + row % panel;
+  }
   /// Rows of a panel below its triangle, up to the square with the last that is not zero.
   std::size_t rows_below(std::size_t number) const {
     return (starts_[number + 1] - starts_[number]) / panel - 2 * panel;
@@ -66,7 +70,7 @@ BandFactor<Real>::BandFactor(const BandCholesky& factored) : panels_(panels(fact
     invert_triangle(factored, first, to);
     for (std::size_t k = 0; k < panel; ++k)
       for (std::size_t row = 0; row < rows_below(number); ++row)
-        to[2 * panel * panel + row / panel * panel * panel + k * panel + row % panel] = static_cast<Real>(
+        to[2 * panel * panel + below(row, k)] = static_cast<Real>(
             factored.entry(static_cast<int>(first + panel + row), static_cast<int>(first + k)));
   }
 }
@@ -113,13 +117,13 @@ void BandFactor<Real>::solve(double* values) const {
     std::array<Value, panel> own;
     for (std::size_t number = 0; number < panels_; ++number) {
       const Real* const from = place(number);
-      const Real* const below = from + 2 * panel * panel;
+      const Real* const squares = from + 2 * panel * panel;
       for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
       own = times_triangle<Width>(from, own);
       for (std::size_t k = 0; k < panel; ++k) own[k].store(at(number * panel + k));
       for (std::size_t row = 0; row < rows_below(number); ++row) {
         auto value = Value::load(at((number + 1) * panel + row));
-        const Real* const numbers = below + row / panel * panel * panel + row % panel;
+        const Real* const numbers = squares + below(row, 0);
         for (std::size_t k = 0; k < panel; ++k)
           value = value - own[k] * static_cast<double>(numbers[k * panel]);
         value.store(at((number + 1) * panel + row));
@@ -127,11 +131,11 @@ void BandFactor<Real>::solve(double* values) const {
     }
     for (std::size_t number = panels_; number-- > 0;) {
       const Real* const from = place(number);
-      const Real* const below = from + 2 * panel * panel;
+      const Real* const squares = from + 2 * panel * panel;
       for (std::size_t k = 0; k < panel; ++k) own[k] = Value::load(at(number * panel + k));
       for (std::size_t row = 0; row < rows_below(number); ++row) {
         const auto value = Value::load(at((number + 1) * panel + row));
-        const Real* const numbers = below + row / panel * panel * panel + row % panel;
+        const Real* const numbers = squares + below(row, 0);
         for (std::size_t k = 0; k < panel; ++k)
           own[k] = own[k] - value * static_cast<double>(numbers[k * panel]);
       }
@@ -153,27 +157,26 @@ void BandFactor<Real>::solve_one(double* values) const {
   std::array<double, panel> own;
   for (std::size_t number = 0; number < panels_; ++number) {
     const Real* const from = place(number);
-    const Real* const below = from + 2 * panel * panel;
+    const Real* const squares = from + 2 * panel * panel;
     double* const here = values + number * panel;
     std::copy_n(here, panel, own.begin());
     times(from, own).store(own.data());
     std::copy_n(own.begin(), panel, here);
     for (std::size_t row = 0; row < rows_below(number); row += panel) {
       auto value = Rows::load(here + panel + row);
-      for (std::size_t k = 0; k < panel; ++k)
-        value = value - Rows::load(below + row * panel + k * panel) * own[k];
+      for (std::size_t k = 0; k < panel; ++k) value = value - Rows::load(squares + below(row, k)) * own[k];
       value.store(here + panel + row);
     }
   }
   for (std::size_t number = panels_; number-- > 0;) {
     const Real* const from = place(number);
-    const Real* const below = from + 2 * panel * panel;
+    const Real* const squares = from + 2 * panel * panel;
     double* const here = values + number * panel;
     std::array<Rows, panel> sums;
     sums.fill(Rows::zero());
     for (std::size_t row = 0; row < rows_below(number); row += panel) {
       const auto value = Rows::load(here + panel + row);
-      for (std::size_t k = 0; k < panel; ++k) sums[k] += Rows::load(below + row * panel + k * panel) * value;
+      for (std::size_t k = 0; k < panel; ++k) sums[k] += Rows::load(squares + below(row, k)) * value;
     }
     for (std::size_t k = 0; k < panel; ++k) {
       own[k] = here[k];

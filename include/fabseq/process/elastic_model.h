@@ -55,6 +55,10 @@ struct ElasticModel {
     const int number = part_element[model_element];
     return number >= 0 ? part_stage[number] : (number == in_substrate ? 1.0 : 0.0);
   }
+  /// Values of a field ([owned node][component]) at the model's nodes.
+  std::vector<double> at_nodes(std::span<const double> field) const;
+  /// The other way round, with 0 at other nodes.
+  std::vector<double> on_all_nodes(std::span<const double> values) const;
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
   /// The inherent strain of a part element, by its number, in a layer, Voigt.

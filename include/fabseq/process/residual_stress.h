@@ -21,7 +21,7 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
 template <int Dim>
 std::vector<double> finished_stress(const ElasticModel<Dim>& model, std::span<const double> displacement);
 
-/// Equivalent stress (von Mises; plane stress in 2D) at the owned elements' centres, 0 outside the part;
+/// Equivalent stress (von Mises; plane stress in 2D) at the centres of the part's elements, a part field;
 /// stress unit. Local. \param stress  of all owned elements, [element][Voigt component]
 template <int Dim>
 std::vector<double> equivalent_stress(const Part<Dim>& part, std::span<const double> stress);

@@ -37,8 +37,8 @@ struct BuildNumbers {
   std::optional<StressNumbers> stress;  ///< where the config has a yield stress
 };
 
-/// The fields that these figures are taken from, on the owned elements, 0 outside the part. None where they
-/// are not defined, on all ranks alike.
+/// The fields that these figures are taken from, on the owned elements of the part. None where they are not
+/// defined, on all ranks alike.
 struct BuildFields {
   std::optional<std::vector<double>> direction;        ///< [element][axis]
   std::optional<std::vector<double>> blocked;          ///< depth, length unit; 0 where the torch gets
@@ -48,9 +48,10 @@ struct BuildFields {
   std::optional<std::vector<double>> von_mises;        ///< equivalent residual stress, with a yield stress
 };
 
-/// Adds those that there are to a set, names prefixed. They must outlive it.
+/// Adds those that there are to a set, names prefixed. They and the part must outlive it.
 template <int Dim>
-void add_build_fields(FieldSet<Dim>& fields, const BuildFields& build, const std::string& prefix);
+void add_build_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const BuildFields& build,
+                      const std::string& prefix);
 
 struct BuildReport {
   BuildNumbers numbers;

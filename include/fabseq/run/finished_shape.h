@@ -32,8 +32,8 @@ struct Deviation : DisplacementSizes {
 struct FinishedShape {
   Deviation as_built;
   std::optional<Deviation> released;  ///< none where a release is not defined or its solve fails
-  std::vector<double> release;        ///< what the release adds, [owned node][component]; empty: none
-  std::string failure;                ///< why the solve for the release failed; empty: it did not
+  std::vector<double> release;  ///< what the release adds, [ElasticModel::nodes][component]; empty: none
+  std::string failure;          ///< why the solve for the release failed; empty: it did not
 };
 
 /// The finished part of a pipeline's last run, with one solve for the release. Collective.

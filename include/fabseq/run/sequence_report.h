@@ -55,10 +55,12 @@ struct SequenceNumbers {
 
 /// Numbers and fields of a sequence, copied out of the pipeline.
 struct SequenceReport : SequenceNumbers {
-  std::vector<std::vector<double>> values;        ///< of each response
-  std::vector<double> time, layer;                ///< on the owned elements, 0 outside the part
-  std::vector<double> temperature, displacement;  ///< on the owned nodes; temperature may be empty
-  BuildFields build_fields;                       ///< where the shape was asked for
+  std::vector<std::vector<double>> values;  ///< of each response
+  std::vector<double> time, layer;          ///< part fields
+  std::vector<double> temperature;          ///< on the owned nodes, or empty
+  std::vector<int> nodes;                   ///< ElasticModel::nodes: no others move
+  std::vector<double> displacement;         ///< [nodes][component]
+  BuildFields build_fields;                 ///< where the shape was asked for
 };
 
 /// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
@@ -72,10 +74,14 @@ struct FinalReports {
   std::int64_t interior_minima = 0;
 };
 
-/// Adds time, layer, displacement and, where there are any, the other fields and the release to a set, names
-/// prefixed. The report must outlive it.
+/// Adds time, layer, displacements and, where there are any, the other fields to a set, names prefixed. Part
+/// and report must outlive it.
 template <int Dim>
-void add_sequence_fields(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix);
+void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
+                         const std::string& prefix);
+/// Adds the displacement and, where there is any, that of the release.
+template <int Dim>
+void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix);
 
 /// Reports the state of a pipeline's last run. `with_shape`: with the finished part, which takes a solve for
 /// the release. Collective.

@@ -44,6 +44,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::string description() const override;
 
  private:
+  void set_up(auto& solver, bool changed);
   void solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
                   std::span<std::vector<SolveReport>> reports);
   void widen(std::size_t sets);
@@ -66,9 +67,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::vector<double> not_finite_;  ///< stiffness values per lane of the block that are no numbers
   std::vector<double> stiffness_;   ///< of the current block, [element][lane], for the fallback
   LaneArray load_, displacement_;
-  /// Of the blocks, by their first layer: adjoints have the operators of the solves before them.
-  std::map<int, typename LaneCg<LaneElasticityProblem<Dim>, widest>::Islands> islands_;
-  bool changed_ = false;                                ///< whether the last block set had changed
+  /// Of the layers last set: adjoints have the operators of the solves before them.
+  std::map<int, std::shared_ptr<const IslandMotions<Dim>>> islands_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
 
