@@ -87,7 +87,7 @@ class DisplacementErrors:
 
 def measure(options, method, tolerance, directory):
     """Figures of one run, medians over its iterations."""
-    lines = program_run.iterate(options, options.ranks, directory, method_options(method, tolerance))
+    lines = program_run.iterate_only(options, options.ranks, directory, method_options(method, tolerance))
     peak = lines[-1]["peak_memory_bytes"] / 1e9
     lines = lines[1:] or lines
     counts = {kind: [line["solver_iterations"][kind] for line in lines] for kind in ("primal", "adjoint")}

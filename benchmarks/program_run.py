@@ -7,6 +7,7 @@ import os
 import re
 import statistics
 import sys
+import threading
 import time
 
 import numpy as np
@@ -18,6 +19,8 @@ import command_line
 from command_line import PROGRAM, ROOT, RunError, parser_of, run_command, run_script, write_json, write_rows  # noqa: F401
 from read_run import read_fields, read_history, read_json  # noqa: F401
 
+# Exit status of a run that was asked to stop.
+STOPPED = 4
 LANES = "lanes"
 REFERENCES = ["multigrid", "gamg", "direct"]
 METHODS = [LANES, *REFERENCES]
@@ -81,11 +84,11 @@ def method_options(method, tolerance):
     return ["-solver_path", *path, "-tolerance", tolerance]
 
 
-def run(options, ranks, directory, arguments):
+def run(options, ranks, directory, arguments, **more):
     """What the program printed."""
     command = [*options.launcher.format(ranks=ranks).split(), options.program, "-config", options.config, "-output", directory,
                "-overwrite", *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments), *options.rest]
-    return run_command(command).stdout
+    return run_command(command, **more).stdout
 
 
 def iterate(options, ranks, directory, arguments):
@@ -93,6 +96,39 @@ def iterate(options, ranks, directory, arguments):
     run(options, ranks, directory,
         ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments])
     return read_history(directory)
+
+
+def iterate_only(options, ranks, directory, arguments):
+    """As iterate(), of a run that is stopped before the reports at its end: on the reference path they take
+    longer than an iteration. One iteration more is planned, so that the run does not come to its end."""
+    with stop_after(directory, options.iterations):
+        run(options, ranks, directory,
+            ["-max_iterations", options.iterations + 1, "-output_every", 0, "-checkpoint_every", 0, *arguments],
+            statuses=(STOPPED,))
+    return read_history(directory)
+
+
+@contextlib.contextmanager
+def stop_after(directory, iterations):
+    """Asks the run that begins in this directory meanwhile to stop after so many iterations."""
+    config = os.path.join(directory, "config.json")
+    before = os.path.getmtime(config) if os.path.exists(config) else None
+    ended = threading.Event()
+
+    def ask():
+        while not ended.wait(0.02):
+            if os.path.exists(config) and os.path.getmtime(config) != before:
+                with open(os.path.join(directory, "stop"), "w", encoding="utf-8") as file:
+                    file.write(str(iterations))
+                return
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        asking.join()
 
 
 def time_iterations(options, ranks, directory, arguments):

@@ -45,7 +45,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       stop_if_requested(setup.world());
       const int iteration = run.completed() + 1;
       const double beta = run.continuation.beta(iteration);  // sharpness (3.1)
-      pipeline.set_tolerance(run.tolerance());
+      pipeline.set_tolerances(run.tolerances());
       const auto binary = judge_binary(pipeline, run, iteration);  // (9)
       // Pseudo-time (2), layers (3), displacements (4).
       const auto state = pipeline.run(run.design(), beta, setup.config.projection.binary);
@@ -64,7 +64,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
-    pipeline.set_tolerance(setup.config.solver.finest_tolerance());
+    pipeline.set_tolerances(Tolerances::all(setup.config.solver.finest_tolerance()));
     finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);

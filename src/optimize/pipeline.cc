@@ -37,7 +37,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> 
       timer_(timer),
       sequence_(std::move(sequence)),
       layer_model_(layers),
-      tolerance_(tolerance),
+      tolerances_(Tolerances::all(tolerance)),
       negligible_{tolerance * model.settings.process.min_stiffness, model.settings.process.strain_penalty},
       strain_(model.settings.material, model.characteristic_length),
       elastic_(model.part, model.supports, model.settings.material, model.settings.process),
@@ -53,6 +53,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& t
 
 template <int Dim>
 PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool binary) {
+  solve_to(heat_tolerance(tolerances_.primal), elasticity_tolerance(tolerances_.primal));
   time_ = nullptr;
   layer_variables_ = design.layer_variables.size();
   {
@@ -89,6 +90,8 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
 template <int Dim>
 std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
+  const double tolerance = elasticity_tolerance(tolerances_.adjoint);
+  solve_to(tolerance, tolerance);
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
   pull_back_process(responses, state, dealt);
   pull_back_shared(state, dealt);
@@ -121,10 +124,9 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
 
 /// Which layers are negligible stays as it was: that is part of the model.
 template <int Dim>
-void Pipeline<Dim>::set_tolerance(double tolerance) {
-  tolerance_ = tolerance;
-  sequence_->set_tolerance(tolerance);
-  process_.set_tolerance(tolerance);
+void Pipeline<Dim>::solve_to(double of_sequence, double of_process) {
+  sequence_->set_tolerance(of_sequence);
+  process_.set_tolerance(of_process);
 }
 
 template <int Dim>

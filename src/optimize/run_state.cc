@@ -7,10 +7,22 @@
 
 namespace fabseq {
 
-double following_tolerance(double move_limit, double share_left) {
-  constexpr double coarsest = 1e-3, per_step = 0.02;
-  return std::clamp(per_step * move_limit * std::sqrt(share_left), SolverSettings::finest_automatic,
-                    coarsest);
+namespace {
+
+constexpr double coarsest_tolerance = 1e-3;
+/// An optimizer reads no more than a thousandth of a gradient.
+constexpr double finest_adjoint = 1e-4;
+
+}  // namespace
+
+Tolerances following_tolerances(double move_limit, double share_left) {
+  constexpr double per_step = 0.02, for_comparison = 0.001;
+  const double size_left = std::sqrt(share_left);
+  const auto within = [](double tolerance) {
+    return std::clamp(tolerance, SolverSettings::finest_automatic, coarsest_tolerance);
+  };
+  const double primal = within(per_step * move_limit * size_left);
+  return {primal, std::max(primal, finest_adjoint), within(for_comparison * size_left)};
 }
 
 template <int Dim>
@@ -28,12 +40,13 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
       convergence_(settings, problem.merit_unit()) {}
 
 template <int Dim>
-double RunState<Dim>::tolerance() const {
+Tolerances RunState<Dim>::tolerances() const {
   const SolverSettings& solver = model_.settings.solver;
-  if (solver.tolerance) return *solver.tolerance;
+  if (solver.tolerance) return Tolerances::all(*solver.tolerance);
   const int iteration = completed_ + 1;
-  if (continuation.near_the_end(iteration)) return solver.finest_tolerance();
-  return following_tolerance(continuation.move_limit(iteration), share_left_);
+  Tolerances result = following_tolerances(continuation.move_limit(iteration), share_left_);
+  if (continuation.near_the_end(iteration)) result.primal = solver.finest_tolerance();
+  return result;
 }
 
 template <int Dim>

@@ -71,8 +71,8 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
 
 template <int Dim>
 void ProcessSimulation<Dim>::set_tolerance(double tolerance) {
-  solver_->set_tolerance(elasticity_tolerance(tolerance));
-  if (release_) release_->set_tolerance(elasticity_tolerance(tolerance));
+  solver_->set_tolerance(tolerance);
+  if (release_) release_->set_tolerance(tolerance);
 }
 
 template <int Dim>

@@ -144,7 +144,11 @@ template <int Dim>
 std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
   if (!run.continuation.judges_binary(iteration)) return std::nullopt;
   const double beta = run.continuation.beta(iteration);
-  return run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
+  const Tolerances usual = pipeline.tolerances();
+  pipeline.set_tolerances(Tolerances::all(usual.judged));
+  ProblemValues values = run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
+  pipeline.set_tolerances(usual);
+  return values;
 }
 
 template <int Dim>

@@ -8,15 +8,27 @@ namespace fabseq {
 namespace {
 
 TEST(FollowingTolerance, GoesWithTheStepAndTheRootOfWhatIsLeft) {
-  EXPECT_DOUBLE_EQ(following_tolerance(0.05, 1.0), 1e-3);
-  EXPECT_DOUBLE_EQ(following_tolerance(0.025, 1.0), 5e-4);
-  EXPECT_DOUBLE_EQ(following_tolerance(0.05, 1e-4), 1e-5);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).primal, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.025, 1.0).primal, 5e-4);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1e-4).primal, 1e-5);
 }
 
 TEST(FollowingTolerance, StaysWithinItsBounds) {
-  EXPECT_EQ(following_tolerance(0.5, 1.0), 1e-3);
-  EXPECT_EQ(following_tolerance(0.001, 1e-6), 1e-6);
-  EXPECT_EQ(following_tolerance(0.05, 0.0), 1e-6);
+  EXPECT_EQ(following_tolerances(0.5, 1.0).primal, 1e-3);
+  EXPECT_EQ(following_tolerances(0.001, 1e-6).primal, 1e-6);
+  EXPECT_EQ(following_tolerances(0.05, 0.0).primal, 1e-6);
+}
+
+TEST(FollowingTolerance, GradientsNeedNotBeCloserThanAnOptimizerReadsThem) {
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).adjoint, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1e-4).adjoint, 1e-4);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-6).adjoint, 1e-4);
+}
+
+TEST(FollowingTolerance, ValuesThatCompareIteratesNeedAFractionOfAPercent) {
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).judged, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-4).judged, 1e-5);
+  EXPECT_EQ(following_tolerances(0.001, 0.0).judged, 1e-6);
 }
 
 TEST(FollowingTolerance, ANumberIsTheToleranceOfEverything) {

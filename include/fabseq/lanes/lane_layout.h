@@ -15,7 +15,7 @@ namespace fabseq {
 template <int Dim>
 class LaneLayout {
  public:
-  /// Both must outlive the layout.
+  /// The grid must outlive the layout.
   LaneLayout(const Grid<Dim>& grid, const LaneLevel<Dim>& level, int components);
 
   /// To [node][component][lane] with `width` lanes; lanes beyond those of `owned` become 0.
@@ -27,10 +27,19 @@ class LaneLayout {
   void give_back_memory() const { free_memory(ghosted_); }
 
  private:
+  /// Nodes that follow each other in the mesh and in the ghosted box.
+  struct Piece {
+    std::int64_t node = 0;   ///< number of the first in the mesh
+    std::int64_t place = 0;  ///< its offset in the ghosted box
+    std::int64_t length = 0;
+    bool counted = false;  ///< LaneLevel::counted
+  };
+
   const Grid<Dim>& grid_;
-  const LaneLevel<Dim>& level_;
   int components_;
-  std::vector<std::int64_t> places_;     ///< of each node of the mesh in the ghosted box
+  bool alone_;  ///< one rank has the whole grid: owned and ghosted nodes are the same
+  std::size_t mesh_nodes_;
+  std::vector<Piece> pieces_;            ///< ascending
   mutable std::vector<double> ghosted_;  ///< kept: new memory costs more than what is done with it
 };
 

@@ -73,9 +73,9 @@ class Pipeline {
                                 const std::vector<GradientRow>& rows);
   /// Gives the memory of the last run's layers back, which gradients and reports need. Not collective.
   void forget_results();
-  /// Later runs and gradients are solved to this tolerance, which is meant as the constructor's.
-  void set_tolerance(double tolerance);
-  double tolerance() const { return tolerance_; }
+  /// Later runs and gradients are solved to these tolerances; the constructor's is both.
+  void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }
+  const Tolerances& tolerances() const { return tolerances_; }
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
   void start_cold();
@@ -104,13 +104,14 @@ class Pipeline {
   std::vector<std::vector<double>> pull_back_own(Responses<Dim> responses, const PipelineState<Dim>& state,
                                                  std::vector<Row>& rows);
   std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
+  void solve_to(double of_sequence, double of_process);
   bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
 
   const Model<Dim>& model_;
   PhaseTimer& timer_;
   std::unique_ptr<Sequence<Dim>> sequence_;
   const LayerModel<Dim>& layer_model_;
-  double tolerance_;
+  Tolerances tolerances_;
   NegligibleLayers negligible_;
   InherentStrain<Dim> strain_;
   ElasticModel<Dim> elastic_;

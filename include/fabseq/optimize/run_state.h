@@ -11,13 +11,14 @@
 
 namespace fabseq {
 
-/// The tolerance of an iteration's elastic solves that its step allows (docs/formulation.md 9): the errors of
-/// the objective shall be a small share of what the step changes, from 1e-3 to the finest.
+/// The tolerances of an iteration's solves that its step allows (docs/formulation.md 9): the errors of the
+/// objective shall be a small share of what the step changes, those of gradients a thousandth, and those of
+/// values that iterates are compared by a fraction of a percent; from 1e-3 to the finest.
 ///
 /// \param move_limit largest step of a variable, as a share of its range
 /// \param share_left of the first distortion, a sum of squares, from 0 to 1. What is left by cancellation has
 /// the errors of what was there before.
-double following_tolerance(double move_limit, double share_left);
+Tolerances following_tolerances(double move_limit, double share_left);
 
 /// How a run ended.
 struct RunEnd {
@@ -45,7 +46,7 @@ class RunState {
   /// Iterations done.
   int completed() const { return completed_; }
   /// Of the solves of the next iteration.
-  double tolerance() const;
+  Tolerances tolerances() const;
   /// Ends an iteration, whose design had these values and whose step to the `next` one was `change`
   /// (StepReport::change).
   void complete(Design next, double change, const ProblemValues& values);

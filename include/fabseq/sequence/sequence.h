@@ -69,7 +69,7 @@ class Sequence {
   virtual std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) {
     return std::vector<std::vector<double>>(rows.size());
   }
-  /// Later solves belong to elastic ones of this tolerance (heat_tolerance()).
+  /// Later solves go to this tolerance.
   virtual void set_tolerance(double /*tolerance*/) {}
   /// Forgets what earlier solves left for later ones (HeatSolver::start_cold()).
   virtual void start_cold() {}

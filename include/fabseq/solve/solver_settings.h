@@ -34,10 +34,21 @@ struct SolverSettings {
   double finest_tolerance() const { return tolerance.value_or(finest_automatic); }
 };
 
+/// How closely systems are solved in an iteration: those of the design's values, the adjoint ones of its
+/// gradients, and those of values that only compare iterates.
+struct Tolerances {
+  double primal = SolverSettings::finest_automatic;
+  double adjoint = SolverSettings::finest_automatic;
+  double judged = SolverSettings::finest_automatic;
+
+  static constexpr Tolerances all(double tolerance) { return {tolerance, tolerance, tolerance}; }
+};
+
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
 
-/// Elasticity is solved to `tolerance`, heat a thousand times closer: its error enters all others.
+/// Elasticity is solved to `tolerance`, and so are all adjoints. Heat is solved a thousand times closer: its
+/// error enters all others.
 constexpr double elasticity_tolerance(double tolerance) { return std::max(tolerance, smallest_tolerance); }
 constexpr double heat_tolerance(double tolerance) { return std::max(1e-3 * tolerance, smallest_tolerance); }
 
