@@ -7,22 +7,13 @@
 
 namespace fabseq {
 
-namespace {
-
-constexpr double coarsest_tolerance = 1e-3;
-/// An optimizer reads no more than a thousandth of a gradient.
-constexpr double finest_adjoint = 1e-4;
-
-}  // namespace
-
 Tolerances following_tolerances(double move_limit, double share_left) {
-  constexpr double per_step = 0.02, for_comparison = 0.001;
+  constexpr double coarsest = 1e-3, per_step = 0.02, for_comparison = 0.001;
   const double size_left = std::sqrt(share_left);
-  const auto within = [](double tolerance) {
-    return std::clamp(tolerance, SolverSettings::finest_automatic, coarsest_tolerance);
+  const auto within = [&](double tolerance) {
+    return std::clamp(tolerance, SolverSettings::finest_automatic, coarsest);
   };
-  const double primal = within(per_step * move_limit * size_left);
-  return {primal, std::max(primal, finest_adjoint), within(for_comparison * size_left)};
+  return {within(per_step * move_limit * size_left), coarsest, within(for_comparison * size_left)};
 }
 
 template <int Dim>

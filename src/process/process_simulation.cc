@@ -288,7 +288,9 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
   const LaneVector& increments = combination.empty() ? result_.increments[number] : combined;
   StrainField not_asked_for;
   if (adjoint != nullptr) {
-    spread(increments, result_.nodes, owned_nodes(), room.increments);
+    // Functionals of the same block share its increments.
+    if (room.spread_from != &increments) spread(increments, result_.nodes, owned_nodes(), room.increments);
+    room.spread_from = combination.empty() ? &increments : nullptr;
     elements_.add_derivatives(densities, result_.blocks[number].first, cases_.factors(combination),
                               room.increments, *adjoint, *to.densities,
                               to.strains != nullptr ? *to.strains : not_asked_for);

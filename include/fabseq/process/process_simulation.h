@@ -98,7 +98,8 @@ class ProcessSimulation {
   /// Vectors that one block leaves to the next.
   struct Room {
     std::vector<LaneVector> loads, solutions;
-    LaneVector increments;  ///< on all owned nodes
+    LaneVector increments;                    ///< on all owned nodes
+    const LaneVector* spread_from = nullptr;  ///< the result's increments that these are; nullptr: others
     std::vector<typename Deposition<Dim>::Missing> missing;
   };
   int owned_nodes() const;
