@@ -41,7 +41,8 @@ constexpr int steps = 4'000'000;
 constexpr double chained_flops = 2.0 * 8 * chains * steps;
 
 void multiply_and_add() {
-  // DoNotOptimize left other values in them at times, which made numbers below the normal range.
+  // Not by DoNotOptimize: with it some runs were a hundred times too slow, as with numbers below the normal
+  // range.
   const volatile double one = 1.0, small = 1e-9;
   const Vector factor = Vector::broadcast(one), term = Vector::broadcast(small);
   std::array<Vector, chains> sums;
