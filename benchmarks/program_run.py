@@ -91,10 +91,11 @@ def run(options, ranks, directory, arguments, **more):
     return run_command(command, **more).stdout
 
 
-def iterate(options, ranks, directory, arguments):
-    """The history of a short optimization that writes no fields: `options.iterations` design iterations."""
+def iterate(options, ranks, directory, arguments, planned=None, **more):
+    """The history of a short optimization that writes no fields: of `options.iterations` design iterations,
+    or as many as are `planned`."""
     run(options, ranks, directory,
-        ["-max_iterations", options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments])
+        ["-max_iterations", planned or options.iterations, "-output_every", 0, "-checkpoint_every", 0, *arguments], **more)
     return read_history(directory)
 
 
@@ -102,10 +103,7 @@ def iterate_only(options, ranks, directory, arguments):
     """As iterate(), of a run that is stopped before the reports at its end: on the reference path they take
     longer than an iteration. One iteration more is planned, so that the run does not come to its end."""
     with stop_after(directory, options.iterations):
-        run(options, ranks, directory,
-            ["-max_iterations", options.iterations + 1, "-output_every", 0, "-checkpoint_every", 0, *arguments],
-            statuses=(STOPPED,))
-    return read_history(directory)
+        return iterate(options, ranks, directory, arguments, options.iterations + 1, statuses=(STOPPED,))
 
 
 @contextlib.contextmanager

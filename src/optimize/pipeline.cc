@@ -122,7 +122,6 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
   return result;
 }
 
-/// Which layers are negligible stays as it was: that is part of the model.
 template <int Dim>
 void Pipeline<Dim>::solve_to(double of_sequence, double of_process) {
   sequence_->set_tolerance(of_sequence);

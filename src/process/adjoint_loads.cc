@@ -16,19 +16,15 @@ void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result
                    LaneVector& load) {
   const LaneVector* own = functional.increments.empty() ? nullptr : &functional.increments[block];
   const LaneVector* weights = result.weights.empty() ? nullptr : &result.weights[block];
-  auto next = load.values.begin();
+  std::fill(load.values.begin(), load.values.end(), 0.0);
   for (std::size_t i = 0; i < result.nodes.size() * load.components; ++i) {
     const std::size_t to = result.in_field(i, load.components);
-    const auto place = load.values.begin() + static_cast<std::ptrdiff_t>(to) * load.lanes;
-    std::fill(next, place, 0.0);
-    next = place + load.lanes;
     const double common = functional.displacement.empty() ? 0.0 : functional.displacement[to];
     for (int lane = 0; lane < load.lanes; ++lane) {
       const double derivative = common + (own != nullptr ? (*own)(i, lane) : 0.0);
       load(to, lane) = -derivative * (weights != nullptr ? (*weights)(i / load.components, lane) : 1.0);
     }
   }
-  std::fill(next, load.values.end(), 0.0);
 }
 
 }  // namespace

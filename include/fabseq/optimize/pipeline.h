@@ -73,7 +73,8 @@ class Pipeline {
                                 const std::vector<GradientRow>& rows);
   /// Gives the memory of the last run's layers back, which gradients and reports need. Not collective.
   void forget_results();
-  /// Later runs and gradients are solved to these tolerances; the constructor's is both.
+  /// Later runs and gradients are solved to these tolerances; the constructor's is all of them. Which layers
+  /// are negligible stays as it was: that is part of the model.
   void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }
   const Tolerances& tolerances() const { return tolerances_; }
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
