@@ -64,7 +64,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
-    pipeline.set_tolerances(Tolerances::all(setup.config.solver.finest_tolerance()));
+    pipeline.set_tolerances(Tolerances::all({setup.config.solver.finest_tolerance()}));
     finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);

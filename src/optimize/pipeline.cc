@@ -37,7 +37,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> 
       timer_(timer),
       sequence_(std::move(sequence)),
       layer_model_(layers),
-      tolerances_(Tolerances::all(tolerance)),
+      tolerances_(Tolerances::all({tolerance})),
       negligible_{tolerance * model.settings.process.min_stiffness, model.settings.process.strain_penalty},
       strain_(model.settings.material, model.characteristic_length),
       elastic_(model.part, model.supports, model.settings.material, model.settings.process),
@@ -90,7 +90,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
 template <int Dim>
 std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
-  const double tolerance = elasticity_tolerance(tolerances_.adjoint);
+  const SolveTolerance tolerance = elasticity_tolerance(tolerances_.adjoint);
   solve_to(tolerance, tolerance);
   std::vector<Row> dealt = deal_out_rows(responses, state, rows);
   pull_back_process(responses, state, dealt);
@@ -123,7 +123,7 @@ std::vector<typename Pipeline<Dim>::Row> Pipeline<Dim>::deal_out_rows(
 }
 
 template <int Dim>
-void Pipeline<Dim>::solve_to(double of_sequence, double of_process) {
+void Pipeline<Dim>::solve_to(const SolveTolerance& of_sequence, const SolveTolerance& of_process) {
   sequence_->set_tolerance(of_sequence);
   process_.set_tolerance(of_process);
 }

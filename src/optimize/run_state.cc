@@ -9,11 +9,13 @@ namespace fabseq {
 
 Tolerances following_tolerances(double move_limit, double share_left) {
   constexpr double coarsest = 1e-3, per_step = 0.02, for_comparison = 0.001;
+  // What a step of the solver divides the residual by.
+  constexpr double usual_gain = 3.0;
   const double size_left = std::sqrt(share_left);
   const auto within = [&](double tolerance) {
-    return std::clamp(tolerance, SolverSettings::finest_automatic, coarsest);
+    return SolveTolerance{std::clamp(tolerance, SolverSettings::finest_automatic, coarsest), usual_gain};
   };
-  return {within(per_step * move_limit * size_left), coarsest, within(for_comparison * size_left)};
+  return {within(per_step * move_limit * size_left), within(coarsest), within(for_comparison * size_left)};
 }
 
 template <int Dim>
@@ -33,10 +35,10 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
 template <int Dim>
 Tolerances RunState<Dim>::tolerances() const {
   const SolverSettings& solver = model_.settings.solver;
-  if (solver.tolerance) return Tolerances::all(*solver.tolerance);
+  if (solver.tolerance) return Tolerances::all({*solver.tolerance});
   const int iteration = completed_ + 1;
   Tolerances result = following_tolerances(continuation.move_limit(iteration), share_left_);
-  if (continuation.near_the_end(iteration)) result.primal = solver.finest_tolerance();
+  if (continuation.near_the_end(iteration)) result.primal = {solver.finest_tolerance()};
   return result;
 }
 

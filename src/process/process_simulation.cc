@@ -70,9 +70,9 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::set_tolerance(double tolerance) {
+void ProcessSimulation<Dim>::set_tolerance(const SolveTolerance& tolerance) {
   solver_->set_tolerance(tolerance);
-  if (release_) release_->set_tolerance(tolerance);
+  if (release_) release_->set_tolerance(tolerance.value);
 }
 
 template <int Dim>

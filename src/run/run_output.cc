@@ -53,7 +53,7 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
   if (!state.time.temperature.empty())
     line.temperature_range = {state.time.lowest_temperature, state.time.highest_temperature};
   line.peak_memory_bytes = peak_memory_bytes(setup_.world());
-  line.tolerance = pipeline.tolerances().primal;
+  line.tolerance = pipeline.tolerances().primal.value;
   append_to_history(directory_, to_record(line));
   terminal_.iteration(iterate, line.seconds.total);
 }

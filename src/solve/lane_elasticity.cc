@@ -22,7 +22,7 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
-      solver_(hierarchy_, problem_, cycle),
+      solver_(hierarchy_, problem_, cycle.narrowing(lanes == widest)),
       most_lanes_(lanes),
       numbers_(hierarchy_.element_numbers(domain)) {}
 
@@ -126,11 +126,13 @@ std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load
   std::vector<SolveReport> reports;
   with_narrowest(solver_, width_, [&]<int Width>(auto& solver) {
     layout_.to_mesh(load, Width, load_);
+    if (saves_memory()) layout_.give_back_memory();
     for (LaneOutcome outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
       if (not_finite_[reports.size() % lanes_] > 0.0) outcome.finite = false;
       reports.push_back(report_of(outcome));
     }
     layout_.to_owned(displacement_, Width, displacement);
+    if (saves_memory()) layout_.give_back_memory();
   });
   return reports;
 }
@@ -156,15 +158,16 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
 }
 
 template <int Dim>
-void LaneElasticity<Dim>::set_tolerance(double tolerance) {
-  reference_settings_.tolerance = tolerance;
-  stop_.tolerance = tolerance;
+void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
+  reference_settings_.tolerance = tolerance.value;
+  stop_.tolerance = tolerance.value;
+  stop_.reach = tolerance.reach;
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 
 template <int Dim>
 void LaneElasticity<Dim>::give_back_memory() {
-  if (most_lanes_ == widest) return;
+  if (!saves_memory()) return;
   solver_.give_back_memory();
   layout_.give_back_memory();
   for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);

@@ -31,7 +31,7 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), 1),
-      solver_(hierarchy_, problem_, cycle()),
+      solver_(hierarchy_, problem_, cycle().narrowing(lanes == widest)),
       most_lanes_(lanes),
       numbers_(hierarchy_.element_numbers(domain)) {}
 
@@ -116,9 +116,10 @@ void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<Lan
 }
 
 template <int Dim>
-void LaneHeat<Dim>::set_tolerance(double tolerance) {
-  reference_settings_.tolerance = tolerance;
-  stop_.tolerance = tolerance;
+void LaneHeat<Dim>::set_tolerance(const SolveTolerance& tolerance) {
+  reference_settings_.tolerance = tolerance.value;
+  stop_.tolerance = tolerance.value;
+  stop_.reach = tolerance.reach;
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 

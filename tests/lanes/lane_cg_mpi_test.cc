@@ -262,6 +262,31 @@ TYPED_TEST(LaneCgTest, StopsAtTheIterationLimit) {
   }
 }
 
+/// That saves a cycle of the multigrid and leaves the errors as they are.
+TYPED_TEST(LaneCgTest, AResidualWithinReachIsFollowedByOneStep) {
+  Solver<TypeParam, 4> solver;
+  const LaneArray loads = solver.loads(4);
+  std::vector<double> errors;
+  const auto solve = [&](double reach) {
+    const auto outcomes = solver.solve(loads, 4, {.tolerance = 1e-6, .reach = reach});
+    errors.clear();
+    for (int lane = 0; lane < 4; ++lane)
+      errors.push_back(test::relative_difference(solver.whole(lane), solver.expected(lane)));
+    return outcomes;
+  };
+  const auto strict = solve(1.0);
+  const std::vector<double> strict_errors = errors;
+  const auto reaching = solve(3.0);
+  for (int lane = 0; lane < 4; ++lane) {
+    EXPECT_TRUE(reaching[lane].converged);
+    EXPECT_LE(reaching[lane].iterations, strict[lane].iterations);
+    EXPECT_LE(reaching[lane].residual, 3e-6);
+    EXPECT_LT(errors[lane], 5.0 * strict_errors[lane]);
+  }
+  for (const LaneOutcome& outcome : solve(1e9)) EXPECT_EQ(outcome.iterations, 1);
+  for (int lane = 0; lane < 4; ++lane) EXPECT_GT(test::largest(solver.whole(lane)), 0.0);
+}
+
 /// Lanes that need very different numbers of iterations: they go on in narrower and narrower solvers, with
 /// the results of one lane by itself.
 TEST(LaneCgOperatorTest, EveryLaneEndsAsIfItWereAlone) {

@@ -8,26 +8,33 @@ namespace fabseq {
 namespace {
 
 TEST(FollowingTolerance, GoesWithTheStepAndTheRootOfWhatIsLeft) {
-  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).primal, 1e-3);
-  EXPECT_DOUBLE_EQ(following_tolerances(0.025, 1.0).primal, 5e-4);
-  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1e-4).primal, 1e-5);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).primal.value, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.025, 1.0).primal.value, 5e-4);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1e-4).primal.value, 1e-5);
 }
 
 TEST(FollowingTolerance, StaysWithinItsBounds) {
-  EXPECT_EQ(following_tolerances(0.5, 1.0).primal, 1e-3);
-  EXPECT_EQ(following_tolerances(0.001, 1e-6).primal, 1e-6);
-  EXPECT_EQ(following_tolerances(0.05, 0.0).primal, 1e-6);
+  EXPECT_EQ(following_tolerances(0.5, 1.0).primal.value, 1e-3);
+  EXPECT_EQ(following_tolerances(0.001, 1e-6).primal.value, 1e-6);
+  EXPECT_EQ(following_tolerances(0.05, 0.0).primal.value, 1e-6);
 }
 
 TEST(FollowingTolerance, GradientsNeedNotBeCloserThanAnOptimizerReadsThem) {
-  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).adjoint, 1e-3);
-  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-6).adjoint, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).adjoint.value, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-6).adjoint.value, 1e-3);
 }
 
 TEST(FollowingTolerance, ValuesThatCompareIteratesNeedAFractionOfAPercent) {
-  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).judged, 1e-3);
-  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-4).judged, 1e-5);
-  EXPECT_EQ(following_tolerances(0.001, 0.0).judged, 1e-6);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.05, 1.0).judged.value, 1e-3);
+  EXPECT_DOUBLE_EQ(following_tolerances(0.001, 1e-4).judged.value, 1e-5);
+  EXPECT_EQ(following_tolerances(0.001, 0.0).judged.value, 1e-6);
+}
+
+TEST(FollowingTolerance, TheLastStepsOfSolvesAreNotMeasured) {
+  const Tolerances following = following_tolerances(0.05, 1.0);
+  for (const SolveTolerance& tolerance : {following.primal, following.adjoint, following.judged})
+    EXPECT_EQ(tolerance.reach, 3.0);
+  EXPECT_EQ(Tolerances::all({1e-6}).primal.reach, 1.0);
 }
 
 TEST(FollowingTolerance, ANumberIsTheToleranceOfEverything) {

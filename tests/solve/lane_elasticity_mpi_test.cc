@@ -101,7 +101,7 @@ TYPED_TEST(LaneElasticityTest, GoesToTheToleranceThatWasSetLast) {
   LaneVector displacement = layered.zeros();
   lanes.set_operators(0, settings.layers, layered.stiffness, true);
   const auto solve = [&](double tolerance) {
-    lanes.set_tolerance(tolerance);
+    lanes.set_tolerance({tolerance});
     return lanes.solve({&layered.load, 1}, {&displacement, 1})[0];
   };
   const auto coarse = solve(1e-3), fine = solve(1e-9);

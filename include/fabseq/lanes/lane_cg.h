@@ -5,8 +5,7 @@
 #include "fabseq/lanes/island_modes.h"
 #include "fabseq/lanes/lane_array.h"
 #include "fabseq/lanes/lane_multigrid.h"
-#include "fabseq/lanes/lane_outcome.h"
-#include "fabseq/lanes/spectrum_estimate.h"
+#include "fabseq/lanes/lane_progress.h"
 
 #include <memory>
 #include <vector>
@@ -17,7 +16,7 @@ namespace fabseq {
 /// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
 /// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M)
 /// with Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as
-/// wide. Collective on the grid's communicator.
+/// wide (LaneCycle::narrows). Collective on the grid's communicator.
 template <class Problem, int Width>
 class LaneCg {
  public:
@@ -61,31 +60,25 @@ class LaneCg {
   template <class, int>
   friend class LaneCg;
 
-  /// Where the iteration is, apart from the vectors.
-  struct State {
-    int iteration = 0;
-    std::array<bool, Width> active{};
-    Scalars scale{};     ///< of the lane while it is solved
-    Scalars start{};     ///< |M f|^2
-    Scalars length{};    ///< |u|^2, this rank's part
-    Scalars decrease{};  ///< r . M r of the last step
-    Scalars energy{};    ///< p . K p of the last step
-    std::array<SpectrumEstimate, Width> spectrum;
-    std::array<LaneOutcome, Width> outcome{};
-  };
+  /// Loads between 2^-30 and 2^30 are left as they are: single precision holds their residuals down to the
+  /// smallest tolerance.
+  static constexpr int moderate_exponent = 30;
+
+  using Progress = LaneProgress<Width>;
   void allocate();
   template <int Other>
   void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
-  void start(State& state, LaneArray& load, LaneArray& solution, int lanes);
-  void iterate(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
+  static void multiply(LaneArray& vector, const Scalars& factors);
+  Scalars start(Progress& progress, LaneArray& load, LaneArray& solution, int lanes);
+  void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
+  template <bool AtZero>
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
   void balance(LaneArray& residual);
   /// Whether free_motions_ can be given.
   static constexpr bool may_be_free = Problem::own_operators && Width == 1;
-  void judge(State& state, const Scalars& size, const Scalars& length, const LaneStop& stop) const;
-  bool narrow(State& state, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
+  bool narrow(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
 
   LaneHierarchy<Problem::dim>& hierarchy_;
   const Problem& problem_;

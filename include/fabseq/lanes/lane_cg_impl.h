@@ -60,104 +60,96 @@ template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
   const FlushToZero flush_to_zero;
-  solution.assign(load.size(), 0.0);
-  State state;
-  start(state, load, solution, lanes);
-  iterate(state, load, solution, stop);
-  const auto back = Lanes<Width>::broadcast(1.0) / Lanes<Width>::load(state.scale.data());
-  for (std::size_t i = 0; i < solution.size(); i += Width)
-    (Lanes<Width>::load(&solution[i]) * back).store(&solution[i]);
-  return {state.outcome.begin(), state.outcome.begin() + lanes};
+  Progress progress;
+  Scalars scales = start(progress, load, solution, lanes);
+  iterate(progress, load, solution, stop);
+  if (progress.at_zero) solution.assign(load.size(), 0.0);
+  for (double& scale : scales) scale = 1.0 / scale;
+  multiply(solution, scales);
+  return {progress.outcome.begin(), progress.outcome.begin() + lanes};
 }
 
-/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
-/// down to any tolerance, and solves for rigid motions of islands.
+/// Multiplies every lane by its factor.
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::start(State& state, LaneArray& load, LaneArray& solution, int lanes) {
+void LaneCg<Problem, Width>::multiply(LaneArray& vector, const Scalars& factors) {
+  if (std::all_of(factors.begin(), factors.end(), [](double factor) { return factor == 1.0; })) return;
+  const auto all = Lanes<Width>::load(factors.data());
+  for (std::size_t i = 0; i < vector.size(); i += Width)
+    (Lanes<Width>::load(&vector[i]) * all).store(&vector[i]);
+}
+
+/// Scales a very small or large load of a lane to about 1, by a power of two, so that single precision holds
+/// its residual down to any tolerance, and solves for rigid motions of islands. Returns the scales.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
+                                                 int lanes) {
   matrix_->clear_held(load.data());
   Scalars squares = matrix_->dot(load.data(), load.data());
   sum_in_place(matrix_->level().comm, squares);
+  Scalars scales;
   for (int lane = 0; lane < Width; ++lane) {
     const double size = std::sqrt(squares[lane]);
-    state.scale[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
+    const bool scaled = std::isnormal(size) && std::abs(std::ilogb(size)) > moderate_exponent;
+    scales[lane] = scaled ? std::exp2(-std::ilogb(size)) : 1.0;
     if (lane >= lanes) continue;
-    state.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
-    state.outcome[lane].residual = 1.0;
+    progress.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
+    progress.outcome[lane].residual = 1.0;
   }
-  const auto scale = Lanes<Width>::load(state.scale.data());
-  for (std::size_t i = 0; i < load.size(); i += Width) (Lanes<Width>::load(&load[i]) * scale).store(&load[i]);
+  multiply(load, scales);
+  solution.resize(load.size());
   if constexpr (Problem::own_operators) {
     if (!islands_.empty()) {
+      solution.assign(load.size(), 0.0);
+      progress.at_zero = false;
       islands_.add_correction(matrix_->level(), load.data(), solution.data());
       matrix_->apply(solution.data(), image_.data());
       for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
-      state.length = matrix_->dot(solution.data(), solution.data());
+      progress.length = matrix_->dot(solution.data(), solution.data());
     }
   }
   std::copy(load.begin(), load.end(), rounded_residual_.begin());
-}
-
-/// Ends lanes whose preconditioned residual is small enough, or no number. It is compared with the solution,
-/// too: where a part hangs by little, |M f| is not |u| but what rounding f does to it.
-template <class Problem, int Width>
-void LaneCg<Problem, Width>::judge(State& state, const Scalars& size, const Scalars& length,
-                                   const LaneStop& stop) const {
-  for (int lane = 0; lane < Width; ++lane) {
-    if (!state.active[lane]) continue;
-    // At the start there is nothing but the rigid motions of islands, which are part of M f.
-    if (state.iteration == 0) state.start[lane] = size[lane] + length[lane];
-    const double reference =
-        state.iteration == 0 ? state.start[lane] : std::min(state.start[lane], length[lane]);
-    LaneOutcome& outcome = state.outcome[lane];
-    outcome.iterations = state.iteration;
-    outcome.finite = std::isfinite(size[lane]);
-    outcome.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
-    outcome.converged =
-        outcome.finite && outcome.residual <= stop.tolerance &&
-        outcome.residual <= stop.error_factor * stop.tolerance * state.spectrum[lane].smallest();
-    if (outcome.converged || !outcome.finite) state.active[lane] = false;
-  }
+  return scales;
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::iterate(State& state, LaneArray& residual, LaneArray& solution,
+void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, LaneArray& solution,
                                      const LaneStop& stop) {
   const MPI_Comm comm = matrix_->level().comm;
-  const auto any_active = [&] {
-    return std::find(state.active.begin(), state.active.end(), true) != state.active.end();
-  };
-  while (any_active()) {
-    multigrid_->be_patient(state.iteration >= cycle_.patience);
+  while (progress.any_active()) {
+    multigrid_->be_patient(progress.iteration >= cycle_.patience);
     precondition(residual);
     // The image is none before the first iteration: what it adds then is not used.
     const auto products =
         matrix_->dots(preconditioned_.data(), preconditioned_.data(), residual.data(), image_.data());
     // A request to stop travels along: all ranks follow it in the same iteration.
     const Scalars stops{stop_requested() ? 1.0 : 0.0};
-    std::array<Scalars, 5> sums{products[0], products[1], products[2], state.length, stops};
+    std::array<Scalars, 5> sums{products[0], products[1], products[2], progress.length, stops};
     sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width + 1));
     const auto& [size, decrease, overlap, length, asked] = sums;
     if (asked[0] > 0.0) throw_stopped(comm);
-    judge(state, size, length, stop);
-    if (!any_active() || state.iteration == stop.max_iterations) break;
+    progress.judge(size, length, stop);
+    if (!progress.any_active() || progress.iteration == stop.max_iterations) break;
     Scalars beta, alpha;
     for (int lane = 0; lane < Width; ++lane) {
-      const bool moves = state.active[lane] && state.energy[lane] > 0.0;
-      beta[lane] = moves ? -overlap[lane] / state.energy[lane] : 0.0;
-      state.decrease[lane] = decrease[lane];
+      const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
+      beta[lane] = moves ? -overlap[lane] / progress.energy[lane] : 0.0;
+      progress.decrease[lane] = decrease[lane];
     }
-    update_direction(beta, state.iteration == 0);
-    state.energy = matrix_->apply(direction_.data(), image_.data());
-    sum_in_place(comm, state.energy);
+    update_direction(beta, progress.iteration == 0);
+    progress.energy = matrix_->apply(direction_.data(), image_.data());
+    sum_in_place(comm, progress.energy);
     for (int lane = 0; lane < Width; ++lane) {
-      const bool moves = state.active[lane] && state.energy[lane] > 0.0;
-      alpha[lane] = moves ? state.decrease[lane] / state.energy[lane] : 0.0;
-      state.spectrum[lane].add(alpha[lane], beta[lane]);
+      const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
+      alpha[lane] = moves ? progress.decrease[lane] / progress.energy[lane] : 0.0;
+      progress.spectrum[lane].add(alpha[lane], beta[lane]);
     }
-    state.length = advance(alpha, residual, solution);
+    progress.length = progress.at_zero ? advance<true>(alpha, residual, solution)
+                                       : advance<false>(alpha, residual, solution);
+    progress.at_zero = false;
     balance(residual);
-    ++state.iteration;
-    if (narrow(state, residual, solution, stop)) return;
+    ++progress.iteration;
+    progress.end_within_reach(alpha);
+    if (narrow(progress, residual, solution, stop)) return;
   }
 }
 
@@ -188,8 +180,10 @@ void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
   }
 }
 
-/// solution += alpha direction, residual -= alpha image; this rank's part of |solution|^2.
+/// solution += alpha direction, from 0 whatever it holds if AtZero, residual -= alpha image; this rank's part
+/// of |solution|^2.
 template <class Problem, int Width>
+template <bool AtZero>
 LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& residual,
                                                    LaneArray& solution) {
   using Value = Lanes<Width>;
@@ -199,7 +193,8 @@ LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArr
   std::size_t next = 0;
   const auto advance_to = [&](std::size_t end, bool counted) {
     for (; next < end; next += Width) {
-      const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
+      auto value = factor * Value::load(&direction_[next]);
+      if constexpr (!AtZero) value += Value::load(&solution[next]);
       value.store(&solution[next]);
       if (counted) squares += value * value;
       const auto left = Value::load(&residual[next]) - factor * Value::load(&image_[next]);
@@ -253,35 +248,27 @@ void LaneCg<Problem, Width>::set_up_from_half(int count) {
   }
 }
 
-/// Lets the lanes that are left go on in a solver half as wide; false if there are too many.
+/// Lets the lanes that are left go on in a solver half as wide; false if there are too many, or is none.
 template <class Problem, int Width>
-bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& residual, LaneArray& solution,
+bool LaneCg<Problem, Width>::narrow(Progress& progress, LaneArray& residual, LaneArray& solution,
                                     const LaneStop& stop) {
   if constexpr (Width == 1) {
     return false;
   } else {
+    if (!cycle_.narrows) return false;
     constexpr int half_width = Width / 2;
     std::array<int, half_width> left{};
     int count = 0;
     for (int lane = 0; lane < Width; ++lane) {
-      if (!state.active[lane]) continue;
+      if (!progress.active[lane]) continue;
       if (count == half_width) return false;
       left[count++] = lane;
     }
     if (count == 0) return false;
     const std::span<const int> lanes(left.data(), count);
     half().copy_set_up(*this, lanes);
-    typename LaneCg<Problem, half_width>::State narrower;
-    narrower.iteration = state.iteration;
-    for (int i = 0; i < std::min(count, half_width); ++i) {
-      narrower.active[i] = true;
-      narrower.start[i] = state.start[lanes[i]];
-      narrower.length[i] = state.length[lanes[i]];
-      narrower.decrease[i] = state.decrease[lanes[i]];
-      narrower.energy[i] = state.energy[lanes[i]];
-      narrower.spectrum[i] = state.spectrum[lanes[i]];
-      narrower.outcome[i] = state.outcome[lanes[i]];
-    }
+    LaneProgress<half_width> narrower;
+    narrower.take(progress, lanes);
     LaneArray& half_residual = half_->handed_residual_;
     LaneArray& half_solution = half_->handed_solution_;
     select_lanes(residual, Width, lanes, half_residual, half_width);
@@ -291,7 +278,7 @@ bool LaneCg<Problem, Width>::narrow(State& state, LaneArray& residual, LaneArray
     select_lanes(image_, Width, lanes, half_->image_, half_width);
     half_->iterate(narrower, half_residual, half_solution, stop);
     for (int i = 0; i < std::min(count, half_width); ++i) {
-      state.outcome[lanes[i]] = narrower.outcome[i];
+      progress.outcome[lanes[i]] = narrower.outcome[i];
       for (std::size_t at = 0; at < solution.size() / Width; ++at)
         solution[at * Width + lanes[i]] = half_solution[at * half_width + i];
     }

@@ -105,7 +105,7 @@ class Pipeline {
   std::vector<std::vector<double>> pull_back_own(Responses<Dim> responses, const PipelineState<Dim>& state,
                                                  std::vector<Row>& rows);
   std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
-  void solve_to(double of_sequence, double of_process);
+  void solve_to(const SolveTolerance& of_sequence, const SolveTolerance& of_process);
   bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
 
   const Model<Dim>& model_;

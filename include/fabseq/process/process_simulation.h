@@ -71,7 +71,7 @@ class ProcessSimulation {
   /// Strains of the last simulation, as given.
   const StrainField& strains() const { return elements_.strains(); }
   /// Later simulations and adjoints are solved to this tolerance.
-  void set_tolerance(double tolerance);
+  void set_tolerance(const SolveTolerance& tolerance);
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
   void start_cold();
   /// Iterations of the adjoint solves of the last pull_back(), the largest of its functionals for each layer.

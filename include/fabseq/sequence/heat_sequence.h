@@ -65,7 +65,7 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
-  void set_tolerance(double tolerance) override { solver_->set_tolerance(tolerance); }
+  void set_tolerance(const SolveTolerance& tolerance) override { solver_->set_tolerance(tolerance); }
   void start_cold() override { solver_->start_cold(); }
   std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/part/part.h"
+#include "fabseq/solve/solve_tolerance.h"
 
 #include <limits>
 #include <span>
@@ -70,7 +71,7 @@ class Sequence {
     return std::vector<std::vector<double>>(rows.size());
   }
   /// Later solves go to this tolerance.
-  virtual void set_tolerance(double /*tolerance*/) {}
+  virtual void set_tolerance(const SolveTolerance& /*tolerance*/) {}
   /// Forgets what earlier solves left for later ones (HeatSolver::start_cold()).
   virtual void start_cold() {}
   /// Solver iterations of the last pull_back(), one entry per row; empty without solves.

@@ -3,6 +3,7 @@
 
 #include "fabseq/lanes/lane_vector.h"
 #include "fabseq/solve/solve_report.h"
+#include "fabseq/solve/solve_tolerance.h"
 
 #include <cstddef>
 #include <limits>
@@ -35,7 +36,7 @@ class ElasticitySolver {
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
   /// Later solves go to this tolerance; on the reference path collective.
-  virtual void set_tolerance(double tolerance) = 0;
+  virtual void set_tolerance(const SolveTolerance& tolerance) = 0;
 
   /// Forgets what earlier solves have left for later ones: from here on everything goes as in a new solver,
   /// to the last bit. Collective.

@@ -3,6 +3,7 @@
 
 #include "fabseq/lanes/lane_vector.h"
 #include "fabseq/solve/solve_report.h"
+#include "fabseq/solve/solve_tolerance.h"
 
 #include <span>
 #include <vector>
@@ -34,7 +35,7 @@ class HeatSolver {
                                          std::span<LaneVector> solutions) = 0;
 
   /// Later solves go to this tolerance; on the reference path collective.
-  virtual void set_tolerance(double tolerance) = 0;
+  virtual void set_tolerance(const SolveTolerance& tolerance) = 0;
 
   /// Forgets what earlier solves have left for later ones, the operator too: from here on everything goes as
   /// in a new solver, to the last bit. Collective.

@@ -26,16 +26,16 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   /// The most lanes in a block.
   static constexpr int widest = 8;
 
-  /// `lanes`: the most in a block; below `widest` the solver saves memory, see give_back_memory(). The grid
-  /// and `domain` must outlive the solver. `reference`: settings of the fallback, whose tolerance is the
-  /// lanes', too. Collective.
+  /// `lanes`: the most in a block; below `widest` the solver saves memory: see give_back_memory(), and it
+  /// does without LaneCycle::narrows. The grid and `domain` must outlive the solver. `reference`: settings of
+  /// the fallback, whose tolerance is the lanes', too. Collective.
   LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                  int max_iterations, const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
-  void set_tolerance(double tolerance) override;
+  void set_tolerance(const SolveTolerance& tolerance) override;
   /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
   /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
@@ -44,6 +44,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::string description() const override;
 
  private:
+  bool saves_memory() const { return most_lanes_ < widest; }
   void set_up(auto& solver, bool changed);
   void solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
                   std::span<std::vector<SolveReport>> reports);

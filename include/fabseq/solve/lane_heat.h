@@ -25,15 +25,16 @@ class LaneHeat : public HeatSolver<Dim> {
  public:
   using HeatSolver<Dim>::widest;
 
-  /// `lanes`: the most in a block; below `widest` the solver saves memory, see give_back_memory(). The grid
-  /// and `domain` must outlive the solver. `lumped`: the mass matrix is diagonal. `reference`: settings of
-  /// the fallback, whose tolerance is the lanes', too. Collective.
+  /// `lanes`: the most in a block; below `widest` the solver saves memory: see give_back_memory(), and it
+  /// does without LaneCycle::narrows. The grid and `domain` must outlive the solver. `lumped`: the mass
+  /// matrix is diagonal. `reference`: settings of the fallback, whose tolerance is the lanes', too.
+  /// Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
            const AssembledSolverSettings& reference, int lanes = widest);
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
-  void set_tolerance(double tolerance) override;
+  void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
   void give_back_memory() override;
   static LaneCycle cycle();

@@ -57,9 +57,9 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
 }
 
 template <int Dim>
-void ReferenceElasticity<Dim>::set_tolerance(double tolerance) {
-  settings_.tolerance = tolerance;
-  for (auto& [layer, system] : systems_) system->set_tolerance(tolerance);
+void ReferenceElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
+  settings_.tolerance = tolerance.value;
+  for (auto& [layer, system] : systems_) system->set_tolerance(tolerance.value);
 }
 
 /// Kept systems hold factorizations, estimates of eigenvalues, and whether their preconditioner was relaxed.

@@ -14,9 +14,9 @@ ReferenceHeat<Dim>::ReferenceHeat(const Grid<Dim>& grid, const SystemDomain& dom
       system_(std::make_unique<AssembledSystem<Dim>>(domain_, numbering_, settings_)) {}
 
 template <int Dim>
-void ReferenceHeat<Dim>::set_tolerance(double tolerance) {
-  settings_.tolerance = tolerance;
-  system_->set_tolerance(tolerance);
+void ReferenceHeat<Dim>::set_tolerance(const SolveTolerance& tolerance) {
+  settings_.tolerance = tolerance.value;
+  system_->set_tolerance(tolerance.value);
 }
 
 template <int Dim>

@@ -29,7 +29,7 @@ class ReferenceElasticity : public ElasticitySolver<Dim> {
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                               std::span<LaneVector> displacements) override;
-  void set_tolerance(double tolerance) override;
+  void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
   std::string description() const override;
 

@@ -22,7 +22,7 @@ class ReferenceHeat : public HeatSolver<Dim> {
 
   void set_operator(std::span<const double> diffusivity, double reaction) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
-  void set_tolerance(double tolerance) override;
+  void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
 
  private:

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/lanes/lane_array.h"
+#include "fabseq/lanes/lane_outcome.h"
+#include "fabseq/lanes/spectrum_estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace fabseq {
+
+/// Where the conjugate gradients of all lanes are, apart from their vectors, and which lanes go on
+/// (docs/formulation.md 11.3). The same on all ranks, but for `length`.
+template <int Width>
+struct LaneProgress {
+  using Scalars = LaneScalars<Width>;
+
+  int iteration = 0;
+  bool at_zero = true;  ///< the solution is 0, whatever its vector holds
+  std::array<bool, Width> active{};
+  std::array<bool, Width> within_reach{};  ///< of LaneStop::reach at the last test
+  Scalars start{};                         ///< |M f|^2
+  Scalars length{};                        ///< |u|^2, this rank's part
+  Scalars decrease{};                      ///< r . M r of the last step
+  Scalars energy{};                        ///< p . K p of the last step
+  std::array<SpectrumEstimate, Width> spectrum;
+  std::array<LaneOutcome, Width> outcome{};
+
+  bool any_active() const { return std::find(active.begin(), active.end(), true) != active.end(); }
+  /// Ends lanes whose preconditioned residual is small enough, or no number. `size`: |M r|^2, `length`:
+  /// |u|^2, of all ranks.
+  void judge(const Scalars& size, const Scalars& length, const LaneStop& stop);
+  /// After a step of these lengths: ends lanes that were within reach before it.
+  void end_within_reach(const Scalars& alpha);
+  /// Lane i becomes lane lanes[i] of another one, after a step.
+  template <int Other>
+  void take(const LaneProgress<Other>& other, std::span<const int> lanes);
+};
+
+/// The residual is compared with the solution, too: where a part hangs by little, |M f| is not |u| but what
+/// rounding f does to it.
+template <int Width>
+void LaneProgress<Width>::judge(const Scalars& size, const Scalars& length_of_all, const LaneStop& stop) {
+  for (int lane = 0; lane < Width; ++lane) {
+    if (!active[lane]) continue;
+    // At the start there is nothing but the rigid motions of islands, which are part of M f.
+    if (iteration == 0) start[lane] = size[lane] + length_of_all[lane];
+    const double reference = iteration == 0 ? start[lane] : std::min(start[lane], length_of_all[lane]);
+    const double bound = stop.tolerance * std::min(1.0, stop.error_factor * spectrum[lane].smallest());
+    LaneOutcome& of_lane = outcome[lane];
+    of_lane.iterations = iteration;
+    of_lane.finite = std::isfinite(size[lane]);
+    of_lane.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
+    of_lane.converged = of_lane.finite && of_lane.residual <= bound;
+    within_reach[lane] = of_lane.finite && of_lane.residual <= stop.reach * bound;
+    if (of_lane.converged || !of_lane.finite) active[lane] = false;
+  }
+}
+
+template <int Width>
+void LaneProgress<Width>::end_within_reach(const Scalars& alpha) {
+  for (int lane = 0; lane < Width; ++lane) {
+    if (!active[lane] || !within_reach[lane] || alpha[lane] == 0.0) continue;
+    outcome[lane].iterations = iteration;
+    outcome[lane].converged = true;
+    active[lane] = false;
+  }
+}
+
+template <int Width>
+template <int Other>
+void LaneProgress<Width>::take(const LaneProgress<Other>& other, std::span<const int> lanes) {
+  iteration = other.iteration;
+  at_zero = other.at_zero;
+  for (std::size_t i = 0; i < lanes.size(); ++i) {
+    const int from = lanes[i];
+    active[i] = true;
+    start[i] = other.start[from];
+    length[i] = other.length[from];
+    decrease[i] = other.decrease[from];
+    energy[i] = other.energy[from];
+    spectrum[i] = other.spectrum[from];
+    outcome[i] = other.outcome[from];
+  }
+}
+
+}  // namespace fabseq

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+
+namespace fabseq {
+
+/// How closely a system is solved.
+struct SolveTolerance {
+  double value = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
+  /// LaneStop::reach. The reference path stops at the value.
+  double reach = 1.0;
+};
+
+/// Conjugate gradients stop making progress below this.
+constexpr double smallest_tolerance = 1e-13;
+
+/// Elasticity is solved to a run's tolerance, and so are all adjoints. Heat is solved a thousand times
+/// closer: its error enters all others.
+constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
+  return {std::max(of_run.value, smallest_tolerance), of_run.reach};
+}
+constexpr SolveTolerance heat_tolerance(const SolveTolerance& of_run) {
+  return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
+}
+
+}  // namespace fabseq
