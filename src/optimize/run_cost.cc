@@ -22,6 +22,8 @@ struct PathCost {
 };
 constexpr PathCost lanes_cost{121.0, 4.5e-7};
 constexpr PathCost reference_cost{3000.0, 1e-5};
+/// What the narrower solvers add to that of a lane, where there are any (LaneCycle::narrows).
+constexpr double narrower_bytes_per_unknown = 69.0;
 /// The heat problem's memory per node: per lane, and all in all on the reference path.
 constexpr double heat_bytes_per_lane = 106.0, reference_heat_bytes = 700.0;
 /// The reference path keeps the factors of every layer.
@@ -106,11 +108,12 @@ double memory_estimate(const RunSize& size, SolverPath path, int groups, int lan
   }
   // Load, solution and a copy with halo, of all nodes; then the lane engine's own.
   const double vectors = 24.0 * size.nodes * size.dimension * lanes * groups;
-  const double elasticity = vectors + lanes_cost.bytes_per_unknown * size.unknowns * lanes * groups;
+  // To save memory, there are no narrower solvers, and only one of both has its vectors at a time.
+  const bool saves = lanes < ProcessSimulation<3>::most_lanes;
+  const double of_lane = lanes_cost.bytes_per_unknown + (saves ? 0.0 : narrower_bytes_per_unknown);
+  const double elasticity = vectors + of_lane * size.unknowns * lanes * groups;
   const double heat = heat_bytes_per_lane * size.nodes * lanes * groups;
-  // To save memory, only one of both solvers has its vectors at a time.
-  const bool alternate = lanes < ProcessSimulation<3>::most_lanes;
-  return held + (alternate ? std::max(elasticity, heat) : elasticity + heat);
+  return held + (saves ? std::max(elasticity, heat) : elasticity + heat);
 }
 
 /// Fewer groups come before fewer lanes.
