@@ -60,9 +60,9 @@ class LaneCg {
   template <class, int>
   friend class LaneCg;
 
-  /// Loads between 2^-30 and 2^30 are left as they are: single precision holds their residuals down to the
-  /// smallest tolerance.
-  static constexpr int moderate_exponent = 30;
+  /// Loads between 2^-10 and 2^10 are left as they are: single precision holds squares of what is left of
+  /// their residuals.
+  static constexpr int moderate_exponent = 10;
 
   using Progress = LaneProgress<Width>;
   void allocate();

@@ -148,7 +148,7 @@ void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, La
     progress.at_zero = false;
     balance(residual);
     ++progress.iteration;
-    progress.end_within_reach(alpha);
+    progress.end_within_reach(alpha, stop);
     if (narrow(progress, residual, solution, stop)) return;
   }
 }

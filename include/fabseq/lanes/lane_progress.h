@@ -21,11 +21,10 @@ struct LaneProgress {
   int iteration = 0;
   bool at_zero = true;  ///< the solution is 0, whatever its vector holds
   std::array<bool, Width> active{};
-  std::array<bool, Width> within_reach{};  ///< of LaneStop::reach at the last test
-  Scalars start{};                         ///< |M f|^2
-  Scalars length{};                        ///< |u|^2, this rank's part
-  Scalars decrease{};                      ///< r . M r of the last step
-  Scalars energy{};                        ///< p . K p of the last step
+  Scalars start{};     ///< |M f|^2
+  Scalars length{};    ///< |u|^2, this rank's part
+  Scalars decrease{};  ///< r . M r of the last step
+  Scalars energy{};    ///< p . K p of the last step
   std::array<SpectrumEstimate, Width> spectrum;
   std::array<LaneOutcome, Width> outcome{};
 
@@ -33,11 +32,17 @@ struct LaneProgress {
   /// Ends lanes whose preconditioned residual is small enough, or no number. `size`: |M r|^2, `length`:
   /// |u|^2, of all ranks.
   void judge(const Scalars& size, const Scalars& length, const LaneStop& stop);
-  /// After a step of these lengths: ends lanes that were within reach before it.
-  void end_within_reach(const Scalars& alpha);
+  /// After a step of these lengths: ends lanes that were within LaneStop::reach before it, by what the step
+  /// says of the spectrum, too.
+  void end_within_reach(const Scalars& alpha, const LaneStop& stop);
   /// Lane i becomes lane lanes[i] of another one, after a step.
   template <int Other>
   void take(const LaneProgress<Other>& other, std::span<const int> lanes);
+
+ private:
+  double bound(int lane, const LaneStop& stop) const {
+    return stop.tolerance * std::min(1.0, stop.error_factor * spectrum[lane].smallest());
+  }
 };
 
 /// The residual is compared with the solution, too: where a part hangs by little, |M f| is not |u| but what
@@ -49,21 +54,21 @@ void LaneProgress<Width>::judge(const Scalars& size, const Scalars& length_of_al
     // At the start there is nothing but the rigid motions of islands, which are part of M f.
     if (iteration == 0) start[lane] = size[lane] + length_of_all[lane];
     const double reference = iteration == 0 ? start[lane] : std::min(start[lane], length_of_all[lane]);
-    const double bound = stop.tolerance * std::min(1.0, stop.error_factor * spectrum[lane].smallest());
     LaneOutcome& of_lane = outcome[lane];
     of_lane.iterations = iteration;
     of_lane.finite = std::isfinite(size[lane]);
     of_lane.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
-    of_lane.converged = of_lane.finite && of_lane.residual <= bound;
-    within_reach[lane] = of_lane.finite && of_lane.residual <= stop.reach * bound;
+    of_lane.converged = of_lane.finite && of_lane.residual <= bound(lane, stop);
     if (of_lane.converged || !of_lane.finite) active[lane] = false;
   }
 }
 
 template <int Width>
-void LaneProgress<Width>::end_within_reach(const Scalars& alpha) {
+void LaneProgress<Width>::end_within_reach(const Scalars& alpha, const LaneStop& stop) {
+  if (stop.reach <= 1.0) return;
   for (int lane = 0; lane < Width; ++lane) {
-    if (!active[lane] || !within_reach[lane] || alpha[lane] == 0.0) continue;
+    const bool moved = std::isfinite(alpha[lane]) && alpha[lane] != 0.0;
+    if (!active[lane] || !moved || outcome[lane].residual > stop.reach * bound(lane, stop)) continue;
     outcome[lane].iterations = iteration;
     outcome[lane].converged = true;
     active[lane] = false;
