@@ -20,15 +20,16 @@ LaneCycle lane_cycle(const SolverSettings& settings) {
 }
 
 /// `prefix`: of the PETSc options.
-AssembledSolverSettings assembled(const SolverSettings& settings, double tolerance, const char* prefix) {
-  return {settings.method, tolerance, 1000, prefix};
+AssembledSolverSettings assembled(const SolverSettings& settings, const SolveTolerance& tolerance,
+                                  const char* prefix) {
+  return {settings.method, tolerance.value, 1000, prefix};
 }
 
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Model<Dim>& model, const HeatModel<Dim>& heat,
                                                   double tolerance) {
   const AssembledSolverSettings settings =
-      assembled(model.settings.solver, heat_tolerance({tolerance}).value, "heat_");
+      assembled(model.settings.solver, heat_tolerance({tolerance}), "heat_");
   if (model.settings.solver.path == SolverPath::lanes)
     return std::make_unique<LaneHeat<Dim>>(model.grid, heat.domain, heat.lumped, lane_iterations, settings,
                                            model.lanes);
@@ -49,7 +50,7 @@ std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Model<Dim>& model, doubl
 }  // namespace
 
 ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
-  return {assembled(settings, elasticity_tolerance({tolerance}).value, "release_"), settings.path,
+  return {assembled(settings, elasticity_tolerance({tolerance}), "release_"), settings.path,
           lane_cycle(settings)};
 }
 
@@ -59,7 +60,7 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Model<Dim>& 
                                                               double tolerance) {
   const SolverSettings& solver = model.settings.solver;
   const AssembledSolverSettings settings =
-      assembled(solver, elasticity_tolerance({tolerance}).value, "elasticity_");
+      assembled(solver, elasticity_tolerance({tolerance}), "elasticity_");
   if (solver.path == SolverPath::lanes)
     return std::make_unique<LaneElasticity<Dim>>(model.grid, elastic.domain, elastic.material.poisson,
                                                  lane_cycle(solver), lane_iterations, settings, model.lanes);

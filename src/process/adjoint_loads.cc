@@ -12,18 +12,14 @@ namespace {
 /// Layers whose load has less than this share of the largest are left out.
 constexpr double least_share = 1e-10;
 
-/// `load` must be 0 at nodes that are not the result's.
 void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
                    LaneVector& load) {
   const LaneVector* own = functional.increments.empty() ? nullptr : &functional.increments[block];
   const LaneVector* weights = result.weights.empty() ? nullptr : &result.weights[block];
+  std::fill(load.values.begin(), load.values.end(), 0.0);
   for (std::size_t i = 0; i < result.nodes.size() * load.components; ++i) {
     const std::size_t to = result.in_field(i, load.components);
     const double common = functional.displacement.empty() ? 0.0 : functional.displacement[to];
-    if (own == nullptr && common == 0.0) {  // a functional of few nodes
-      std::fill_n(&load(to, 0), load.lanes, 0.0);
-      continue;
-    }
     for (int lane = 0; lane < load.lanes; ++lane) {
       const double derivative = common + (own != nullptr ? (*own)(i, lane) : 0.0);
       load(to, lane) = -derivative * (weights != nullptr ? (*weights)(i / load.components, lane) : 1.0);

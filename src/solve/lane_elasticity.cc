@@ -169,7 +169,6 @@ template <int Dim>
 void LaneElasticity<Dim>::give_back_memory() {
   if (!saves_memory()) return;
   solver_.give_back_memory();
-  layout_.give_back_memory();
   for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);
   free_memory(stiffness_);
 }

@@ -60,10 +60,6 @@ class LaneCg {
   template <class, int>
   friend class LaneCg;
 
-  /// Loads between 2^-10 and 2^10 are left as they are: single precision holds squares of what is left of
-  /// their residuals.
-  static constexpr int moderate_exponent = 10;
-
   using Progress = LaneProgress<Width>;
   void allocate();
   template <int Other>
@@ -73,7 +69,6 @@ class LaneCg {
   void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
-  template <bool AtZero>
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
   void balance(LaneArray& residual);
   /// Whether free_motions_ can be given.

@@ -60,10 +60,10 @@ template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
   const FlushToZero flush_to_zero;
+  solution.assign(load.size(), 0.0);
   Progress progress;
   Scalars scales = start(progress, load, solution, lanes);
   iterate(progress, load, solution, stop);
-  if (progress.at_zero) solution.assign(load.size(), 0.0);
   for (double& scale : scales) scale = 1.0 / scale;
   multiply(solution, scales);
   return {progress.outcome.begin(), progress.outcome.begin() + lanes};
@@ -72,14 +72,13 @@ std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArra
 /// Multiplies every lane by its factor.
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::multiply(LaneArray& vector, const Scalars& factors) {
-  if (std::all_of(factors.begin(), factors.end(), [](double factor) { return factor == 1.0; })) return;
   const auto all = Lanes<Width>::load(factors.data());
   for (std::size_t i = 0; i < vector.size(); i += Width)
     (Lanes<Width>::load(&vector[i]) * all).store(&vector[i]);
 }
 
-/// Scales a very small or large load of a lane to about 1, by a power of two, so that single precision holds
-/// its residual down to any tolerance, and solves for rigid motions of islands. Returns the scales.
+/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
+/// down to any tolerance, and solves for rigid motions of islands. Returns the scales.
 template <class Problem, int Width>
 LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
                                                  int lanes) {
@@ -89,18 +88,14 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
   Scalars scales;
   for (int lane = 0; lane < Width; ++lane) {
     const double size = std::sqrt(squares[lane]);
-    const bool scaled = std::isnormal(size) && std::abs(std::ilogb(size)) > moderate_exponent;
-    scales[lane] = scaled ? std::exp2(-std::ilogb(size)) : 1.0;
+    scales[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
     if (lane >= lanes) continue;
     progress.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
     progress.outcome[lane].residual = 1.0;
   }
   multiply(load, scales);
-  solution.resize(load.size());
   if constexpr (Problem::own_operators) {
     if (!islands_.empty()) {
-      solution.assign(load.size(), 0.0);
-      progress.at_zero = false;
       islands_.add_correction(matrix_->level(), load.data(), solution.data());
       matrix_->apply(solution.data(), image_.data());
       for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
@@ -143,9 +138,7 @@ void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, La
       alpha[lane] = moves ? progress.decrease[lane] / progress.energy[lane] : 0.0;
       progress.spectrum[lane].add(alpha[lane], beta[lane]);
     }
-    progress.length = progress.at_zero ? advance<true>(alpha, residual, solution)
-                                       : advance<false>(alpha, residual, solution);
-    progress.at_zero = false;
+    progress.length = advance(alpha, residual, solution);
     balance(residual);
     ++progress.iteration;
     progress.end_within_reach(alpha, stop);
@@ -180,10 +173,8 @@ void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
   }
 }
 
-/// solution += alpha direction, from 0 whatever it holds if AtZero, residual -= alpha image; this rank's part
-/// of |solution|^2.
+/// solution += alpha direction, residual -= alpha image; this rank's part of |solution|^2.
 template <class Problem, int Width>
-template <bool AtZero>
 LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& residual,
                                                    LaneArray& solution) {
   using Value = Lanes<Width>;
@@ -193,8 +184,7 @@ LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArr
   std::size_t next = 0;
   const auto advance_to = [&](std::size_t end, bool counted) {
     for (; next < end; next += Width) {
-      auto value = factor * Value::load(&direction_[next]);
-      if constexpr (!AtZero) value += Value::load(&solution[next]);
+      const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
       value.store(&solution[next]);
       if (counted) squares += value * value;
       const auto left = Value::load(&residual[next]) - factor * Value::load(&image_[next]);

@@ -19,7 +19,6 @@ struct LaneProgress {
   using Scalars = LaneScalars<Width>;
 
   int iteration = 0;
-  bool at_zero = true;  ///< the solution is 0, whatever its vector holds
   std::array<bool, Width> active{};
   Scalars start{};     ///< |M f|^2
   Scalars length{};    ///< |u|^2, this rank's part
@@ -79,7 +78,6 @@ template <int Width>
 template <int Other>
 void LaneProgress<Width>::take(const LaneProgress<Other>& other, std::span<const int> lanes) {
   iteration = other.iteration;
-  at_zero = other.at_zero;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     const int from = lanes[i];
     active[i] = true;

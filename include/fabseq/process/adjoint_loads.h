@@ -34,8 +34,7 @@ class AdjointLoads {
               std::span<const ProcessAdjoint> functionals);
   /// Whether a functional, by its number, has such a layer in a block.
   bool any(std::size_t functional, const LayerBlock& block) const;
-  /// Sets `load` to the load of a block, by its number; 0 in layers that are negligible. It must be 0 already
-  /// at nodes that are not the result's. Local.
+  /// Sets `load` to the load of a block, by its number; 0 in layers that are negligible. Local.
   void set(const ProcessAdjoint& functional, std::size_t number, const ProcessResult& result,
            std::size_t block, LaneVector& load) const;
 
