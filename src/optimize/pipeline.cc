@@ -146,8 +146,9 @@ void Pipeline<Dim>::restore(const CheckpointState& state) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::forget_results() {
-  process_.forget_increments();
+void Pipeline<Dim>::give_back_memory() {
+  sequence_->give_back_memory();
+  process_.give_back_memory();
   densities_ = {};
 }
 

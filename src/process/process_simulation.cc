@@ -87,7 +87,8 @@ int ProcessSimulation<Dim>::owned_nodes() const {
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::forget_increments() {
+void ProcessSimulation<Dim>::give_back_memory() {
+  solver_->give_back_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     result_.of_case(number).increments = {};
   result_.weights = {};
@@ -118,7 +119,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       solve_block(densities, number, room);
   });
-  solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->give_back_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     groups_.sum(result_.of_case(number).displacement);
   groups_.sum(result_.iterations);
@@ -222,7 +223,7 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, all, room);
   });
-  solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->give_back_memory();
   groups_.sum(adjoint_iterations_);
   for (int layer = 0; layer < densities.count(); ++layer)
     expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];

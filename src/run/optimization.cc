@@ -78,8 +78,9 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   };
   reports.binary = report(true);
   drop_unwritten_fields(reports.binary);
-  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few.
-  pipeline.forget_results();
+  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
+  // beside another pipeline's solvers.
+  pipeline.give_back_memory();
   reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
   reports.optimized = report(false);
   reports.start = start_report(setup, problem, pipeline, best.beta());

@@ -144,7 +144,7 @@ void HeatSequence<Dim>::solve_temperature() {
     require_convergence(report, "the heat solve");
     time_.iterations = report.iterations;
   });
-  solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->give_back_memory();
   time_.temperature = std::move(correction.values);
   broadcast(across_, time_.temperature);
   MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
@@ -226,7 +226,7 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
     for (const std::vector<double>& gradient : by_diffusivity(part_, flux, adjoints))
       result.push_back(filter_.apply_transpose(gradient));
   }
-  solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->give_back_memory();
   return result;
 }
 

@@ -167,8 +167,8 @@ void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
 
 template <int Dim>
 void LaneElasticity<Dim>::give_back_memory() {
-  if (!saves_memory()) return;
   solver_.give_back_memory();
+  layout_.give_back_memory();
   for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);
   free_memory(stiffness_);
 }
@@ -182,7 +182,7 @@ std::string LaneElasticity<Dim>::description() const {
   text << "lanes: flexible CG + multigrid, " << hierarchy_.count() << " levels, "
        << sum(grid_.comm(), nodes * Dim) << " unknowns a layer, up to " << most_lanes_
        << (most_lanes_ == 1 ? " layer at once" : " layers at once")
-       << (most_lanes_ < widest ? ", to save memory" : "");
+       << (saves_memory() ? ", to save memory" : "");
   return text.str();
 }
 

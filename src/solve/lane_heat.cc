@@ -133,7 +133,6 @@ void LaneHeat<Dim>::start_cold() {
 
 template <int Dim>
 void LaneHeat<Dim>::give_back_memory() {
-  if (most_lanes_ == widest) return;
   solver_.give_back_memory();
   is_set_up_.fill(false);
   layout_.give_back_memory();

@@ -71,8 +71,9 @@ class Pipeline {
   /// Gradients of several rows with respect to the design of the last run.
   std::vector<Design> gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
                                 const std::vector<GradientRow>& rows);
-  /// Gives the memory of the last run's layers back, which gradients and reports need. Not collective.
-  void forget_results();
+  /// Gives back the memory of the solvers and of the last run's layers, which gradients and reports need. Not
+  /// collective.
+  void give_back_memory();
   /// Later runs and gradients are solved to these tolerances; the constructor's is all of them. Which layers
   /// are negligible stays as it was: that is part of the model.
   void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }

@@ -63,9 +63,9 @@ class ProcessSimulation {
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
-  /// Gives the memory of the last simulation's increments back; pull_back(), reactions() and increment() need
-  /// a further one. Not collective.
-  void forget_increments();
+  /// Gives back the memory of the last simulation's increments and of the solver; pull_back(), reactions()
+  /// and increment() need a further simulation. Not collective.
+  void give_back_memory();
   /// That of the last simulation, for CountedAs.
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.

@@ -41,9 +41,10 @@ class HeatSolver {
   /// in a new solver, to the last bit. Collective.
   virtual void start_cold() = 0;
 
-  /// To be called when other phases come before the next solve: a solver that is to save memory gives back
-  /// what it can take again, its operator included. Changes no result.
+  /// Gives back what it can take again, its operator included. Changes no result. Not collective.
   virtual void give_back_memory() {}
+  /// Whether it is to give back memory whenever other phases come before the next solve.
+  virtual bool saves_memory() const { return false; }
 };
 
 }  // namespace fabseq

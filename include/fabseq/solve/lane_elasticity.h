@@ -26,8 +26,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   /// The most lanes in a block.
   static constexpr int widest = 8;
 
-  /// `lanes`: the most in a block; below `widest` the solver saves memory: see give_back_memory(), and it
-  /// does without LaneCycle::narrows. The grid and `domain` must outlive the solver. `reference`: settings of
+  /// `lanes`: the most in a block; below `widest` the solver saves memory, and it does without
+  /// LaneCycle::narrows. The grid and `domain` must outlive the solver. `reference`: settings of
   /// the fallback, whose tolerance is the lanes', too. Collective.
   LaneElasticity(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                  int max_iterations, const AssembledSolverSettings& reference, int lanes = widest);
@@ -41,10 +41,10 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
   void start_cold() override { fallback_.reset(); }
   void give_back_memory() override;
+  bool saves_memory() const override { return most_lanes_ < widest; }
   std::string description() const override;
 
  private:
-  bool saves_memory() const { return most_lanes_ < widest; }
   void set_up(auto& solver, bool changed);
   void solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
                   std::span<std::vector<SolveReport>> reports);

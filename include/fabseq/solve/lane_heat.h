@@ -25,8 +25,8 @@ class LaneHeat : public HeatSolver<Dim> {
  public:
   using HeatSolver<Dim>::widest;
 
-  /// `lanes`: the most in a block; below `widest` the solver saves memory: see give_back_memory(), and it
-  /// does without LaneCycle::narrows. The grid and `domain` must outlive the solver. `lumped`: the mass
+  /// `lanes`: the most in a block; below `widest` the solver saves memory, and it does without
+  /// LaneCycle::narrows. The grid and `domain` must outlive the solver. `lumped`: the mass
   /// matrix is diagonal. `reference`: settings of the fallback, whose tolerance is the lanes', too.
   /// Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
@@ -37,6 +37,7 @@ class LaneHeat : public HeatSolver<Dim> {
   void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
   void give_back_memory() override;
+  bool saves_memory() const override { return most_lanes_ < widest; }
   static LaneCycle cycle();
 
  private:
