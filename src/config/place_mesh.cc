@@ -11,7 +11,7 @@ namespace {
 
 /// Edges that are longer than whole elements by this share of an element are not given another one.
 constexpr double rounding = 1e-6;
-constexpr double most_elements = 1e9;
+constexpr double most_elements = 1e9;  // along an axis, and of boxes that are tried
 
 /// A length per axis: the numbers of a key of the domain, one for all axes or one for each.
 Point<3> lengths_of(const Json& domain, const std::string& name, bool may_be_zero) {
@@ -33,40 +33,70 @@ Point<3> lengths_of(const Json& domain, const std::string& name, bool may_be_zer
   return result;
 }
 
-/// The box that holds the mesh and its margin in whole elements. On the plate it ends where the mesh does; on
-/// the other axes what is left over is shared out to both ends.
-void set_box(const PlacedMesh& mesh, const BuildPlate& plate, Json& domain) {
-  const Point<3> element = lengths_of(domain, "element", false), margin = lengths_of(domain, "margin", true);
-  Json size = Json::array(), origin = Json::array(), elements = Json::array();
+/// The box that holds the mesh and its margin in whole elements, `more` of them beyond as few as possible. On
+/// the plate it ends where the mesh does; on the other axes what is left over is shared out to both ends.
+Domain<3> box_around(const PlacedMesh& mesh, const BuildPlate& plate, const Point<3>& element,
+                     const Point<3>& margin, const Index<3>& more) {
+  Domain<3> box;
   for (int axis = 0; axis < 3; ++axis) {
     const bool normal = axis == plate.axis;
     double low = mesh.lower()[axis] - (normal && !plate.upper ? 0.0 : margin[axis]);
     const double high = mesh.upper()[axis] + (normal && plate.upper ? 0.0 : margin[axis]);
-    const double count = std::max(1.0, std::ceil((high - low) / element[axis] - rounding));
+    const double count = std::max(1.0, std::ceil((high - low) / element[axis] - rounding)) + more[axis];
     if (count > most_elements)
-      refuse("/domain/element", shown(domain.at("element")),
+      refuse("/domain/element", to_text<3>(element),
              "lengths that part the mesh, " + to_text<3>(mesh.lower()) + ".." + to_text<3>(mesh.upper()) +
                  ", into at most 1e9 elements an axis");
     const double left_over = count * element[axis] - (high - low);
     low -= !normal ? 0.5 * left_over : plate.upper ? left_over : 0.0;
-    size.push_back(count * element[axis]);
-    origin.push_back(low);
-    elements.push_back(static_cast<std::int64_t>(count));
+    box.size[axis] = count * element[axis];
+    box.origin[axis] = low;
+    box.elements[axis] = static_cast<int>(count);
   }
-  domain["size"] = size;
-  domain["origin"] = origin;
-  domain["elements"] = elements;
+  return box;
 }
 
-/// Completes the domain of a document whose part is a mesh.
-void complete_domain(const PlacedMesh& mesh, const BuildPlate& plate, Json& document) {
+/// Of the boxes with as few elements as possible along each axis across the plate's normal, and with one
+/// more, the one whose elements have nearest to the mesh's volume. In the smallest box, the outer elements
+/// are always half full at least, so that they would always be built.
+Domain<3> box_of_nearest_volume(MPI_Comm comm, const PlacedMesh& mesh, const MeshFile& description,
+                                const BuildPlate& plate, const Point<3>& element, const Point<3>& margin) {
+  constexpr double better = 1e-6;  // by this share of the volume at least
+  Domain<3> best = box_around(mesh, plate, element, margin, {});
+  const double count = static_cast<double>(best.elements[0]) * best.elements[1] * best.elements[2];
+  if (!description.fill || count > most_elements) return best;
+  const double volume_of_element = element[0] * element[1] * element[2];
+  double least = HUGE_VAL;
+  for (const Index<2>& across : {Index<2>{0, 0}, {0, 1}, {1, 0}, {1, 1}}) {
+    Index<3> more{};
+    more[(plate.axis + 1) % 3] = across[0];
+    more[(plate.axis + 2) % 3] = across[1];
+    const Domain<3> box = box_around(mesh, plate, element, margin, more);
+    const double volume =
+        volume_of_element * static_cast<double>(mesh.count_filled(comm, box, *description.fill));
+    const double error = std::abs(volume / mesh.volume() - 1.0);
+    if (error >= least - better) continue;
+    least = error;
+    best = box;
+  }
+  return best;
+}
+
+/// Completes the domain of a document whose part is a mesh. Collective.
+void complete_domain(MPI_Comm comm, const PlacedMesh& mesh, const MeshFile& description,
+                     const BuildPlate& plate, Json& document) {
   Json& domain = document["domain"];
   if (domain.is_null()) domain = Json::object();
   if (!domain.is_object() || find_member(domain, "element") == nullptr) return;
   for (const char* other : {"size", "origin", "elements"})
     if (const Json* found = find_member(domain, other))
       refuse("/domain/" + std::string(other), shown(*found), "this key or domain.element, not both");
-  set_box(mesh, plate, domain);
+  const Domain<3> box =
+      box_of_nearest_volume(comm, mesh, description, plate, lengths_of(domain, "element", false),
+                            lengths_of(domain, "margin", true));
+  domain["size"] = box.size;
+  domain["origin"] = box.origin;
+  domain["elements"] = box.elements;
   domain.erase("element");
   domain.erase("margin");
 }
@@ -89,7 +119,7 @@ std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, cons
   mesh_keys().read(description, complete, {"/part/mesh", 3});
   const BuildPlate plate = plate_of(document);
   auto placed = std::make_shared<const PlacedMesh>(comm, description, plate);
-  complete_domain(*placed, plate, document);
+  complete_domain(comm, *placed, description, plate, document);
   return placed;
 }
 

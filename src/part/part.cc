@@ -2,6 +2,7 @@
 #include "fabseq/part/part.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 
 namespace fabseq {
 
@@ -37,7 +39,11 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   require_plate<Dim>(plate);
   Clarity clarity;
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
-  if (mesh_ && description.announce) warn_about(clarity);
+  if (mesh_) measure_share_of_mesh();
+  if (mesh_ && description.announce) {
+    warn_about(clarity);
+    warn_about_volume();
+  }
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
@@ -49,6 +55,23 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   collect_elements(distance);
   measure_extent();
   touched_nodes_ = nodes_of_elements(grid, elements_);
+}
+
+template <int Dim>
+void Part<Dim>::measure_share_of_mesh() {
+  double volume = sum(grid_.comm(), std::accumulate(density_.begin(), density_.end(), 0.0));
+  for (int axis = 0; axis < Dim; ++axis) volume *= grid_.domain().size[axis] / grid_.domain().elements[axis];
+  share_of_mesh_ = volume / mesh_->volume();
+}
+
+template <int Dim>
+void Part<Dim>::warn_about_volume() const {
+  constexpr double tolerated = 0.03;
+  if (std::abs(share_of_mesh_ - 1.0) <= tolerated) return;
+  warn(
+      formatted("/domain: the part's elements have %.4g times the volume of the mesh, which differs by more "
+                "than %g %%: smaller elements, or a box that holds all of the mesh, come nearer",
+                share_of_mesh_, 100.0 * tolerated));
 }
 
 template <int Dim>

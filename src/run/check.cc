@@ -35,7 +35,8 @@ template <int Dim>
 void print_mesh(const Setup<Dim>& setup) {
   const auto& mesh = setup.config.part.mesh;
   if (!mesh) return;
-  print(formatted("mesh: %zu triangles, volume %.6g", mesh->triangle_count(), mesh->volume()));
+  print(formatted("mesh: %zu triangles, volume %.6g; its elements have %.4f times as much",
+                  mesh->triangle_count(), mesh->volume(), setup.part.share_of_mesh()));
   print("placed in " + to_text<3>(mesh->lower()) + " to " + to_text<3>(mesh->upper()));
 }
 

@@ -160,7 +160,7 @@ class CheckTest(MeshTest):
         config["constraints"] = [{"type": "layer_thickness", "target": 2.0}]
         run = self.run_config(2, config, "-task", "check")
         self.assert_done(run)
-        for words in ("mesh: 12 triangles, volume 12000", "placed in [5,-30,0] to [65,-10,10]", "volume 12000",
+        for words in ("mesh: 12 triangles, volume 12000; its elements have 1.0000 times as much", "placed in [5,-30,0] to [65,-10,10]", "volume 12000",
                       "thinnest wall: 4 elements", "elements per layer: 0.8", "by default 60", "plate contact: 192 elements"):
             self.assertIn(words, run.stdout)
         for words in ("become ragged", "no sequence satisfies", "/sequence/characteristic_length"):

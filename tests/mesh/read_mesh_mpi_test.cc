@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/io_support.h"
+#include "support/mesh_files.h"
 #include "support/meshes.h"
 #include <cmath>
 #include <cstdint>
@@ -14,119 +15,18 @@
 namespace fabseq {
 namespace {
 
+using test::ascii_stl;
+using test::binary_stl;
 using test::box_mesh;
 using test::contains;
 using test::is_first;
+using test::obj;
+using test::ply;
+using test::three_mf;
+using test::three_mf_item;
+using test::three_mf_object;
 
 const TriangleMesh box = box_mesh({1, 2, 3}, {2, 4, 7});
-
-std::string line(const std::string& words, const Point<3>& point) {
-  std::string text = words;
-  for (const double coordinate : point) text += " " + std::to_string(coordinate);
-  return text + "\n";
-}
-
-template <class T>
-std::string bytes(T value) {
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
-std::string ascii_stl(const TriangleMesh& mesh) {
-  std::string text = "solid part\n";
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    text += "facet normal 0 0 0\nouter loop\n";
-    for (const Point<3>& corner : mesh.corners(t)) text += line("vertex", corner);
-    text += "endloop\nendfacet\n";
-  }
-  return text + "endsolid part\n";
-}
-
-std::string binary_stl(const TriangleMesh& mesh) {
-  std::string text(80, ' ');
-  text += bytes(static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    text += std::string(12, '\0');
-    for (const Point<3>& corner : mesh.corners(t))
-      for (const double coordinate : corner) text += bytes(static_cast<float>(coordinate));
-    text += std::string(2, '\0');
-  }
-  return text;
-}
-
-std::string obj(const TriangleMesh& mesh) {
-  std::string text = "# a part\no part\n";
-  for (const Point<3>& point : mesh.points) text += line("v", point);
-  for (const auto& [a, b, c] : mesh.triangles)
-    text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
-  return text;
-}
-
-std::string ply(const TriangleMesh& mesh) {
-  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(mesh.points.size()) +
-                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-                     std::to_string(mesh.triangles.size()) +
-                     "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const Point<3>& point : mesh.points) text += line("", point).substr(1);
-  for (const auto& [a, b, c] : mesh.triangles)
-    text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
-  return text;
-}
-
-std::uint32_t checksum(const std::string& text) {
-  std::uint32_t value = 0xffffffff;
-  for (const unsigned char byte : text) {
-    value ^= byte;
-    for (int bit = 0; bit < 8; ++bit) value = value >> 1 ^ ((value & 1) != 0 ? 0xedb88320 : 0);
-  }
-  return ~value;
-}
-
-/// A zip archive whose entries are not compressed.
-std::string zip(const std::vector<std::pair<std::string, std::string>>& entries) {
-  std::string text, directory;
-  for (const auto& [name, content] : entries) {
-    const auto size = static_cast<std::uint32_t>(content.size());
-    const std::string common = bytes<std::uint16_t>(20) + std::string(8, '\0') + bytes(checksum(content)) +
-                               bytes(size) + bytes(size) + bytes(static_cast<std::uint16_t>(name.size())) +
-                               bytes<std::uint16_t>(0);
-    directory += "PK\1\2" + bytes<std::uint16_t>(20) + common + std::string(10, '\0') +
-                 bytes(static_cast<std::uint32_t>(text.size())) + name;
-    text += "PK\3\4" + common + name + content;
-  }
-  const auto count = static_cast<std::uint16_t>(entries.size());
-  return text + directory + "PK\5\6" + std::string(4, '\0') + bytes(count) + bytes(count) +
-         bytes(static_cast<std::uint32_t>(directory.size())) +
-         bytes(static_cast<std::uint32_t>(text.size())) + bytes<std::uint16_t>(0);
-}
-
-/// A 3MF file with the mesh, shifted by (10, 0, 0) in the transformation of its item.
-std::string three_mf(const TriangleMesh& mesh) {
-  std::string model =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" "
-      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources><object id=\"1\" "
-      "type=\"model\"><mesh><vertices>";
-  for (const auto& [x, y, z] : mesh.points)
-    model += "<vertex x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" z=\"" +
-             std::to_string(z) + "\"/>";
-  model += "</vertices><triangles>";
-  for (const auto& [a, b, c] : mesh.triangles)
-    model += "<triangle v1=\"" + std::to_string(a) + "\" v2=\"" + std::to_string(b) + "\" v3=\"" +
-             std::to_string(c) + "\"/>";
-  model +=
-      "</triangles></mesh></object></resources><build><item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 10 "
-      "0 0\"/></build></model>";
-  const std::string relations =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationships "
-      "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship "
-      "Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
-      "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
-  const std::string types =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Types "
-      "xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\"><Default Extension=\"rels\" "
-      "ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/><Default "
-      "Extension=\"model\" ContentType=\"application/vnd.ms-package.3dmanufacturing-3dmodel+xml\"/></Types>";
-  return zip({{"[Content_Types].xml", types}, {"_rels/.rels", relations}, {"3D/3dmodel.model", model}});
-}
 
 class ReadMeshTest : public testing::Test {
  protected:
@@ -168,7 +68,8 @@ TEST_F(ReadMeshTest, EachFormat) {
   expect_box(read("upper case.STL", binary_stl(box)));
   expect_box(read("part.obj", obj(box)));
   expect_box(read("part.ply", ply(box)));
-  expect_box(read("part.3mf", three_mf(box)), 10.0);
+  const std::string shifted = three_mf_item(1, "1 0 0 0 1 0 0 0 1 10 0 0");
+  expect_box(read("part.3mf", three_mf(three_mf_object(1, box), shifted)), 10.0);
 }
 
 TEST_F(ReadMeshTest, JoinsSeveralSolids) {

@@ -50,13 +50,19 @@ class PlacedMesh {
   std::array<std::array<double, 4>, 3> placement() const;
   /// Another mesh of the same CAD file, in its place.
   TriangleMesh placed(TriangleMesh mesh) const;
-  /// Volume that the triangles enclose, length unit cubed; positive for inside-out meshes, too.
+  /// Volume inside, length unit cubed: what a closed mesh encloses. Where bodies overlap or the mesh is open,
+  /// it comes from samples (MeshInterior).
   double volume() const { return volume_; }
 
   /// Share of each element of `box` of a domain that lies inside. Not collective.
   FillFractions fill(const Domain<3>& domain, const IndexBox<3>& box) const;
+  /// Number of elements of a domain of which `least` or more lies inside. Ranks share the work. Collective on
+  /// `comm`.
+  std::int64_t count_filled(MPI_Comm comm, const Domain<3>& domain, double least) const;
 
  private:
+  double measured_volume(MPI_Comm comm) const;
+
   TriangleMesh mesh_;
   std::array<Point<3>, 3> matrix_{};  ///< turns and scale, [row][column]
   Point<3> shift_{};

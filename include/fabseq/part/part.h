@@ -82,6 +82,9 @@ class Part {
 
   /// What the part comes from, if that is a mesh; else null.
   const PlacedMesh* mesh() const { return mesh_.get(); }
+  /// Volume of the elements that the mesh fills, substrate and dropped pieces included, over the volume
+  /// inside the mesh; 1 if the part comes from no mesh.
+  double share_of_mesh() const { return share_of_mesh_; }
 
   /// Density of every owned element of the grid, lexicographic.
   const std::vector<double>& density() const { return density_; }
@@ -150,7 +153,9 @@ class Part {
   }
 
  private:
+  void measure_share_of_mesh();
   void warn_about(const Clarity& clarity) const;
+  void warn_about_volume() const;
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
   void drop_or_refuse_hanging_pieces(const PartDescription& description,
@@ -162,6 +167,7 @@ class Part {
   BuildPlate plate_;
   Substrate<Dim> substrate_;
   std::shared_ptr<const PlacedMesh> mesh_;
+  double share_of_mesh_ = 1.0;
   std::vector<double> density_, part_density_, contact_distance_;
   std::vector<int> elements_, first_corners_;
   std::int64_t count_ = 0, plate_contact_ = 0;

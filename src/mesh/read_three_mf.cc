@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/base/error.h"
+#include "fabseq/mesh/mesh_formats.h"
+
+#include <Model/COM/NMR_DLLInterfaces.h>
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+constexpr std::int64_t most_bodies = 10000, most_triangles_in_all = 10000000;
+constexpr int most_levels = 100;  // of components in components; bounds the recursion
+
+/// Owner of an object of lib3mf.
+struct Release {
+  void operator()(NMR::PLib3MFBase* object) const { (void)NMR::lib3mf_release(object); }
+};
+using Handle = std::unique_ptr<NMR::PLib3MFBase, Release>;
+
+/// Calls a function of lib3mf on an object of it; what fails is refused with lib3mf's own text.
+template <class... Parameters, class... Arguments>
+void call(LIB3MFRESULT (*function)(NMR::PLib3MFBase*, Parameters...), NMR::PLib3MFBase* object,
+          Arguments... arguments) {
+  if (function(object, arguments...) == LIB3MF_OK) return;
+  DWORD code = 0;
+  LPCSTR text = nullptr;
+  (void)NMR::lib3mf_getlasterror(object, &code, &text);
+  throw InputError("cannot be read (" + std::string(text != nullptr ? text : "no reason given") +
+                   "), needs an intact 3MF file");
+}
+
+/// What a function of lib3mf hands out in its last parameter.
+template <class... Parameters, class... Arguments>
+Handle handle(LIB3MFRESULT (*function)(NMR::PLib3MFBase*, Parameters...), NMR::PLib3MFBase* object,
+              Arguments... arguments) {
+  NMR::PLib3MFBase* found = nullptr;
+  call(function, object, arguments..., &found);
+  return Handle(found);
+}
+template <class Value, class... Parameters>
+Value value(LIB3MFRESULT (*function)(NMR::PLib3MFBase*, Parameters...), NMR::PLib3MFBase* object) {
+  Value found{};
+  call(function, object, &found);
+  return found;
+}
+
+/// An affine map: a row of the matrix and the shift along each axis.
+using Placement = std::array<std::array<double, 4>, 3>;
+
+Placement placement_of(const NMR::MODELTRANSFORM& transform) {
+  Placement result;
+  for (int row = 0; row < 3; ++row) std::copy_n(transform.m_fFields[row], 4, result[row].begin());
+  return result;
+}
+
+/// First `inner`, then `outer`.
+Placement product(const Placement& outer, const Placement& inner) {
+  Placement result;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) {
+      result[row][column] = column == 3 ? outer[row][3] : 0.0;
+      for (int k = 0; k < 3; ++k) result[row][column] += outer[row][k] * inner[k][column];
+    }
+  return result;
+}
+
+bool mirrors(const Placement& p) {
+  return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) -
+             p[0][1] * (p[1][0] * p[2][2] - p[1][2] * p[2][0]) +
+             p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]) <
+         0.0;
+}
+
+/// What an object comes to when all its components are followed.
+struct Size {
+  std::int64_t bodies = 0, triangles = 0;
+  Size& operator+=(const Size& other) {
+    bodies = std::min(bodies + other.bodies, most_bodies + 1);
+    triangles = std::min(triangles + other.triangles, most_triangles_in_all + 1);
+    return *this;
+  }
+};
+
+/// The objects that the items of a build name.
+class ThreeMfModel {
+ public:
+  explicit ThreeMfModel(const std::string& path) {
+    NMR::PLib3MFBase* created = nullptr;
+    if (NMR::lib3mf_createmodel(&created) != LIB3MF_OK) throw InputError("cannot be read: no memory");
+    model_.reset(created);
+    const Handle reader = handle(NMR::lib3mf_model_queryreader, model_.get(), "3mf");
+    call(NMR::lib3mf_reader_readfromfileutf8, reader.get(), path.c_str());
+  }
+
+  /// Calls f(object, placement) for the items of the build, one after the other.
+  template <class F>
+  void for_each_item(const F& f) const {
+    const Handle items = handle(NMR::lib3mf_model_getbuilditems, model_.get());
+    while (value<BOOL>(NMR::lib3mf_builditemiterator_movenext, items.get()) != 0) {
+      const Handle item = handle(NMR::lib3mf_builditemiterator_getcurrent, items.get());
+      const Handle object = handle(NMR::lib3mf_builditem_getobjectresource, item.get());
+      f(object.get(),
+        placement_of(value<NMR::MODELTRANSFORM>(NMR::lib3mf_builditem_getobjecttransform, item.get())));
+    }
+  }
+
+  /// Calls f(object, placement) for the components of an object, one after the other.
+  template <class F>
+  static void for_each_component(NMR::PLib3MFBase* object, const F& f) {
+    if (value<BOOL>(NMR::lib3mf_object_iscomponentsobject, object) == 0) return;
+    const auto count = value<DWORD>(NMR::lib3mf_componentsobject_getcomponentcount, object);
+    for (DWORD i = 0; i < count; ++i) {
+      const Handle component = handle(NMR::lib3mf_componentsobject_getcomponent, object, i);
+      const Handle part = handle(NMR::lib3mf_component_getobjectresource, component.get());
+      f(part.get(),
+        placement_of(value<NMR::MODELTRANSFORM>(NMR::lib3mf_component_gettransform, component.get())));
+    }
+  }
+
+ private:
+  Handle model_;
+};
+
+/// Adds what the items name to a surface.
+class ThreeMfBodies {
+ public:
+  explicit ThreeMfBodies(SurfaceBuilder& surface) : surface_(surface) {}
+
+  /// Size of an object, of which each is looked at once, however often it occurs.
+  Size size_of(NMR::PLib3MFBase* object, int level = 0) {
+    const auto number = value<DWORD>(NMR::lib3mf_resource_getresourceid, object);
+    if (const auto known = sizes_.find(number); known != sizes_.end()) return known->second;
+    if (level > most_levels)
+      throw InputError("has components in more than " + std::to_string(most_levels) + " levels");
+    Size size;
+    if (is_mesh(object)) size = {1, value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object)};
+    ThreeMfModel::for_each_component(
+        object, [&](NMR::PLib3MFBase* part, const Placement&) { size += size_of(part, level + 1); });
+    return sizes_[number] = size;
+  }
+
+  void add(NMR::PLib3MFBase* object, const Placement& placement) {
+    if (is_mesh(object)) add_mesh(object, placement);
+    ThreeMfModel::for_each_component(object, [&](NMR::PLib3MFBase* part, const Placement& in_object) {
+      add(part, product(placement, in_object));
+    });
+  }
+
+ private:
+  static bool is_mesh(NMR::PLib3MFBase* object) {
+    return value<BOOL>(NMR::lib3mf_object_ismeshobject, object) != 0;
+  }
+
+  void add_mesh(NMR::PLib3MFBase* object, const Placement& placement) {
+    std::vector<NMR::MODELMESHVERTEX> corners(value<DWORD>(NMR::lib3mf_meshobject_getvertexcount, object));
+    std::vector<NMR::MODELMESHTRIANGLE> triangles(
+        value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object));
+    if (corners.empty() || triangles.empty()) return;
+    call(NMR::lib3mf_meshobject_getvertices, object, corners.data(), static_cast<DWORD>(corners.size()),
+         nullptr);
+    call(NMR::lib3mf_meshobject_gettriangleindices, object, triangles.data(),
+         static_cast<DWORD>(triangles.size()), nullptr);
+    std::vector<Point<3>> vertices(corners.size());
+    for (std::size_t v = 0; v < corners.size(); ++v)
+      for (int axis = 0; axis < 3; ++axis) {
+        vertices[v][axis] = placement[axis][3];
+        for (int k = 0; k < 3; ++k) vertices[v][axis] += placement[axis][k] * corners[v].m_fPosition[k];
+      }
+    surface_.begin(std::move(vertices));
+    const bool mirrored = mirrors(placement);
+    for (const NMR::MODELMESHTRIANGLE& triangle : triangles) {
+      std::array<std::int64_t, 3> polygon;
+      std::copy_n(triangle.m_nIndices, 3, polygon.begin());
+      if (mirrored) std::swap(polygon[1], polygon[2]);
+      surface_.add_polygon(polygon);
+    }
+  }
+
+  SurfaceBuilder& surface_;
+  std::map<DWORD, Size> sizes_;
+};
+
+/// What an object of this type is for, if it does not belong to the product; "" if it does.
+std::string purpose_apart(DWORD type) {
+  switch (type) {
+    case NMR::MODELOBJECTTYPE_SUPPORT:
+    case NMR::MODELOBJECTTYPE_SOLIDSUPPORT:
+      return "support";
+    case NMR::MODELOBJECTTYPE_OTHER:
+      return "other";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> read_three_mf(const std::string& path, SurfaceBuilder& surface) {
+  const ThreeMfModel model(path);
+  ThreeMfBodies bodies(surface);
+  std::map<std::string, int> left_out;
+  const auto is_left_out = [&](NMR::PLib3MFBase* object) {
+    const std::string purpose = purpose_apart(value<DWORD>(NMR::lib3mf_object_gettype, object));
+    if (!purpose.empty()) ++left_out[purpose];
+    return !purpose.empty();
+  };
+  Size size;
+  model.for_each_item([&](NMR::PLib3MFBase* object, const Placement&) { size += bodies.size_of(object); });
+  if (size.bodies > most_bodies || size.triangles > most_triangles_in_all)
+    throw InputError("has components that come to more than " + std::to_string(most_bodies) + " bodies or " +
+                     std::to_string(most_triangles_in_all) + " triangles, which is not allowed");
+  model.for_each_item([&](NMR::PLib3MFBase* object, const Placement& placement) {
+    if (!is_left_out(object)) bodies.add(object, placement);
+  });
+  std::vector<std::string> notes;
+  for (const auto& [purpose, count] : left_out)
+    notes.push_back(std::to_string(count) + (count == 1 ? " object" : " objects") + " of type \"" + purpose +
+                    "\" left out of the part");
+  return notes;
+}
+
+}  // namespace fabseq
