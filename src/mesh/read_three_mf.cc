@@ -4,6 +4,7 @@
 
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <memory>
 #include <utility>
@@ -12,25 +13,27 @@ namespace fabseq {
 
 namespace {
 
-constexpr std::int64_t most_bodies = 10000, most_triangles_in_all = 10000000;
-constexpr int most_levels = 100;  // of components in components; bounds the recursion
-
 /// Owner of an object of lib3mf.
 struct Release {
   void operator()(NMR::PLib3MFBase* object) const { (void)NMR::lib3mf_release(object); }
 };
 using Handle = std::unique_ptr<NMR::PLib3MFBase, Release>;
 
-/// Calls a function of lib3mf on an object of it; what fails is refused with lib3mf's own text.
-template <class... Parameters, class... Arguments>
-void call(LIB3MFRESULT (*function)(NMR::PLib3MFBase*, Parameters...), NMR::PLib3MFBase* object,
-          Arguments... arguments) {
-  if (function(object, arguments...) == LIB3MF_OK) return;
+/// Refuses what failed in a call on an object of lib3mf, with its own text.
+void require(LIB3MFRESULT result, NMR::PLib3MFBase* object) {
+  if (result == LIB3MF_OK) return;
   DWORD code = 0;
   LPCSTR text = nullptr;
   (void)NMR::lib3mf_getlasterror(object, &code, &text);
   throw InputError("cannot be read (" + std::string(text != nullptr ? text : "no reason given") +
                    "), needs an intact 3MF file");
+}
+
+/// Calls a function of lib3mf on an object of it. Throws InputError if that fails.
+template <class... Parameters, class... Arguments>
+void call(LIB3MFRESULT (*function)(NMR::PLib3MFBase*, Parameters...), NMR::PLib3MFBase* object,
+          Arguments... arguments) {
+  require(function(object, arguments...), object);
 }
 
 /// What a function of lib3mf hands out in its last parameter.
@@ -75,14 +78,58 @@ bool mirrors(const Placement& p) {
          0.0;
 }
 
-/// What an object comes to when all its components are followed.
-struct Size {
-  std::int64_t bodies = 0, triangles = 0;
-  Size& operator+=(const Size& other) {
-    bodies = std::min(bodies + other.bodies, most_bodies + 1);
-    triangles = std::min(triangles + other.triangles, most_triangles_in_all + 1);
-    return *this;
+template <class F>
+void for_each_component(NMR::PLib3MFBase* object, const F& f) {
+  if (value<BOOL>(NMR::lib3mf_object_iscomponentsobject, object) == 0) return;
+  const auto count = value<DWORD>(NMR::lib3mf_componentsobject_getcomponentcount, object);
+  for (DWORD i = 0; i < count; ++i) {
+    const Handle component = handle(NMR::lib3mf_componentsobject_getcomponent, object, i);
+    const Handle part = handle(NMR::lib3mf_component_getobjectresource, component.get());
+    f(part.get(),
+      placement_of(value<NMR::MODELTRANSFORM>(NMR::lib3mf_component_gettransform, component.get())));
   }
+}
+
+bool is_mesh(NMR::PLib3MFBase* object) { return value<BOOL>(NMR::lib3mf_object_ismeshobject, object) != 0; }
+
+/// What objects come to when all their components are followed, which nobody does here: an object has the sum
+/// of its components', which come before it in the file.
+class UnfoldedSizes {
+ public:
+  /// Throws InputError if an object comes to more than is allowed.
+  void check(NMR::PLib3MFBase* model) {
+    const Handle objects = handle(NMR::lib3mf_model_getobjects, model);
+    while (value<BOOL>(NMR::lib3mf_resourceiterator_movenext, objects.get()) != 0)
+      check_object(handle(NMR::lib3mf_resourceiterator_getcurrent, objects.get()).get());
+  }
+
+ private:
+  struct Size {
+    std::int64_t bodies = 0, triangles = 0;
+    int levels = 0;
+  };
+  static constexpr std::int64_t most_bodies = 10000, most_triangles = 10000000;
+  static constexpr int most_levels = 100;
+
+  void check_object(NMR::PLib3MFBase* object) {
+    Size size;
+    if (is_mesh(object)) size = {1, value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object), 0};
+    for_each_component(object, [&](NMR::PLib3MFBase* part, const Placement&) {
+      const Size& other = sizes_[value<DWORD>(NMR::lib3mf_resource_getresourceid, part)];
+      size.bodies += other.bodies;
+      size.triangles += other.triangles;
+      size.levels = std::max(size.levels, other.levels + 1);
+      // A single mesh may be larger than what is made of several.
+      if (size.bodies > most_bodies || size.triangles > std::max(most_triangles, other.triangles) ||
+          size.levels > most_levels)
+        throw InputError("has components that come to more than " + std::to_string(most_bodies) +
+                         " bodies, " + std::to_string(most_triangles) + " triangles or " +
+                         std::to_string(most_levels) + " levels, which is not allowed");
+    });
+    sizes_[value<DWORD>(NMR::lib3mf_resource_getresourceid, object)] = size;
+  }
+
+  std::map<DWORD, Size> sizes_;
 };
 
 /// The objects that the items of a build name.
@@ -93,8 +140,13 @@ class ThreeMfModel {
     if (NMR::lib3mf_createmodel(&created) != LIB3MF_OK) throw InputError("cannot be read: no memory");
     model_.reset(created);
     const Handle reader = handle(NMR::lib3mf_model_queryreader, model_.get(), "3mf");
-    call(NMR::lib3mf_reader_readfromfileutf8, reader.get(), path.c_str());
+    call(NMR::lib3mf_reader_setprogresscallback, reader.get(), &ThreeMfModel::on_progress,
+         static_cast<void*>(this));
+    const LIB3MFRESULT result = NMR::lib3mf_reader_readfromfileutf8(reader.get(), path.c_str());
+    if (refusal_) std::rethrow_exception(refusal_);
+    require(result, reader.get());
   }
+  ThreeMfModel(ThreeMfModel&&) = delete;  // lib3mf has its address
 
   /// Calls f(object, placement) for the items of the build, one after the other.
   template <class F>
@@ -108,81 +160,54 @@ class ThreeMfModel {
     }
   }
 
-  /// Calls f(object, placement) for the components of an object, one after the other.
-  template <class F>
-  static void for_each_component(NMR::PLib3MFBase* object, const F& f) {
-    if (value<BOOL>(NMR::lib3mf_object_iscomponentsobject, object) == 0) return;
-    const auto count = value<DWORD>(NMR::lib3mf_componentsobject_getcomponentcount, object);
-    for (DWORD i = 0; i < count; ++i) {
-      const Handle component = handle(NMR::lib3mf_componentsobject_getcomponent, object, i);
-      const Handle part = handle(NMR::lib3mf_component_getobjectresource, component.get());
-      f(part.get(),
-        placement_of(value<NMR::MODELTRANSFORM>(NMR::lib3mf_component_gettransform, component.get())));
+ private:
+  /// Looks at the objects before lib3mf comes to the items, where it follows components to their ends.
+  static bool on_progress(int, NMR::ProgressIdentifier step, void* model) {
+    if (step != NMR::PROGRESS_READBUILD) return true;
+    auto* self = static_cast<ThreeMfModel*>(model);
+    try {
+      UnfoldedSizes().check(self->model_.get());
+    } catch (...) {
+      self->refusal_ = std::current_exception();
     }
+    return self->refusal_ == nullptr;
   }
 
- private:
   Handle model_;
+  std::exception_ptr refusal_;
 };
 
-/// Adds what the items name to a surface.
-class ThreeMfBodies {
- public:
-  explicit ThreeMfBodies(SurfaceBuilder& surface) : surface_(surface) {}
-
-  /// Size of an object, of which each is looked at once, however often it occurs.
-  Size size_of(NMR::PLib3MFBase* object, int level = 0) {
-    const auto number = value<DWORD>(NMR::lib3mf_resource_getresourceid, object);
-    if (const auto known = sizes_.find(number); known != sizes_.end()) return known->second;
-    if (level > most_levels)
-      throw InputError("has components in more than " + std::to_string(most_levels) + " levels");
-    Size size;
-    if (is_mesh(object)) size = {1, value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object)};
-    ThreeMfModel::for_each_component(
-        object, [&](NMR::PLib3MFBase* part, const Placement&) { size += size_of(part, level + 1); });
-    return sizes_[number] = size;
-  }
-
-  void add(NMR::PLib3MFBase* object, const Placement& placement) {
-    if (is_mesh(object)) add_mesh(object, placement);
-    ThreeMfModel::for_each_component(object, [&](NMR::PLib3MFBase* part, const Placement& in_object) {
-      add(part, product(placement, in_object));
-    });
-  }
-
- private:
-  static bool is_mesh(NMR::PLib3MFBase* object) {
-    return value<BOOL>(NMR::lib3mf_object_ismeshobject, object) != 0;
-  }
-
-  void add_mesh(NMR::PLib3MFBase* object, const Placement& placement) {
-    std::vector<NMR::MODELMESHVERTEX> corners(value<DWORD>(NMR::lib3mf_meshobject_getvertexcount, object));
-    std::vector<NMR::MODELMESHTRIANGLE> triangles(
-        value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object));
-    if (corners.empty() || triangles.empty()) return;
-    call(NMR::lib3mf_meshobject_getvertices, object, corners.data(), static_cast<DWORD>(corners.size()),
-         nullptr);
-    call(NMR::lib3mf_meshobject_gettriangleindices, object, triangles.data(),
-         static_cast<DWORD>(triangles.size()), nullptr);
-    std::vector<Point<3>> vertices(corners.size());
-    for (std::size_t v = 0; v < corners.size(); ++v)
-      for (int axis = 0; axis < 3; ++axis) {
-        vertices[v][axis] = placement[axis][3];
-        for (int k = 0; k < 3; ++k) vertices[v][axis] += placement[axis][k] * corners[v].m_fPosition[k];
-      }
-    surface_.begin(std::move(vertices));
-    const bool mirrored = mirrors(placement);
-    for (const NMR::MODELMESHTRIANGLE& triangle : triangles) {
-      std::array<std::int64_t, 3> polygon;
-      std::copy_n(triangle.m_nIndices, 3, polygon.begin());
-      if (mirrored) std::swap(polygon[1], polygon[2]);
-      surface_.add_polygon(polygon);
+void add_mesh(NMR::PLib3MFBase* object, const Placement& placement, SurfaceBuilder& surface) {
+  std::vector<NMR::MODELMESHVERTEX> corners(value<DWORD>(NMR::lib3mf_meshobject_getvertexcount, object));
+  std::vector<NMR::MODELMESHTRIANGLE> triangles(
+      value<DWORD>(NMR::lib3mf_meshobject_gettrianglecount, object));
+  if (corners.empty() || triangles.empty()) return;
+  call(NMR::lib3mf_meshobject_getvertices, object, corners.data(), static_cast<DWORD>(corners.size()),
+       nullptr);
+  call(NMR::lib3mf_meshobject_gettriangleindices, object, triangles.data(),
+       static_cast<DWORD>(triangles.size()), nullptr);
+  std::vector<Point<3>> vertices(corners.size());
+  for (std::size_t v = 0; v < corners.size(); ++v)
+    for (int axis = 0; axis < 3; ++axis) {
+      vertices[v][axis] = placement[axis][3];
+      for (int k = 0; k < 3; ++k) vertices[v][axis] += placement[axis][k] * corners[v].m_fPosition[k];
     }
+  surface.begin(std::move(vertices));
+  const bool mirrored = mirrors(placement);
+  for (const NMR::MODELMESHTRIANGLE& triangle : triangles) {
+    std::array<std::int64_t, 3> polygon;
+    std::copy_n(triangle.m_nIndices, 3, polygon.begin());
+    if (mirrored) std::swap(polygon[1], polygon[2]);
+    surface.add_polygon(polygon);
   }
+}
 
-  SurfaceBuilder& surface_;
-  std::map<DWORD, Size> sizes_;
-};
+void add_object(NMR::PLib3MFBase* object, const Placement& placement, SurfaceBuilder& surface) {
+  if (is_mesh(object)) add_mesh(object, placement, surface);
+  for_each_component(object, [&](NMR::PLib3MFBase* part, const Placement& in_object) {
+    add_object(part, product(placement, in_object), surface);
+  });
+}
 
 /// What an object of this type is for, if it does not belong to the product; "" if it does.
 std::string purpose_apart(DWORD type) {
@@ -201,20 +226,13 @@ std::string purpose_apart(DWORD type) {
 
 std::vector<std::string> read_three_mf(const std::string& path, SurfaceBuilder& surface) {
   const ThreeMfModel model(path);
-  ThreeMfBodies bodies(surface);
   std::map<std::string, int> left_out;
-  const auto is_left_out = [&](NMR::PLib3MFBase* object) {
-    const std::string purpose = purpose_apart(value<DWORD>(NMR::lib3mf_object_gettype, object));
-    if (!purpose.empty()) ++left_out[purpose];
-    return !purpose.empty();
-  };
-  Size size;
-  model.for_each_item([&](NMR::PLib3MFBase* object, const Placement&) { size += bodies.size_of(object); });
-  if (size.bodies > most_bodies || size.triangles > most_triangles_in_all)
-    throw InputError("has components that come to more than " + std::to_string(most_bodies) + " bodies or " +
-                     std::to_string(most_triangles_in_all) + " triangles, which is not allowed");
   model.for_each_item([&](NMR::PLib3MFBase* object, const Placement& placement) {
-    if (!is_left_out(object)) bodies.add(object, placement);
+    const std::string purpose = purpose_apart(value<DWORD>(NMR::lib3mf_object_gettype, object));
+    if (purpose.empty())
+      add_object(object, placement, surface);
+    else
+      ++left_out[purpose];
   });
   std::vector<std::string> notes;
   for (const auto& [purpose, count] : left_out)

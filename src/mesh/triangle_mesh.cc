@@ -12,11 +12,16 @@ Bounds bounds(const TriangleMesh& mesh) {
   Bounds result;
   result.low.fill(std::numeric_limits<double>::infinity());
   result.high.fill(-std::numeric_limits<double>::infinity());
-  for (const Point<3>& point : mesh.points)
-    for (int axis = 0; axis < 3; ++axis) {
-      result.low[axis] = std::min(result.low[axis], point[axis]);
-      result.high[axis] = std::max(result.high[axis], point[axis]);
-    }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto corners = mesh.corners(t);
+    const Point<3> normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    if (normal == Point<3>{}) continue;
+    for (const Point<3>& point : corners)
+      for (int axis = 0; axis < 3; ++axis) {
+        result.low[axis] = std::min(result.low[axis], point[axis]);
+        result.high[axis] = std::max(result.high[axis], point[axis]);
+      }
+  }
   return result;
 }
 

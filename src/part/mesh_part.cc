@@ -18,8 +18,9 @@ using Matrix = std::array<Point<3>, 3>;
 
 /// Meshes that enclose a smaller share of their bounding box count as without volume.
 constexpr double least_share_of_box = 1e-6;
-/// Samples of a closed body find its volume within this share; where they do not, bodies overlap.
-constexpr double sampled_accuracy = 0.05;
+/// Samples of a closed body find its volume within this share if so many elements are filled; where they do
+/// not, bodies overlap.
+constexpr double sampled_accuracy = 0.05, least_filled = 64.0;
 
 Matrix product(const Matrix& a, const Matrix& b) {
   Matrix result{};
@@ -123,9 +124,10 @@ double PlacedMesh::measured_volume(MPI_Comm comm) const {
     element *= box.size[axis] / box.elements[axis];
   }
   const std::vector<double> shares = fill(box, own_planes(comm, box.elements)).of_element;
-  const double sampled = element * sum(comm, std::accumulate(shares.begin(), shares.end(), 0.0));
-  const double enclosed = std::abs(signed_volume(mesh_));
-  const bool trusted = interior_->closed() && std::abs(enclosed - sampled) <= sampled_accuracy * enclosed;
+  const double filled = sum(comm, std::accumulate(shares.begin(), shares.end(), 0.0));
+  const double sampled = element * filled, enclosed = std::abs(signed_volume(mesh_));
+  const bool trusted = filled < least_filled ||
+                       (interior_->closed() && std::abs(enclosed - sampled) <= sampled_accuracy * enclosed);
   return trusted ? enclosed : sampled;
 }
 

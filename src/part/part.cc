@@ -40,13 +40,11 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   Clarity clarity;
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
   if (mesh_) measure_share_of_mesh();
-  if (mesh_ && description.announce) {
-    warn_about(clarity);
-    warn_about_volume();
-  }
+  if (mesh_ && description.announce) warn_about(clarity);
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
+  if (description.announce) warn_about_volume();
   const std::vector<double> distance = substrate_.contact_distance();
   PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, distance);
   pieces_ = std::move(map.pieces);

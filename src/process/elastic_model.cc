@@ -30,7 +30,11 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
     strain[c] = 1.0;
     unit_loads[c] = element.strain_load(strain);
   }
-  if (!material.turning_strain) strain_load = element.strain_load(material.inherent_strain);
+  common_strain.fill(1.0);
+  if (!material.turning_strain) {
+    strain_load = element.strain_load(material.inherent_strain);
+    std::copy_n(material.inherent_strain.begin(), common_strain.size(), common_strain.begin());
+  }
 
   const Grid<Dim>& grid = part.grid();
   domain.components = Dim;
@@ -78,13 +82,16 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
 }
 
 template <int Dim>
-std::span<const double> ElasticModel<Dim>::strain_of(const StrainField& strains, std::size_t number,
-                                                     int layer) const {
+std::array<double, voigt_size<Dim>> ElasticModel<Dim>::strain_of(const StrainField& strains,
+                                                                 std::size_t number, int layer) const {
   constexpr std::size_t components = voigt_size<Dim>;
-  if (strains.uniform()) return material.inherent_strain;
-  if (strains.of_layers.empty())
-    return std::span(strains.of_elements).subspan(number * components, components);
-  return std::span(strains.of_layers).subspan(static_cast<std::size_t>(layer) * components, components);
+  std::array<double, components> result = common_strain;
+  for (std::size_t c = 0; c < components; ++c) {
+    if (!strains.of_elements.empty()) result[c] = strains.of_elements[number * components + c];
+    if (!strains.of_layers.empty())
+      result[c] *= strains.of_layers[static_cast<std::size_t>(layer) * components + c];
+  }
+  return result;
 }
 
 template <int Dim>

@@ -150,19 +150,22 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
 template <int Dim>
 template <int Width>
 Lanes<Width> LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
-  if (!strains_.of_elements.empty())
-    return Lanes<Width>::broadcast(chunk.factors[component] *
-                                   strains_.of_elements[element * voigt_size<Dim> + component]);
+  const double of_element =
+      chunk.factors[component] * (strains_.of_elements.empty()
+                                      ? model_.common_strain[component]
+                                      : strains_.of_elements[element * voigt_size<Dim> + component]);
+  if (strains_.of_layers.empty()) return Lanes<Width>::broadcast(of_element);
   std::array<double, Width> of_layers;
   for (int i = 0; i < Width; ++i)
     of_layers[i] =
-        chunk.factors[component] *
+        of_element *
         strains_.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * voigt_size<Dim> + component];
   return Lanes<Width>::load(of_layers.data());
 }
 
-/// With strain a_c eps_c f_c for the unit loads f_c and factors a_c: lambda^T f_0 = sum_c a_c eps_c lambda^T
-/// f_c, and dJ/d(eps_c) = -a_c sum_j drho_j^q lambda_j^T f_c.
+/// With strain a_c eps_c theta_jc f_c for the unit loads f_c and factors a_c: lambda^T f_0 = sum_c a_c eps_c
+/// theta_jc lambda^T f_c, dJ/d(eps_c) = -a_c sum_j theta_jc drho_j^q lambda_j^T f_c, and by the layer's
+/// factor dJ/d(theta_jc) = -a_c sum_e eps_c drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
 void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk,
@@ -194,11 +197,17 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
       sum += duals[c] * strain<Width>(chunk, e, c);
       std::array<double, Width> dual{};
       (duals[c] * chunk.factors[c]).store(dual.data());
-      for (int i = 0; i < Width && !d_strains.of_elements.empty(); ++i)
-        d_strains.of_elements[e * components + c] -= factors[i] * dual[i];
-      for (int i = 0; i < Width && !d_strains.of_layers.empty(); ++i)
-        d_strains.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * components + c] -=
-            factors[i] * dual[i];
+      for (int i = 0; i < Width; ++i) {
+        const std::size_t of_layer = static_cast<std::size_t>(chunk.first_layer + i) * components + c;
+        if (!d_strains.of_elements.empty())
+          d_strains.of_elements[e * components + c] -=
+              factors[i] * dual[i] * (strains_.of_layers.empty() ? 1.0 : strains_.of_layers[of_layer]);
+        if (!d_strains.of_layers.empty())
+          d_strains.of_layers[of_layer] -=
+              factors[i] * dual[i] *
+              (strains_.of_elements.empty() ? model_.common_strain[c]
+                                            : strains_.of_elements[e * components + c]);
+      }
     }
     sum.store(of_element);
   }

@@ -56,23 +56,21 @@ TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
   }
 }
 
-/// Every layer with a strain of its own; more layers than are solved side by side.
-TYPED_TEST(ProcessSimulationTest, StrainsOfTheLayersAgreeWithDenseMatrices) {
+/// Every element with a strain and every layer with factors; more layers than are solved side by side.
+TYPED_TEST(ProcessSimulationTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
   constexpr int Dim = TypeParam::value;
   auto cases = test::void_models<Dim>();
   for (const auto& settings : test::clamped_cases<Dim>()) cases.push_back(settings);
   for (const auto& settings : cases) {
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 11, 40.0);
-    StrainField strains;
-    for (int i = 0; i < 11 * voigt_size<Dim>; ++i) strains.of_layers.push_back(0.02 * test::noise(i) - 0.01);
+    StrainField strains{test::noisy_strains(process.part()), {}};
+    for (int i = 0; i < 11 * voigt_size<Dim>; ++i) strains.of_layers.push_back(2.0 * test::noise(i) - 1.0);
     process.simulation.simulate(layers, strains);
-    const auto elements = static_cast<std::size_t>(process.grid().all_elements().count());
     for (int j = 0; j < 11; ++j) {
-      std::vector<double> of_elements;
-      for (std::size_t e = 0; e < elements; ++e)
-        for (int c = 0; c < voigt_size<Dim>; ++c)
-          of_elements.push_back(strains.of_layers[j * voigt_size<Dim> + c]);
+      std::vector<double> of_elements = test::whole_strains(process.part(), strains.of_elements);
+      for (std::size_t i = 0; i < of_elements.size(); ++i)
+        of_elements[i] *= strains.of_layers[j * voigt_size<Dim> + i % voigt_size<Dim>];
       const auto system = process.dense_system(layers, j);
       const auto expected = system.solve(process.dense_load(layers, j, system, of_elements));
       EXPECT_LT(test::relative_difference(process.whole(process.simulation.increment(j)), expected), 1e-7)

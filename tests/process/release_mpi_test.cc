@@ -54,10 +54,14 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
   process.simulation.release_with({test::exact_solver});
   const LayerDensities layers = process.densities(process.wavy_time(), layers_count, 8.0);
   const LayerDensities direction = test::direction_of(process.part(), layers);
-  const std::vector<double> strains = test::noisy_strains(process.part());
-  const std::vector<double> strain_direction = test::noisy_strains(process.part(), 30);
+  StrainField strains{test::noisy_strains(process.part()), {}};
+  StrainField strain_direction{test::noisy_strains(process.part(), 30), {}};
+  for (int i = 0; i < layers_count * voigt_size<Dim>; ++i) {
+    strains.of_layers.push_back(0.5 + test::noise(i, 3));
+    strain_direction.of_layers.push_back(test::noise(i, 4) - 0.5);
+  }
   const Functional<Dim> functional(process.grid());
-  const ProcessAdjoint row = functional.derivative(process.simulation.simulate(layers, {strains, {}}));
+  const ProcessAdjoint row = functional.derivative(process.simulation.simulate(layers, strains));
   DensityDerivatives densities(layers_count);
   StrainField d_strains;
   const ProcessDerivatives derivatives{&densities, &d_strains};
@@ -71,19 +75,24 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
     const double expected = test::central_difference(
         [&](double step) {
           return functional.value(
-              process.simulation.simulate(test::moved(layers, step, direction, stage), {strains, {}}));
+              process.simulation.simulate(test::moved(layers, step, direction, stage), strains));
         },
         1e-3);
     EXPECT_NEAR(adjoint, expected, 1e-6 * std::abs(expected)) << (stage ? "stage" : "layer");
   }
-  const double expected = test::central_difference(
-      [&](double step) {
-        return functional.value(
-            process.simulation.simulate(layers, {test::moved(strains, step, strain_direction), {}}));
-      },
-      1e-2);
-  EXPECT_NEAR(test::dot(d_strains.of_elements, strain_direction), expected, 1e-6 * std::abs(expected))
-      << "strain";
+  for (const bool of_elements : {true, false}) {
+    std::vector<double> StrainField::*part =
+        of_elements ? &StrainField::of_elements : &StrainField::of_layers;
+    const double expected = test::central_difference(
+        [&](double step) {
+          StrainField moved = strains;
+          moved.*part = test::moved(strains.*part, step, strain_direction.*part);
+          return functional.value(process.simulation.simulate(layers, moved));
+        },
+        1e-2);
+    EXPECT_NEAR(test::dot(d_strains.*part, strain_direction.*part), expected, 1e-6 * std::abs(expected))
+        << (of_elements ? "strain" : "factor");
+  }
 }
 
 template <class T>

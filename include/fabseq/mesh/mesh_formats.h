@@ -22,7 +22,7 @@ void read_ply(const std::string& path, SurfaceBuilder& surface);
 /// put it. A transformation that mirrors turns triangles round, so that they still face outward. Objects that
 /// are not to be part of the product (support, other) are left out. Returns a line for the user per kind of
 /// object that was left out. Throws InputError, before it follows them, for components that contain
-/// themselves, or that name more than 10,000 bodies or 10 million triangles in all.
+/// themselves, or that come to more than 10,000 bodies, 10 million triangles or 100 levels.
 std::vector<std::string> read_three_mf(const std::string& path, SurfaceBuilder& surface);
 
 }  // namespace fabseq

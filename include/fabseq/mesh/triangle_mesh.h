@@ -27,7 +27,7 @@ struct Bounds {
   Point<3> low{}, high{};
 };
 
-/// The smallest box around all points; infinite with low > high if there are none.
+/// The smallest box around all triangles that have an area; infinite with low > high if there are none.
 Bounds bounds(const TriangleMesh& mesh);
 /// The mesh with every point p at `matrix` p + `shift`; `matrix` is [row][column].
 TriangleMesh transformed(TriangleMesh mesh, const std::array<Point<3>, 3>& matrix, const Point<3>& shift);

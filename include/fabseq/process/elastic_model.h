@@ -16,11 +16,11 @@
 
 namespace fabseq {
 
-/// Inherent strains of a whole process, or derivatives by them, Voigt, engineering shear: one for each part
-/// element or for each layer; if both are empty, the material's for all.
+/// Inherent strains of a whole process, Voigt, engineering shear: products of a part element's strain and a
+/// layer's factor, component by component; or the derivatives by both.
 struct StrainField {
-  std::vector<double> of_elements;  ///< [part element][Voigt]
-  std::vector<double> of_layers;    ///< [layer][Voigt]
+  std::vector<double> of_elements;  ///< [part element][Voigt]; empty: ElasticModel::common_strain for all
+  std::vector<double> of_layers;    ///< [layer][Voigt]; empty: 1 for all
 
   bool uniform() const { return of_elements.empty() && of_layers.empty(); }
 };
@@ -43,6 +43,9 @@ struct ElasticModel {
   ElementMatrices<Dim> element;
   std::array<ElementLoad, voigt_size<Dim>> unit_loads;  ///< of each strain component alone in a full element
   ElementLoad strain_load{};  ///< of the inherent strain in a full element; 0 where it turns with the layers
+  /// Strain of elements without one of their own: the material's, or 1 where it turns with the layers, which
+  /// then have the strain as their factor.
+  std::array<double, voigt_size<Dim>> common_strain{};
   SystemDomain domain;        ///< elements of the model; supports fixed
   std::vector<int> nodes;     ///< those of the model's elements: offsets in Grid::owned_nodes(), ascending
   std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
@@ -62,7 +65,8 @@ struct ElasticModel {
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
   /// The inherent strain of a part element, by its number, in a layer, Voigt.
-  std::span<const double> strain_of(const StrainField& strains, std::size_t number, int layer) const;
+  std::array<double, voigt_size<Dim>> strain_of(const StrainField& strains, std::size_t number,
+                                                int layer) const;
   /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
   ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,
                         int layer) const;
