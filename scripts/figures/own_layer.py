@@ -50,7 +50,8 @@ def main():
 def planar_words(run):
     layers = len(run.summary["baseline"]["layers"])
     sequence = {"type": "planar", "direction": run.config["baseline"]["direction"]}
-    return ["-set", "sequence=" + json.dumps(sequence), "-layers", layers, "-set", "constraints=[]"]
+    return ["-set", "sequence=" + json.dumps(sequence), "-layers", layers, "-set", "constraints=[]", "-set",
+            "projection.max=auto"]
 
 
 def simulated(arguments, directory, sequence, words):

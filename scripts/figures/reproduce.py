@@ -128,9 +128,9 @@ def reslice(arguments, ranks, directory, count):
     sequence = ["-sequence", os.path.join(directory, "result.h5")]
     source = Run(directory, with_fields=False)
     planar_sequence = {"type": "planar", "direction": source.config["baseline"]["direction"]}
-    planar = ["-set", "sequence=" + json.dumps(planar_sequence), "-set", "constraints=[]"]
+    planar = ["-set", "sequence=" + json.dumps(planar_sequence), "-set", "constraints=[]", "-set", "projection.max=auto"]
     constraint = source.thickness_constraint()
-    target = constraint["target"] * source.config["layers"]["count"] / count if constraint else None
+    target = constraint["target"] * source.layer_count() / count if constraint else None
     result = {}
     for kind, options in (("planar", planar), ("smooth", sequence), ("binary", [*sequence, "-binary"])):
         output = os.path.join(directory, f"layers_{count}_{kind}")

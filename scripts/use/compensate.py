@@ -13,11 +13,11 @@ elements of the same grid again, and simulated with the pseudo-time that moves a
 that came from no mesh (STL, OBJ, PLY) has a smoothed boundary of its elements in place of one.
 
 DIR (default: RUN/compensated) gets
-- compensated.stl, .vtp: the mesh of the round with the least rms, in the part's own coordinates: those of its
-  mesh file, or else of the config. Points of the VTP file have the arrays moved_by and remains.
-- compensation.json, .csv: what remains after each round (as printed): rms over the surface, the largest, and
-  the rms after a best rigid fit and of the points on the plate or the substrate, which keep their height; and
-  how many elements differ from those of RUN.
+- compensated.stl, .vtp: the mesh of the round with the least rms, in the part's own coordinates and unit:
+  those of its mesh file, or else of the config. Points of the VTP file have the arrays moved_by and remains.
+- compensation.json, .csv: what remains after each round (as printed), in domain.unit: rms over the surface,
+  the largest, and the rms after a best rigid fit and of the points on the plate or the substrate, which keep
+  their height; and how many elements differ from those of RUN.
 - round_K.stl, .json, .h5: mesh (in the config's coordinates), config and pseudo-time of a round; round_K: its
   simulation. finer_K: the same of --finer-check.
 """
@@ -29,13 +29,13 @@ from command_line import PROGRAM, RunError, parse, parser_of, run_program, run_s
 
 import numpy as np
 
-from layer_bodies import Placement
 from moved_part import MovedPart
+from placement import Placement
 from read_run import read_fields, rigid_motions
 from surface_files import surface_of, write_surface
 
 FILLED = 0.5  # share of an element
-KEPT = "name", "domain", "build_plate", "substrate", "clamps", "material", "process", "layers", "projection", "solver"
+KEPT = "name", "domain", "build_plate", "substrate", "clamps", "material", "process", "layers", "solver"
 
 
 def main():
@@ -106,8 +106,9 @@ def compensate(arguments, part):
     if arguments.finer_check:
         record["finer_grid"] = check_finer(arguments, part, {0: part.drawn, best: moved})
         write_record(arguments, part, record)
-    system = Placement(part.config).system
-    print(f"{os.path.join(arguments.output, 'compensated.stl')}: round {best}; its coordinates are {system}")
+    placement = Placement(part.config)
+    print(f"{os.path.join(arguments.output, 'compensated.stl')}: round {best}; its coordinates are {placement.system}"
+          f"{f', in {placement.unit}' if placement.unit else ''}")
 
 
 def check_finer(arguments, part, moved):
@@ -122,10 +123,12 @@ def check_finer(arguments, part, moved):
 
 
 def write_record(arguments, part, record):
+    placement = Placement(part.config)
     write_rows(os.path.join(arguments.output, "compensation.csv"), record["rounds"])
     write_json(os.path.join(arguments.output, "compensation.json"),
                {"name": part.name, "state": state_of(arguments), "unit": part.unit or None, "factor": arguments.factor,
-                "mesh": part.source, "coordinates": Placement(part.config).system, "points": part.corner_count, **record})
+                "mesh": part.source, "coordinates": placement.system, "mesh_unit": placement.unit, "points": part.corner_count,
+                **record})
 
 
 def simulate(arguments, part, name, finer=1):
@@ -149,8 +152,7 @@ def round_config(arguments, part, mesh, finer):
     fill = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)
     own = {key: value for key, value in part.config["part"].items() if key in ("keep", "sampling")}
     config["part"] = own | {"mesh": {"file": mesh, "place": "as_is", "fill": fill, "least_elements": 0}}
-    config["projection"] = config["projection"] | {"binary": True}
-    return config | {"sequence": {"type": "planar"}, "objective": []}
+    return config | {"sequence": {"type": "planar"}, "projection": {"binary": True}, "objective": []}
 
 
 def figures(part, remains):

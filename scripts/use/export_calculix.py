@@ -27,6 +27,7 @@ import numpy as np
 
 from calculix_deck import write_deck
 from layer_model import LayerModel
+from placement import Placement
 from read_run import nodes_of, rigid_motions
 
 
@@ -53,11 +54,12 @@ def export(directory, layer, output):
     if hangs_together(model.density > 0):
         decks["finished_released"] = (1, model.layers, free_supports(model),
                                       "finished part, all strains at once, without the plate, held at nodes that take no force")
-    paths = []
+    paths, placement = [], Placement(model.config)
     for name, (first, last, fixed, what) in decks.items():
         paths.append(os.path.join(output, name + ".inp"))
         title = [f"fabseq, {' '.join(model.config.get('name', 'part').split())}: {what}.",
-                 "Nodes and elements have the numbers of result.h5, from 1, x fastest."]
+                 "Nodes and elements have the numbers of result.h5, from 1, x fastest.",
+                 f"Coordinates are {placement.system}{f', in {placement.unit}' if placement.unit else ''}."]
         write_step(paths[-1], title, model, first, last, fixed)
     return paths
 

@@ -12,9 +12,9 @@ RUN is the output directory of an optimization or a simulation in 3D. DIR (defau
   beside it have the same triangles there.
 - layers.json: files, times, areas, volumes, triangles and bounds.
 The points of VTP files have the arrays layer, time, thickness (local, of the layer) and direction (in which
-material is added, a unit vector). All is in the part's own coordinates: those of its mesh file or else of
-the config. --finer: cells per edge of an element, which decide how fine the triangles are (default: 2 for
-parts from a mesh, 1 for others).
+material is added, a unit vector). All is in the part's own coordinates and unit: those of its mesh file or
+else of the config. --finer: cells per edge of an element, which decide how fine the triangles are (default: 2
+for parts from a mesh, 1 for others).
 """
 
 import os
@@ -23,9 +23,10 @@ from command_line import RunError, parser_of, run_script, write_json  # before a
 
 import numpy as np
 
-from layer_bodies import GROUPS, LayeredPart, Placement
+from layer_bodies import GROUPS, LayeredPart
 from layer_paths import boundary
 from part_body import drawn_surface
+from placement import Placement
 from surface_files import surface_of, write_surface
 
 POINTS_MEASURED = 5000  # of the mesh, when it is compared with what bounds the layers
@@ -60,22 +61,24 @@ def export(part, output, formats):
     for number, layer in part.layers.items():
         bounding = faces[own == number]
         row = export_surface(part, placement, layer, bounding, os.path.join(output, f"layer_{number:03}"), formats)
-        rows.append({"layer": number, **span(layer), **row, "volume": volumes[number]})
+        rows.append({"layer": number, **span(layer, placement), **row, "volume": volumes[number]})
         upper = faces[(own == number) & (other > number)]
         if len(upper):
             row = export_surface(part, placement, layer, upper, os.path.join(output, f"interface_{number:03}"), formats)
-            interfaces.append({"layer": number, "time" if layer.direction is None else "height": layer.upper, **row})
-    return {"unit": placement.unit, "coordinates": placement.system, "cut_off_at": part.source, "time": part.origin,
+            end = {"time": layer.upper} if layer.direction is None else {"height": layer.upper * placement.scale}
+            interfaces.append({"layer": number, **end, **row})
+    return {**placement.facts(), "cut_off_at": part.source, "time": part.origin,
             "volume": float(volumes.sum()), "volume_of_elements": part.elements_volume * placement.scale**3,
             "distance_from_mesh": distance_from_mesh(part, faces[other == -1], placement),
             "layers": rows, "interfaces": interfaces}
 
 
-def span(layer):
-    """Where a layer begins and ends."""
+def span(layer, placement):
+    """Where a layer begins and ends, in the coordinates of the files."""
     if layer.direction is None:
         return {"times": [layer.lower, layer.upper]}
-    return {"subpart": layer.subpart, "heights": [layer.lower, layer.upper], "print_direction": layer.direction.tolist()}
+    return {"subpart": layer.subpart, "heights": [layer.lower * placement.scale, layer.upper * placement.scale],
+            "print_direction": placement.directions(layer.direction).tolist()}
 
 
 def export_surface(part, placement, layer, faces, path, formats):

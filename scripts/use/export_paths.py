@@ -4,6 +4,7 @@
 
     scripts/use/export_paths.py RUN --bead-width W [--output DIR] [--of optimized|planar|start] [--outlines N]
                                 [--hatch ANGLE] [--turn ANGLE] [--at SHARE] [--nominal-height H] [--speed V]
+                                [--frame drawing|plate]
 
 RUN is the output directory of an optimization or a simulation in 3D. Each layer gets N outlines (default: 1),
 the first half a bead inside the part's surface, and inside them parallel lines at a bead's width. DIR
@@ -12,18 +13,22 @@ the first half a bead inside the part's surface, and inside them parallel lines 
   spacing of the bead, and factor of the wire feed; docs/how-to.md lists the columns.
 - paths_compas.json: print points of COMPAS Slicer. paths_irbcam.csv, .json: targets of IRBCAM.
 - paths_summary.json: starts, lengths, travels and ranges per layer. paths.png: some layers' paths.
-Positions are in the part's own coordinates, lengths of options in the config's. The way between two passes is
-not checked for collisions.
+--frame says whose coordinates all files have: those of the drawing (of its mesh file, in its unit of length)
+or of the build plate (of the config, in domain.unit). In either frame, IRBCAM's files are in millimetres of
+the placed part. Lengths of options are the config's. The way between two passes is not checked for
+collisions.
 """
 
 import os
+import sys
 
 from command_line import RunError, parser_of, run_script, write_json  # before any package
 
 import numpy as np
 
-from layer_bodies import GROUPS, LayeredPart, Placement
+from layer_bodies import GROUPS, LayeredPart
 from path_files import COLUMNS, compas_points, irbcam_targets, rows_of, write_compact, write_irbcam, write_table
+from placement import FRAMES, MILLIMETRES, Placement
 from report_views import element_edges
 from torch_paths import all_passes, summary
 from virtual_display import ensure_display
@@ -45,6 +50,7 @@ def main():
                         "side (default: %(default)s)")
     parser.add_argument("--nominal-height", type=float, help="of a bead with feed 1 (default: the target thickness)")
     parser.add_argument("--speed", type=float, default=10.0, help="of the torch, mm/s, for IRBCAM (default: %(default)s)")
+    parser.add_argument("--frame", choices=FRAMES, default="drawing", help="whose coordinates (default: %(default)s)")
     parser.add_argument("--no-picture", action="store_true")
     arguments = parser.parse_args()
     if not arguments.no_picture:
@@ -53,12 +59,13 @@ def main():
     width = checked_width(arguments, part)
     output = arguments.output or os.path.join(arguments.run, "paths")
     passes = all_passes(part, width, arguments.outlines, arguments.hatch, arguments.turn, arguments.at)
+    placement = Placement(part.config, arguments.frame)
     record = {"name": part.name, "of": arguments.of, "outlines": arguments.outlines, "hatch": arguments.hatch,
-              "turn": arguments.turn, "at": arguments.at, **export(part, passes, width, output, arguments)}
+              "turn": arguments.turn, "at": arguments.at, **export(part, passes, width, output, placement, arguments)}
     write_json(os.path.join(output, "paths_summary.json"), record)
     if not arguments.no_picture:
         from path_picture import draw  # loads VTK's renderer, which needs a display
-        draw(part, passes, width, os.path.join(output, "paths.png"))
+        draw(part, passes, width, placement, os.path.join(output, "paths.png"))
     print(table(record))
     print(f"in {output}")
 
@@ -76,14 +83,14 @@ def checked_width(arguments, part):
     return width
 
 
-def export(part, passes, width, output, options):
-    """Writes the files of waypoints, and returns the summary."""
+def export(part, passes, width, output, placement, options):
+    """Writes the files of waypoints, and returns the summary. Leaves the passes in the placement's frame."""
     os.makedirs(output, exist_ok=True)
-    placement, scale = Placement(part.config), Placement(part.config).scale
+    scale = placement.scale
     axis, side = "xyz".index(part.config.get("build_plate", "z-")[0]), part.config.get("build_plate", "z-")[1]
     layers = summary(part, passes, np.eye(3)[axis] * (1.0 if side == "-" else -1.0))
     height = options.nominal_height or target_height(part, passes)
-    for one in passes:  # from here on in the part's own coordinates
+    for one in passes:  # from here on in the coordinates of the frame
         one.points, one.axes = placement.points(one.points), placement.directions(one.axes)
         one.heights, one.spacings = one.heights * scale, one.spacings * scale
     rows = rows_of(passes, height * width * scale**2)
@@ -92,16 +99,27 @@ def export(part, passes, width, output, options):
         layer.update({key: layer[key] * scale for key in ("length", "travel")}, feed=[min(feeds), max(feeds)],
                      height=[value * scale for value in layer["height"]],
                      **{key: layer[key] * scale**3 for key in ("wire", "volume")})
-    common = {"unit": placement.unit, "coordinates": placement.system, "bead_width": width * scale,
-              "nominal_height": height * scale}
+    common = {**placement.facts(), "bead_width": width * scale, "nominal_height": height * scale}
     write_table(os.path.join(output, "paths.csv"), rows)
     write_compact(os.path.join(output, "paths.json"), {**common, "columns": COLUMNS, "waypoints": rows})
-    write_compact(os.path.join(output, "paths_compas.json"), compas_points(passes, rows))
-    write_irbcam(os.path.join(output, "paths_irbcam"),
-                 irbcam_targets(passes, placement.unit, options.speed, RETRACT * width * scale))
+    write_compact(os.path.join(output, "paths_compas.json"), compas_points(passes, rows, placement.facts()))
+    export_irbcam(part, passes, width, output, placement, options.speed)
     volume = float(part.body.volumes().sum() * scale**3)
     total = {key: sum(layer[key] for layer in layers) for key in ("starts", "waypoints", "length", "travel", "wire")}
     return {**common, **total, "volume": volume, "layers": layers}
+
+
+def export_irbcam(part, passes, width, output, placement, speed):
+    """IRBCAM's files, in millimetres. Says so on the terminal where the config's unit leaves it open."""
+    unit = part.config["domain"].get("unit")
+    if placement.millimetres is None:
+        print(f"warning: domain.unit: found {unit}; allowed for paths_irbcam, which is not written: {', '.join(MILLIMETRES)}",
+              file=sys.stderr)
+        return
+    if not unit:
+        print("domain.unit names no unit: paths_irbcam takes the config's lengths as millimetres")
+    targets = irbcam_targets(passes, placement.millimetres, speed, RETRACT * width * placement.scale)
+    write_irbcam(os.path.join(output, "paths_irbcam"), targets, {**placement.facts(), "unit": "mm"})
 
 
 def target_height(part, passes):
@@ -119,6 +137,7 @@ def table(record):
     unit = f" in {record['unit']}" if record["unit"] else ""
     lines.append(f"{record['starts']} starts, {record['waypoints']} waypoints, length {record['length']:.5g}, travel "
                  f"{record['travel']:.4g}, lengths{unit}, angles of the torch with the plate's normal in degrees")
+    lines.append(f"coordinates: {record['coordinates']} (frame: {record['frame']}){unit}")
     lines.append(f"volume of wire {record['wire']:.6g}, of the part {record['volume']:.6g} "
                  f"({100 * (record['wire'] / record['volume'] - 1):+.2f} %); feed 1 is a bead of "
                  f"{record['nominal_height']:.4g} x {record['bead_width']:.4g}")

@@ -70,7 +70,8 @@ def measure(directory, target=None, points=1000, seed=1):
     between = {"layers": len(inner), "mean": np.mean(means), "least": min(means), "largest": max(means),
                "variance": np.mean([row["variance"] for row in inner]),
                "drawn_again": sum(row["drawn_again"] for row in inner)} if inner else None
-    return {"target": target, "points": points, "seed": seed, "time": time.origin, "layers": rows, "inner": between}
+    return {"target": target, "unit": config["domain"].get("unit"), "points": points, "seed": seed, "time": time.origin,
+            "layers": rows, "inner": between}
 
 
 def measure_layers(time, time_points, farthest, points, seed):

@@ -2,13 +2,17 @@
 # SPDX-License-Identifier: MIT
 """Reads torch paths back as a sequence, which fabseq simulates and checks like its own.
 
-    scripts/use/import_paths.py PATHS.csv CONFIG [--output SEQUENCE.h5] [--at SHARE]
+    scripts/use/import_paths.py PATHS CONFIG [--output SEQUENCE.h5] [--at SHARE] [--frame drawing|plate]
 
-PATHS.csv has a line per waypoint. Its first line names the columns: x, y, z, in the part's own coordinates,
-and layer, a whole number, or order. Further columns of paths.csv of export_paths.py are used where they are
-there: axis_x, axis_y, axis_z and height tell layers apart, spacing says how far apart beads lie, and pass
-that the way between two waypoints is deposited. CONFIG is the config.json of a run or its directory; a config
-of a part from a mesh does not say where the mesh lies, so that a run's is needed.
+PATHS is a table (CSV) with a line per waypoint, or the paths.json of export_paths.py. The first line of a
+table names the columns: x, y, z, and layer, a whole number, or order. Further columns of export_paths.py are
+used where they are there: axis_x, axis_y, axis_z and height tell layers apart, spacing says how far apart
+beads lie, and pass that the way between two waypoints is deposited. CONFIG is the config.json of a run or its
+directory; a config of a part from a mesh does not say where the mesh lies, so that a run's is needed.
+
+--frame says whose coordinates and lengths these are: those of the drawing (of its mesh file, in its unit) or
+of the build plate (of the config, in domain.unit). Without it, paths.json says so itself, and of a table the
+JSON file of the same name beside it, if that has the same waypoints; else they are the drawing's.
 
 Each element takes the layer of the waypoint next to it, or its order if there are no layers. SEQUENCE.h5
 (default: PATHS_sequence.h5 beside the table) holds the pseudo-time. --at: height of the waypoints in their
@@ -16,6 +20,7 @@ layer, from 0 to 1 (default: 0.5); another one needs the columns of axis and hei
 simulates the sequence.
 """
 
+import json
 import os
 
 from command_line import RunError, parser_of, run_script  # before any package
@@ -23,14 +28,15 @@ from command_line import RunError, parser_of, run_script  # before any package
 import h5py
 import numpy as np
 
-from layer_bodies import Placement
 from measured_points import numbers, read_table
 from nearest_points import nearest
-from read_run import origin_of, read_config
+from placement import FRAMES, Placement
+from read_run import Run, origin_of, read_config
 from report_views import element_edges
 
 OTHER_LAYERS = 2  # before and after that of the nearest waypoint, which an element may belong to
 AXIS = ("axis_x", "axis_y", "axis_z")
+LEAST_IN_BOX = 0.5  # of the waypoints: with fewer, they are in other coordinates or in another unit
 COLUMNS = ("layers", "passes", "heights", "spacings", "axes")  # of waypoints, which may be missing
 
 
@@ -40,20 +46,38 @@ def main():
     parser.add_argument("config")
     parser.add_argument("--output", help="HDF5 file (default: PATHS_sequence.h5)")
     parser.add_argument("--at", type=float, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
+    parser.add_argument("--frame", choices=FRAMES, help="whose coordinates (default: what paths.json says, or drawing)")
     arguments = parser.parse_args()
     path = arguments.config
     path = os.path.join(path, "config.json") if os.path.isdir(path) else path
     config = checked_config(read_config(path), path)
     output = arguments.output or os.path.splitext(arguments.paths)[0] + "_sequence.h5"
-    time, layer = sequence(Waypoints(arguments.paths, config, arguments.at), config)
+    header, rows, frame = read_waypoints(arguments.paths)
+    placement = Placement(config, arguments.frame or frame)
+    print(f"coordinates of {arguments.paths}: {placement.system} (frame: {placement.frame})"
+          f"{f' in {placement.unit}' if placement.unit else ''}")
+    waypoints = Waypoints(arguments.paths, header, rows, placement, arguments.at)
+    check_box(arguments.paths, waypoints.points, config)
+    time, layer = sequence(waypoints, config)
     with h5py.File(output, "w") as file:
         file["time"] = time
         if layer is not None:
             file["layer"] = layer
     count = int(layer.max()) if layer is not None else None
-    layers = f" -set 'layers={{\"type\": \"curved\", \"count\": {count}}}'" if count else ""
+    layers = f" -set 'layers={{\"type\": \"curved\", \"count\": {count}}}'" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
     print(f"fabseq -config {path} -task simulate -sequence {output}{layers} -binary -output OUTPUT")
+
+
+def layers_of_config(config, path):
+    """The option for as many layers as the config's run has, where the config says "auto": the program does
+    not look at the constraint that counts them when it simulates a file."""
+    if config.get("layers", {}).get("count") != "auto":
+        return ""
+    try:
+        return f" -layers {Run(os.path.dirname(path) or '.', with_fields=False, simulations=True).layer_count()}"
+    except RunError:
+        return " -layers NUMBER"
 
 
 def checked_config(config, path):
@@ -65,13 +89,54 @@ def checked_config(config, path):
     return config
 
 
+def read_waypoints(path):
+    """Names of the columns, rows as texts, and the frame."""
+    stem, ending = os.path.splitext(path)
+    if ending.lower() == ".json":
+        return read_record(path)
+    header, rows = read_table(path)
+    if not os.path.exists(stem + ".json"):
+        return header, rows, "drawing"
+    try:
+        _, same_rows, frame = read_record(stem + ".json")
+    except RunError:  # something else of that name
+        return header, rows, "drawing"
+    return header, rows, frame if len(same_rows) == len(rows) else "drawing"
+
+
+def read_record(path):
+    """The same of paths.json of export_paths.py; before there were frames, all was in the drawing's."""
+    with open(path, encoding="utf-8") as file:
+        try:
+            record = json.load(file)
+            header, rows = record["columns"], [list(map(str, row)) for row in record["waypoints"]]
+            frame = record.get("frame", "drawing")
+        except (ValueError, KeyError, TypeError) as error:
+            raise RunError(f"{path}: has no columns and waypoints; allowed: a table (CSV), or paths.json of "
+                           "export_paths.py") from error
+    if not rows or frame not in FRAMES:
+        raise RunError(f"{path}: holds {len(rows)} waypoints, frame {frame}; allowed: one or more, frame {' or '.join(FRAMES)}")
+    return header, rows, frame
+
+
+def check_box(path, points, config):
+    """Refuses waypoints most of which lie more than an element outside of the config's box."""
+    edges, low = np.array(element_edges(config)), origin_of(config)
+    high = low + config["domain"]["size"]
+    within = np.all((points >= low - edges) & (points <= high + edges), axis=1)
+    if within.mean() >= LEAST_IN_BOX:
+        return
+    spans = [f"[{','.join(f'{x:.6g}' for x in end)}]" for end in (points.min(axis=0), points.max(axis=0), low, high)]
+    raise RunError(f"{path}: {np.count_nonzero(~within)} of {len(points)} waypoints lie outside of the config's box, which goes "
+                   f"from {spans[2]} to {spans[3]}: placed there, they go from {spans[0]} to {spans[1]}; allowed: coordinates of "
+                   "the drawing in its unit (--frame drawing), or of the config in its own (--frame plate)")
+
+
 class Waypoints:
     """`points` (n, 3) in the middle of their layers, in the config's coordinates; `layers` from 1, or None;
     `times`: share of the waypoints up to each; `axes`, `heights`, `spacings`: None if the table has none."""
 
-    def __init__(self, path, config, at):
-        header, rows = read_table(path)
-        placement = Placement(config)
+    def __init__(self, path, header, rows, placement, at):
         self.points = placement.to_config(numbers(path, header, rows, ["x", "y", "z"]))
         if "layer" not in header and "order" not in header:
             raise RunError(f"{path}: the first line names neither a column layer nor order; needed: one of them")

@@ -114,25 +114,3 @@ class LayeredPart:
         length = np.linalg.norm(slope, axis=1)
         safe = np.where(length > 0, length, 1.0)
         return np.where(length > 0, (layer.upper - layer.lower) / safe, np.nan), slope / safe[:, None]
-
-
-class Placement:
-    """From the config's coordinates back to the part's own, those of its mesh file."""
-
-    def __init__(self, config):
-        matrix = np.array(config.get("run", {}).get("mesh_placement", np.eye(3, 4)), float)
-        self.inverse, self.shift = np.linalg.inv(matrix[:, :3]), matrix[:, 3]
-        self.scale = np.cbrt(np.linalg.det(self.inverse))  # of lengths
-        unit = config["domain"].get("unit") or None
-        self.unit = unit if np.isclose(self.scale, 1.0) else None
-        self.system = (f"those of {os.path.basename(config['part']['mesh']['file'])}" if "mesh" in config.get("part", {})
-                       else "those of the config")
-
-    def points(self, points):
-        return (points - self.shift) @ self.inverse.T
-
-    def directions(self, directions):
-        return directions @ self.inverse.T / self.scale
-
-    def to_config(self, points):
-        return points @ np.linalg.inv(self.inverse).T + self.shift

@@ -30,6 +30,7 @@ class MovedPart:
         run = Run(directory, simulations=True)
         self.config, self.fields, self.name, self.unit = run.config, run.fields, run.name, run.unit
         self.refuse(directory)
+        self.config["layers"] = self.config["layers"] | {"count": run.layer_count()}  # no constraint says what "auto" is later
         self.edges = np.array(element_edges(self.config))
         density = self.fields["density"]
         points, self.triangles, self.source = surface_of_part(self.config, density, self.edges.min())

@@ -7,9 +7,9 @@
 
 CONFIG has a mesh as its part. The orientations are the six that put one face of the part's box on the plate
 each, or those of --turn, each of which may hold several pairs of axis and degrees that follow one another
-("x 90 y 45"). Turns come after the config's own part.mesh.rotate. Other coordinates of the config, of node
-sets, substrate and clamps, mean nothing in a part that is turned. Substrate and clamps are therefore replaced
-by the build plate, and the objective is the shape of the whole surface. Constraints are left out.
+("x 90 y 45"). Turns come after the config's own part.mesh.rotate. What is compared is the same in all
+orientations: the part stands on the build plate, without substrate and clamps, the objective is the shape of
+the whole surface, and there are no constraints.
 
 Each orientation is simulated with binary layers: with the start design of the config's sequence, and with
 planar layers. As many layers are made as its height needs, at the target thickness of the config. Without a
@@ -21,10 +21,13 @@ which is left out for a part that falls into pieces then. Best is the least rms 
 design. `overhang` is the area of elements that have neither an element nor the plate below them. What the
 program refuses is listed with the reason.
 
-Into DIR go orientation.csv, .json and .png, and a folder for each orientation with its config and the two
-simulations.
+Into DIR go orientation.csv, .json and .png, and a folder for each orientation with what was simulated
+(simulated.json, start, planar) and config.json to go on with: the user's own config, in which only the
+orientation and what follows from it has changed. Node sets turn with the part. What cannot be turned is left
+out, and the terminal and orientation.json (notes) say what and why.
 """
 
+import functools
 import math
 import os
 import re
@@ -36,10 +39,13 @@ import numpy as np
 
 import orient_results
 from read_run import node_positions, read_config, read_fields, read_json, surface_nodes_of, without_rigid_motion
+from turned_config import TurnedConfig, box_of_mesh, counts_of, with_absolute_files
+from turned_shapes import Motion
 from virtual_display import ensure_display
 
 WITHOUT_START = "planar", "file"  # types of sequences
-IN_PLACE = "node_sets", "substrate", "clamps", "constraints", "baseline", "run"  # keys that are left out
+NOT_COMPARED = "node_sets", "substrate", "clamps", "constraints", "baseline", "run"  # keys that are left out
+AS_GIVEN = "as_given"  # orientation of the config itself, where that has to be looked at
 
 
 def main():
@@ -58,10 +64,11 @@ def main():
             raise RunError(f"{arguments.config}: {key} is missing or no object")
     if "mesh" not in config["part"]:
         raise RunError(f"{arguments.config}: part.mesh is missing; only a part from a mesh can be turned")
+    config = with_absolute_files(config, os.path.dirname(os.path.abspath(arguments.config)))
     turns = [turn_of(text) for text in arguments.turn] if arguments.turn else six_turns(config.get("build_plate", "z-"))
     ensure_display()  # before hours of simulation
-    target = target_thickness(arguments, config)
-    records = [record_of(arguments, config, turn, target) for turn in turns]
+    given = AsGiven(arguments, config)
+    records = [record_of(arguments, given, turn) for turn in turns]
     orient_results.write(records, config["domain"].get("unit"), arguments.output)
     if all("reason" in record for record in records):
         raise RunError("the program refuses every orientation")
@@ -103,38 +110,73 @@ def face_down(turn, plate):
     return "xyz"[axis] + ("+" if direction[axis] > 0 else "-") if abs(direction[axis]) > 1 - 1e-9 else None
 
 
-def target_thickness(arguments, config):
-    """Of a layer: the config's, or else its mean in the config's own orientation."""
-    layers = config.get("layers", {})
-    if layers.get("type") == "multi_planar":
-        return layers.get("thickness", 3.0)
-    for constraint in config.get("constraints", []):
-        if constraint.get("type") == "layer_thickness":
-            return constraint["target"]
-    if not isinstance(layers.get("count"), int):
-        raise RunError("layers.count is no number, and no layer_thickness constraint says how thick a layer is")
-    path = os.path.join(arguments.output, "as_given.json")
-    os.makedirs(arguments.output, exist_ok=True)
-    write_json(path, turned_config(arguments, config, []))
-    return sizes_of(run_program(arguments, path, "check"))["geodesic_height"] / layers["count"]
+class AsGiven:
+    """A config, and what it is in its own orientation, which is looked at where something asks for it."""
+
+    def __init__(self, arguments, config):
+        self.arguments, self.config = arguments, config
+        self.target = self.target_thickness()
+
+    def target_thickness(self):
+        """Of a layer: the config's, or else its mean."""
+        layers = self.config["layers"]
+        if layers.get("type") == "multi_planar":
+            return layers.get("thickness", 3.0)
+        for constraint in self.config.get("constraints", []):
+            if constraint.get("type") == "layer_thickness":
+                return constraint["target"]
+        if not isinstance(layers.get("count"), int):
+            raise RunError("layers.count is no number, and no layer_thickness constraint says how thick a layer is")
+        return self.geodesic_height / layers["count"]
+
+    @functools.cached_property
+    def geodesic_height(self):
+        return sizes_of(run_program(self.arguments, self.written(), "check"))["geodesic_height"]
+
+    def layers(self):
+        """None where the program refuses the orientation."""
+        count = self.config["layers"].get("count")
+        try:
+            return count if isinstance(count, int) else max(1, math.ceil(self.geodesic_height / self.target - 1e-9))
+        except RunError:
+            return None
+
+    @functools.cached_property
+    def shift(self):
+        """By which the turned mesh was moved. The effective config of a simulation has it."""
+        output = os.path.join(self.arguments.output, AS_GIVEN)
+        run_program(self.arguments, self.written(), "simulate", "-set", 'sequence={"type": "planar"}', "-set",
+                    "part.mesh.least_elements=0", "-set", "part.keep=connected", "-overwrite", "-output", output)
+        return shift_of(output)
+
+    @functools.cached_property
+    def node_counts(self):
+        """Nodes of the node sets; empty where the program refuses the config."""
+        try:
+            return counts_of(run_program(self.arguments, self.arguments.config, "check"))
+        except RunError:
+            return {}
+
+    def written(self):
+        os.makedirs(self.arguments.output, exist_ok=True)
+        path = os.path.join(self.arguments.output, AS_GIVEN + ".json")
+        write_json(path, compared_config(self.config, []))
+        return path
 
 
-def turned_config(arguments, config, turn):
-    """What is left of a config once its part is turned, with a single layer."""
-    folder = os.path.dirname(os.path.abspath(arguments.config))
-    result = {key: value for key, value in config.items() if key not in IN_PLACE}
+def shift_of(directory):
+    """By which the mesh of a simulation was moved after its turns."""
+    return np.array(read_json(directory, "config.json")["run"]["mesh_placement"])[:, 3]
+
+
+def compared_config(config, turn):
+    """What is simulated of a config in an orientation, with a single layer."""
+    result = {key: value for key, value in config.items() if key not in NOT_COMPARED}
     result["name"] = f"{config.get('name', 'part')}_{name_of(turn)}"
-    domain = dict(config["domain"])
-    size, elements, _ = (domain.pop(key, []) for key in ("size", "elements", "origin"))
-    if "element" not in domain:
-        domain["element"] = [length / count for length, count in zip(size, elements)]
-    mesh = dict(config["part"]["mesh"])
-    mesh |= {"file": os.path.join(folder, mesh["file"]), "rotate": mesh.get("rotate", []) + turn}
-    result |= {"domain": domain, "part": config["part"] | {"mesh": mesh}, "layers": {"count": 1},
+    mesh = config["part"]["mesh"] | {"rotate": config["part"]["mesh"].get("rotate", []) + turn}
+    result |= {"domain": box_of_mesh(config["domain"]), "part": config["part"] | {"mesh": mesh}, "layers": {"count": 1},
                "node_sets": {"surface": {"all": True, "surface": True}},
                "objective": [{"type": "distortion", "measure": "shape", "nodes": "surface"}]}
-    if "file" in config.get("material", {}):
-        result["material"] = config["material"] | {"file": os.path.join(folder, config["material"]["file"])}
     result["projection"] = {key: value for key, value in config.get("projection", {}).items() if key not in ("beta", "max")}
     result["sequence"] = {key: value for key, value in config["sequence"].items() if key != "start"}  # from the plate
     if config["sequence"]["type"] in WITHOUT_START:
@@ -149,15 +191,16 @@ def sizes_of(printed):
             "contact_elements": int(re.search(r"^plate contact: (\d+)", printed, re.MULTILINE)[1])}
 
 
-def record_of(arguments, config, turn, target):
+def record_of(arguments, given, turn):
     """What one orientation comes to; with `reason` alone if the program refuses it."""
+    config, target = given.config, given.target
     name, plate = name_of(turn), config.get("build_plate", "z-")
     print(f"orientation {name}", flush=True)
     folder = os.path.join(arguments.output, name)
     record = {"orientation": name, "turn": turn, "face_down": face_down(turn, plate), "folder": name}
     os.makedirs(folder, exist_ok=True)
-    path = os.path.join(folder, "config.json")
-    turned = turned_config(arguments, config, turn)
+    path = os.path.join(folder, "simulated.json")
+    turned = compared_config(config, turn)
     write_json(path, turned)
     try:
         sizes = sizes_of(run_program(arguments, path, "check"))
@@ -168,15 +211,37 @@ def record_of(arguments, config, turn, target):
         if config["sequence"]["type"] not in WITHOUT_START:
             run_program(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
             record["start"] = block_of(os.path.join(folder, "start"))
-        planar = ["-set", 'sequence={"type": "planar"}', "-set",
-                  f'layers={{"count": {max(1, round(sizes["height"] / target))}}}']
+        planar_count = max(1, round(sizes["height"] / target))
+        planar = ["-set", 'sequence={"type": "planar"}', "-set", f'layers={{"count": {planar_count}}}']
         run_program(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
         record["planar"] = block_of(os.path.join(folder, "planar"))
-        return record | sizes | areas_of(os.path.join(folder, "planar"), plate)
+        notes = write_config_to_go_on(arguments, given, turn, folder, turned["layers"].get("count"), planar_count)
+        return record | sizes | areas_of(os.path.join(folder, "planar"), plate) | {"notes": notes}
     except RunError as error:
         record["reason"] = str(error)
         print(f"  {record['reason']}", flush=True)
         return record
+
+
+def write_config_to_go_on(arguments, given, turn, folder, layers, planar):
+    """The user's config for a turned part; `layers`, `planar`: numbers of layers of the simulations. Returns
+    and prints what it could not keep."""
+    motion, path = Motion(turn), os.path.join(folder, "config.json")
+    places = [node_set for node_set in given.config.get("node_sets", {}).values() if not {"all", "near"} & set(node_set)]
+    if places and not motion.is_identity():
+        try:
+            motion.shift = shift_of(os.path.join(folder, "planar")) - motion.matrix @ given.shift
+        except RunError as error:
+            motion.unknown = f"where the part lies before the turn is not known, because the program refuses that: {error}"
+    result = TurnedConfig(given.config, turn, motion)
+    result.content["name"] = f"{given.config.get('name', 'part')}_{name_of(turn)}"
+    result.follow(layers, planar, given.layers)
+    domain = read_json(os.path.join(folder, "planar"), "config.json")["domain"]
+    edge = max(length / count for length, count in zip(domain["size"], domain["elements"]))
+    result.settle(arguments, path, edge, {} if motion.is_identity() or not places else given.node_counts)
+    for note in result.notes:
+        print(f"  {path}: {note}", flush=True)
+    return result.notes
 
 
 def layers_of(config, count):

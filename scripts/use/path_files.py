@@ -8,7 +8,6 @@ import numpy as np
 from command_line import write_rows
 
 COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed")
-MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
 RAPID = -1.0  # velocity of a way without deposition, for IRBCAM
 
 
@@ -37,8 +36,9 @@ def rounded(vector):
     return [round(float(value), 7) for value in vector]
 
 
-def compas_points(passes, rows):
-    """Print points as COMPAS Slicer's output_printpoints_dict gives them: numbers of waypoints as keys."""
+def compas_points(passes, rows, facts):
+    """Print points as COMPAS Slicer's output_printpoints_dict gives them: numbers of waypoints as keys, and
+    no others, so that each point has the `facts` of its coordinates."""
     result, rows = {}, iter(rows)
     for one in passes:
         along = np.gradient(one.points, axis=0)
@@ -53,13 +53,14 @@ def compas_points(passes, rows):
                 "frame": {"point": point, "xaxis": rounded(first[number]), "yaxis": rounded(across[number])},
                 "extruder_toggle": number + 1 < len(one.points), "velocity": None, "wait_time": None, "blend_radius": None,
                 "closest_support_pt": None, "distance_to_support": None, "is_feasible": True,
-                "attributes": {"layer": row[1], "pass": row[2], "kind": row[3], "feed": round(row[-1], 7)}}
+                "attributes": {"layer": row[1], "pass": row[2], "kind": row[3], "feed": round(row[-1], 7), **facts}}
     return result
 
 
-def irbcam_targets(passes, unit, speed, retract):
+def irbcam_targets(passes, millimetres, speed, retract):
     """Position in millimetres, angles rz1, ry, rz2 in radians and velocity of each target, (n, 7). The torch
-    points against the axis; between passes it moves to `retract` beyond the end and the next start."""
+    points against the axis; between passes it moves to `retract` beyond the end and the next start.
+    `millimetres`: length of the unit that the passes and `retract` are in."""
     targets = []
     for one in passes:
         points = np.concatenate([one.points[:1] + retract * one.axes[:1], one.points, one.points[-1:] + retract * one.axes[-1:]])
@@ -68,13 +69,13 @@ def irbcam_targets(passes, unit, speed, retract):
         first = np.where(level > 1e-9, np.arctan2(tool[:, 1], tool[:, 0]), 0.0)
         velocity = np.full(len(points), float(speed))
         velocity[[0, -1]] = RAPID
-        points = points * MILLIMETRES.get(unit, 1.0)
-        targets.append(np.column_stack([points, first, np.arctan2(level, tool[:, 2]), -first, velocity]))
+        targets.append(np.column_stack([millimetres * points, first, np.arctan2(level, tool[:, 2]), -first, velocity]))
     return np.concatenate(targets)
 
 
-def write_irbcam(path, targets):
-    """As table (angles in degrees) and as JSON (in radians), without the file's ending."""
+def write_irbcam(path, targets, facts):
+    """As table (angles in degrees) and as JSON (in radians), without the file's ending. `facts`: of the
+    coordinates, for the JSON file."""
     with open(path + ".csv", "w", encoding="utf-8") as file:
         file.write("x,y,z,rz1,ry,rz2,motion_type,velocity,tool_number,spindle_speed\n")
         for x, y, z, *angles, velocity in targets:
@@ -85,4 +86,4 @@ def write_irbcam(path, targets):
     write_compact(path + ".json", {
         "targets": {**{name: rounded(targets[:, k]) for k, name in enumerate(names)}, "type": [0] * len(targets)},
         "velocity": {"i": changes.tolist(), "value": targets[changes, 6].tolist()},
-        "tool": {"i": [0], "value": [1]}, "spindle": {"i": [0], "value": [0.0]}})
+        "tool": {"i": [0], "value": [1]}, "spindle": {"i": [0], "value": [0.0]}, **facts})

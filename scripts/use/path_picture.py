@@ -16,10 +16,9 @@ TUBE = 0.22  # radius, in beads
 PIXELS = (1400, 1400)
 
 
-def draw(part, passes, width, path):
-    """Writes the picture. The passes are in the part's own coordinates."""
-    from layer_bodies import Placement
-    origin, placement = origin_of(part.config), Placement(part.config)
+def draw(part, passes, width, placement, path):
+    """Writes the picture. The passes are in the placement's frame."""
+    origin = origin_of(part.config)
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     plate = part.config.get("build_plate", "z-")

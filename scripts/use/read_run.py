@@ -47,6 +47,10 @@ class Run:
         self.distortion_term = next((i for i, term in enumerate(terms) if term["type"] == "distortion"), 0)
         self.distortion_config = terms[self.distortion_term] if terms else {}
 
+    def layer_count(self):
+        """How many layers the run has made: of a config whose `layers.count` is "auto", too."""
+        return len(self.summary.get("optimized", self.summary.get("simulated"))["layers"])
+
     def distortion(self, block):
         """The first distortion term, or else the first objective, of `optimized`, `binary` or `baseline`."""
         name = f"objective_{self.distortion_term}"

@@ -107,6 +107,20 @@ class CompensateTest(FabseqTest):
         np.testing.assert_allclose(field[:5, 1:-1, 1:-1], own, atol=1e-5 * np.abs(own).max())
         np.testing.assert_array_equal(self.field(run, "round_0", "layer")[:4, 1:-1, 1:-1], read_result(run)["layer"])
 
+    def test_layers_that_a_constraint_counts(self):
+        """All rounds have as many layers as the run, though they have no constraints that say so; a sharpness
+        below that of so many layers means nothing to binary ones."""
+        config = bar()
+        config |= {"layers": {"count": "auto"}, "constraints": [{"type": "layer_thickness", "target": 2}],
+                   "projection": {"max": 8}}
+        run = self.simulate(config)
+        self.assertEqual(run.json("config.json")["layers"]["count"], "auto")
+        record = self.compensate(run, "--iterations", 1, "--finer-check")
+        self.assertEqual(record["rounds"][0]["elements_differ"], 0)
+        for folder in ("round_0", "round_1", "finer_1"):
+            self.assertEqual(len(run.json(f"compensated/{folder}/summary.json")["layers"]), 5)
+        np.testing.assert_array_equal(self.field(run, "round_0", "layer")[:4, 1:-1, 1:-1], read_result(run)["layer"])
+
     @staticmethod
     def field(run, folder, name):
         with h5py.File(run.path(f"compensated/{folder}/result.h5"), "r") as file:

@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -16,6 +17,7 @@ from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
 from pictures import drawn  # noqa: E402
 
+UP = np.array([0.0, 0, 7])  # of the drawing's origin, from which the plate takes the part down
 SCRIPT = os.path.join(ROOT, "scripts", "use", "orient.py")
 
 
@@ -30,12 +32,37 @@ def angle():
             "constraints": [{"type": "layer_thickness", "target": 10}]}
 
 
+def whole():
+    """A config of the same part with most of what a user can ask for; in its own orientation the wall lies at
+    y 0 to 10."""
+    config = angle()
+    del config["clamps"]
+    config["node_sets"] |= {
+        "top": {"box": {"min": [-20, 0, 40], "max": [0, 10, 40]}, "samples": 5},
+        "ball": {"sphere": {"center": [-10, 0, 20], "radius": 12}}, "rod": {"cylinder": {"from": [-10, 0, 5], "to": [-10, 40, 5],
+                                                                                         "radius": 6}},
+        "profile": {"polygon": {"axis": "x", "points": [[0, 0], [12, 0], [0, 33]]}, "surface": True},
+        "mixed": {"difference": [{"half_space": {"point": [0, 20, 0], "normal": [0, -1, 0]}},
+                                 {"union": [{"box": {"min": [-20, 30, 0], "max": [-10, 40, 5]}}]}]},
+        "near": {"near": {"mesh": "face.stl", "distance": 1}}, "skin": {"all": True, "surface": True}}
+    return config | {
+        "build_plate": "z-", "material": {"inherent_strain": [-0.01, -0.01, -0.005, 0, 0, 0], "yield_stress": 400},
+        "process": {"min_stiffness": 1e-6}, "sequence": {"type": "heat", "characteristic_length": 48},
+        "projection": {"beta": 8, "max": 100, "factor": 1.4}, "baseline": {"layers": 4},
+        "objective": [{"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top", "after_release": True},
+                      {"type": "distortion", "measure": "shape", "nodes": "near"}, {"type": "layer_uniformity", "weight": 0.3}],
+        "constraints": [{"type": "layer_thickness", "target": 10, "tolerance": 0.2},
+                        {"type": "distortion", "nodes": "profile", "limit": 1.5}, {"type": "last_layer"}],
+        "tool": {"max_tilt": 60, "bead_width": 5}, "optimizer": {"max_iterations": 7}, "solver": {"tolerance": 1e-7},
+        "output": {"every": 3}}
+
+
 class OrientTest(FabseqTest):
     def setUp(self):
         super().setUp()
         with open(os.path.join(self.directory, "angle.stl"), "w", encoding="utf-8") as file:
-            file.write(stl_text(np.concatenate([box_triangles(np.zeros(3), np.array(high))
-                                                for high in ([40.0, 20.0, 10.0], [10.0, 20.0, 40.0])])))
+            file.write(stl_text(UP + np.concatenate([box_triangles(np.zeros(3), np.array(high))
+                                                     for high in ([40.0, 20.0, 10.0], [10.0, 20.0, 40.0])])))
 
     def orient(self, config, *options):
         text = "// a comment\n" + json.dumps(config)
@@ -76,6 +103,69 @@ class OrientTest(FabseqTest):
         left, middle, right = drawn(self.path("orientation.png"), 2, 3, (0.1, 0.8, 0.1, 0.9))[:3]
         self.assertGreater(min(left, middle), 0.05)
         self.assertLess(right, 0.05)
+
+    def counts(self, path):
+        """Nodes of each set, as -task check says it."""
+        run = self.run_program(1, "-config", path, "-task", "check", output="")
+        self.assert_done(run)
+        return dict(re.findall(r"^node set (\w+): (\d+) nodes", run.stdout, re.MULTILINE))
+
+    def test_config_to_go_on_with(self):
+        """It is the user's own, and its node sets hold the nodes at the same places of the part."""
+        with open(os.path.join(self.directory, "face.stl"), "w", encoding="utf-8") as file:
+            file.write(stl_text(UP + box_triangles(np.array([40.0, 0, 0]), np.array([40.0, 20, 10]))))  # y 40 as given
+        config = whole()
+        run = self.orient(config, "--turn", "x 45 x -135", "--turn", "z 0")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        turned, same = self.json("x45_x-135/config.json"), self.json("z0/config.json")
+        face, part = (os.path.join(self.directory, name) for name in ("face.stl", "angle.stl"))
+        config["node_sets"]["near"]["near"]["mesh"], config["part"]["mesh"]["file"] = face, part
+        self.assertEqual(same, config | {"name": "angle_z0", "part": {"mesh": config["part"]["mesh"] | {
+            "rotate": [["z", 90], ["z", 0.0]]}}})
+        changed = {key for key in config if config[key] != turned[key]}
+        self.assertEqual((set(config), changed), (set(turned), {"name", "part", "node_sets", "objective", "layers", "sequence",
+                                                                "projection"}))
+        self.assertEqual(turned["node_sets"]["top"], {"box": {"min": [-20, 47, 30], "max": [0, 47, 40]}, "samples": 5})
+        config["objective"][0]["axis"] = "y"
+        self.assertEqual(turned["objective"], config["objective"])
+        self.assertEqual(turned["layers"], {"count": 7})
+        self.assertEqual((turned["sequence"], turned["projection"]), ({"type": "heat", "characteristic_length": 84},
+                                                                      {"beta": 14, "max": 175, "factor": 1.4}))
+        expected = self.counts(os.path.join(self.directory, "case.json"))
+        self.assertEqual(set(expected), set(config["node_sets"]))
+        for name in ("x45_x-135", "z0"):
+            self.assertEqual(self.counts(self.path(f"{name}/config.json")), expected)
+        notes = {record["orientation"]: record["notes"] for record in self.json("orientation.json")}
+        self.assertEqual(notes, {"z0": [], "x45_x-135": [
+            "with the number of layers: layers.count 4 to 7, sequence.characteristic_length 48 to 84, projection.beta 8 to 14, "
+            "projection.max 100 to 175"]})
+        self.assert_done(self.run_program(1, "-config", self.path("x45_x-135/config.json"), "-max_iterations", 1))
+
+    def test_what_cannot_be_turned(self):
+        """Half a right angle: no polygon, no flatness; a face without a node of the turned grid becomes
+        thicker. What stood somewhere is not there any more."""
+        config = whole()
+        del config["node_sets"]["near"], config["objective"][1]
+        config["part"]["mesh"]["least_elements"] = 0
+        config["domain"] = {"size": [20, 40, 40], "elements": [4, 8, 8], "origin": [-20, 0, 0], "unit": "mm"}
+        config |= {"clamps": {"box": {"min": [-20, 0, 0], "max": [0, 5, 5]}}, "layers": {"count": "auto"}}
+        run = self.orient(config, "--turn", "y 45")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        turned, (record,) = self.json("y45/config.json"), self.json("orientation.json")
+        notes = dict(note.split(": ", 1) for note in record["notes"])
+        self.assertEqual(set(notes), {
+            "domain", "node set profile is left out, with 1 of constraints that name it",
+            "objective", "clamps is left out, the part stands on the build plate", "with the number of layers",
+            *(f"node set {name}" for name in ("foot", "top") if turned["node_sets"][name].get("within"))})
+        for note in record["notes"]:
+            self.assertIn(f"{self.path('y45')}/config.json: {note}", run.stdout)
+        self.assertEqual(turned["domain"], {"element": [5, 5, 5], "unit": "mm"})
+        self.assertEqual(turned["layers"], {"count": "auto"})
+        self.assertNotIn("clamps", turned)
+        self.assertEqual(set(self.counts(self.path("y45/config.json"))),
+                         set(config["node_sets"]) - {"profile"} | {"compared_surface"})
+        self.assertEqual([term["type"] for term in turned["constraints"]], ["layer_thickness", "last_layer"])
+        self.assertEqual([term.get("measure") for term in turned["objective"]], ["shape", None])
 
     def test_errors(self):
         shape = angle()

@@ -34,6 +34,7 @@ class OwnLayerTest(FabseqTest):
 
     def test_measures(self):
         hook, plate = hook_3d(), plate_2d()
+        plate |= {"layers": {"count": "auto"}, "projection": {"max": 5}}
         hook["node_sets"]["skin"] = {"all": True, "surface": True}
         hook["objective"][0] = {"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": True,
                                 "fit": ["translation", "rotation", "scale"]}

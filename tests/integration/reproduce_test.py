@@ -23,7 +23,7 @@ class ReproduceTest(FabseqTest):
             self.write_config(config, config["name"] + ".json")
         cases = {"wall": {"config": "plate.json", "source": "made up", "what": "a wall",
                           "published": {"planar": 2.0, "optimized": 0.5},
-                          "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
+                          "set": {"constraints.layer_thickness.target": 0.35, "layers.count": "auto"}, "reslice": [8]},
                  "wall_free": {"config": "direct_elements.json", "source": "made up", "what": "a wall"},
                  "planar": {"config": "hook.json", "source": "made up", "what": "a hook", "task": "simulate",
                             "set": {"sequence": {"type": "planar"}}}}

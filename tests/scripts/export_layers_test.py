@@ -173,8 +173,7 @@ class ExportLayersTest(unittest.TestCase):
         path = os.path.join(os.path.dirname(self.run_directory), "part.stl")
         self.mesh_run(path, 25.4, np.array([7.0, -3.0, 0.0]))
         record = self.export("vtp", "stl")
-        self.assertEqual(record["coordinates"], "those of part.stl")
-        self.assertIsNone(record["unit"])
+        self.assertEqual((record["coordinates"], record["unit"], record["frame"]), ("those of part.stl", "in", "drawing"))
         segment = 0.5 * 90 * math.sin(2 * math.pi / 90)  # of a polygon's area, in place of pi
         self.assertAlmostEqual(record["volume"] / (segment * 1.25), 1.0, delta=2e-3)
         self.assertLess(record["distance_from_mesh"]["largest"], 0.02)  # elements are 0.1 wide
@@ -225,6 +224,17 @@ class ExportLayersTest(unittest.TestCase):
         np.testing.assert_allclose(volumes, [1.2 * 0.6 * 0.2] * 3 + [0.2 * 0.6 * 0.6] * 6, rtol=1e-6)
         self.assertTrue(all(row["open_edges"] == 0 for row in record["layers"]))
         self.assertEqual([row["subpart"] for row in record["layers"]], [1] * 3 + [2] * 6)
+        # In a drawing that is in metres, and lying: its x is up.
+        config |= {"domain": {"size": size, "elements": counts, "unit": "mm"}, "part": {"mesh": {"file": "part.3mf"}},
+                   "run": {"mesh_placement": [[0, 1000, 0, 0], [0, 0, 1000, 0], [1000, 0, 0, 0]]}}
+        write_layers(self.run_directory, size, np.ones(counts[::-1], bool), table, time=z, config=config,
+                     angles=[[math.pi / 2, 0.0], [0.0, 0.0]])
+        record = self.export("vtp")
+        self.assertEqual(record["unit"], "m")
+        np.testing.assert_allclose(record["layers"][1]["heights"], [2e-4, 4e-4])
+        np.testing.assert_allclose(record["interfaces"][1]["height"], 4e-4)
+        np.testing.assert_allclose(record["layers"][1]["print_direction"], [1, 0, 0], atol=1e-12)
+        np.testing.assert_allclose(record["layers"][4]["print_direction"], [0, 1, 0], atol=1e-12)
 
     def test_program(self):
         counts, size = (4, 4, 4), (1.0, 1.0, 1.0)

@@ -129,18 +129,125 @@ class PathsTest(unittest.TestCase):
         np.testing.assert_allclose([first["axis_x"], first["axis_y"], first["axis_z"]], [1, 0, 0], atol=1e-6)
         self.assertLess(max(float(row["z"]) for row in rows), 1.0)
         record = json.loads((folder / "paths.json").read_text())
-        self.assertEqual((len(record["waypoints"]), record["unit"]), (len(rows), None))
+        self.assertEqual((len(record["waypoints"]), record["unit"], record["frame"]), (len(rows), "in", "drawing"))
         self.check_programs(folder, rows)
-        for table, least in (("paths.csv", 0.999), ("plain.csv", 0.99)):
+        for table, least in (("paths.csv", 0.999), ("paths.json", 0.999), ("plain.csv", 0.99)):
             if table == "plain.csv":  # position and layer are enough
                 (folder / table).write_text("x,y,z,layer\n" + "".join(
                     f"{row['x']},{row['y']},{row['z']},{10 * int(row['layer'])}\n" for row in rows), encoding="utf-8")
             done = self.call("import_paths.py", folder / table, self.run_directory)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn('"count": 4', done.stdout)
-            with h5py.File(folder / table.replace(".csv", "_sequence.h5")) as file:
+            with h5py.File(folder / (table.rpartition(".")[0] + "_sequence.h5")) as file:
                 self.assertGreaterEqual((file["layer"][()] == number).mean(), least)
                 np.testing.assert_array_equal(np.ceil(file["time"][()] * 4), file["layer"][()])
+
+    def drawn(self, scale, unit):
+        """The run of a box that its mesh file has lying and `scale` times smaller than the config, in which
+        it is 40 x 20 x 8 and not at the origin."""
+        matrix = np.column_stack([scale * np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]], float), [7.0, -30.0, 0.0]])
+        counts, size = (20, 10, 8), (40.0, 20.0, 8.0)
+        config = {"domain": {"size": size, "elements": counts, "origin": [7, -30, 0], **({"unit": unit} if unit else {})},
+                  "part": {"mesh": {"file": "/somewhere/box.3mf"}}, "run": {"mesh_placement": matrix.tolist()}}
+        height = node_coordinates(counts, size)[2] / size[2]
+        number = np.ceil(element_centres(counts, size)[2] / size[2] * 2 - 1e-9)
+        write_layers(self.run_directory, size, np.ones(counts[::-1], bool), 2, 1.0 - height, config=config, layer=number)
+        return matrix, number
+
+    def exported(self, frame):
+        """Positions of waypoints and of IRBCAM's targets at them, axes, and the JSON files."""
+        folder = Path(self.run_directory) / frame
+        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--bead-width", "4", "--frame", frame, "--output",
+                         folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        files = {name: json.loads((folder / f"{name}.json").read_text())
+                 for name in ("paths", "paths_summary", "paths_compas", "paths_irbcam")}
+        with open(folder / "paths_irbcam.csv", encoding="utf-8", newline="") as file:
+            targets = [row for row in csv.DictReader(file)]
+        kept = np.array([row["velocity"] != "-1" for row in targets])
+        found = files["paths_irbcam"]["targets"]
+        np.testing.assert_allclose([found["p" + axis.upper()] for axis in "xyz"],
+                                   [[float(row[axis]) for row in targets] for axis in "xyz"], atol=1e-5)
+        waypoints = np.array([row[4:] for row in files["paths"]["waypoints"]])
+        position = np.array([[float(row[axis]) for axis in "xyz"] for row in targets])
+        self.assertAlmostEqual(np.linalg.norm(position[0] - position[1]) / (8 * self.millimetres), 1.0, places=5)  # two beads
+        return waypoints[:, :3], position[kept], waypoints[:, 3:6], files, done.stdout
+
+    def test_units_and_frames(self):
+        """A part drawn in metres and one in inches, turned: IRBCAM's files are in millimetres of the placed
+        part, all others in the unit that they name, and either way back leads to the layers."""
+        for scale, unit, drawn_in, self.millimetres in (
+                (1000.0, "mm", "m", 1.0), (25.4, "mm", "in", 1.0), (1.0, "in", "in", 25.4), (1e-3, "m", "mm", 1000.0),
+                (1000.0, None, None, 1.0), (1.03, "mm", None, 1.0)):
+            matrix, number = self.drawn(scale, unit)
+            drawing, plate = self.exported("drawing"), self.exported("plate")
+            np.testing.assert_allclose(plate[0], drawing[0] @ matrix[:, :3].T + matrix[:, 3], atol=1e-4)
+            np.testing.assert_allclose(plate[2], drawing[2] @ matrix[:, :3].T / scale, atol=1e-6)
+            for end, expected in ((np.min, [9, -28, 2]), (np.max, [45, -12, 6])):
+                np.testing.assert_allclose(end(plate[0], axis=0), expected, atol=0.1)
+            np.testing.assert_allclose(plate[1], self.millimetres * plate[0], rtol=1e-6, atol=1e-4)
+            np.testing.assert_allclose(drawing[1], self.millimetres * scale * drawing[0], rtol=1e-6, atol=1e-4)
+            for frame, lengths_in, system, (*_, files, printed) in (("drawing", drawn_in, "those of box.3mf", drawing),
+                                                                    ("plate", unit, "those of the config", plate)):
+                self.check_facts(files, lengths_in, frame, system)
+                self.assertIn(f"coordinates: {system} (frame: {frame})" + (f" in {lengths_in}" if lengths_in else ""), printed)
+                self.assertEqual("takes the config's lengths as millimetres" in printed, unit is None)
+                factor = 1.0 if frame == "plate" else 1.0 / scale
+                self.assertAlmostEqual(files["paths_summary"]["bead_width"], 4 * factor)
+                self.assertAlmostEqual(files["paths_summary"]["volume"] / (6400 * factor**3), 1.0, places=6)
+                for name in ("paths.csv", "paths.json") if drawn_in in ("m", "in") and unit == "mm" else ():
+                    self.assert_way_back(Path(self.run_directory) / frame / name, number)
+
+    def check_facts(self, files, unit, frame, system):
+        facts = {"unit": unit, "frame": frame, "coordinates": system}
+        told = [(files["paths"], facts), (files["paths_summary"], facts), (files["paths_irbcam"], facts | {"unit": "mm"}),
+                *((point["attributes"], facts) for point in files["paths_compas"].values())]
+        for content, expected in told:
+            self.assertEqual({key: content[key] for key in expected}, expected)
+
+    def assert_way_back(self, path, number, *options):
+        done = self.call("import_paths.py", path, self.run_directory, *options)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        with h5py.File(str(path).rpartition(".")[0] + "_sequence.h5") as file:
+            self.assertGreaterEqual((file["layer"][()] == number).mean(), 0.99)
+
+    def test_frame_of_a_table(self):
+        """The option comes first, then the JSON file beside the table, then the drawing. What lies elsewhere
+        than the part is refused."""
+        self.millimetres = 1.0
+        _, number = self.drawn(1000.0, "mm")
+        self.exported("plate")
+        folder = Path(self.run_directory) / "plate"
+        alone = folder / "alone.csv"
+        alone.write_bytes((folder / "paths.csv").read_bytes())
+        self.assert_way_back(alone, number, "--frame", "plate")
+        for options in ((), ("--frame", "drawing")):
+            done = self.call("import_paths.py", alone, self.run_directory, *options)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("waypoints lie outside of the config's box, which goes from [7,-30,0] to [47,-10,8]", done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+        (folder / "alone.json").write_text('{"another": "file"}')
+        self.assertIn("lie outside", self.call("import_paths.py", alone, self.run_directory).stderr)
+        done = self.call("import_paths.py", folder / "alone.json", self.run_directory)
+        self.assertIn("has no columns and waypoints; allowed", done.stderr)
+
+    def test_a_unit_that_nobody_knows(self):
+        """IRBCAM wants millimetres: no file is better than one in furlongs."""
+        self.drawn(1.0, "furlong")
+        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--bead-width", "4")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("warning: domain.unit: found furlong; allowed for paths_irbcam", done.stderr)
+        names = {path.name for path in (Path(self.run_directory) / "paths").iterdir()}
+        self.assertEqual(names, {"paths.csv", "paths.json", "paths_compas.json", "paths_summary.json"})
+
+    def test_an_order_and_layers_that_are_counted(self):
+        """A simulation of a file does not look at the constraint that counts layers."""
+        folder = Path(self.box(config={"layers": {"type": "curved", "count": "auto"}}))
+        table = folder / "order.csv"
+        table.write_text("x,y,z,order\n0.5,0.5,0.05,1\n1.5,0.5,0.15,2\n", encoding="utf-8")
+        self.assertIn("order_sequence.h5 -layers 2 -binary", self.call("import_paths.py", table, folder).stdout)
+        (folder / "summary.json").unlink()
+        self.assertIn("order_sequence.h5 -layers NUMBER -binary", self.call("import_paths.py", table, folder).stdout)
 
     def check_programs(self, folder, rows):
         """Print points of COMPAS Slicer, and targets of IRBCAM."""
