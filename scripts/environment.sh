@@ -8,6 +8,9 @@ export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
 # mpirun would look at all X servers of the machine, and be killed when one goes away meanwhile.
 export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
+# A rank that waits for another leaves its core to others. Otherwise it spins there, and beside busy processes keeps the
+# rank it waits for from running.
+export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
 
 # Ctrl-C stops with a checkpoint: `mpirun` is a function from here on. In other shells than bash it stays as it is.
 if [ -n "${BASH_VERSION:-}" ]; then

@@ -10,6 +10,8 @@
 # Slurm kills 30 seconds (its KillWait) after TERM. mpirun gets the same TERM and must not kill ranks that are writing
 # their checkpoint before; it takes twice this time to return when they end with status 4.
 export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-10}"
+# The cores are the job's alone: nobody to leave them to.
+export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-0}"
 source "$FABSEQ_ROOT/scripts/environment.sh"
 unset -f mpirun # the traps below do with Slurm's signals what that function does with a terminal's
 
