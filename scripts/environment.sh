@@ -8,9 +8,14 @@ export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 export OMP_NUM_THREADS="${OMP_NUM_THREADS:-1}"
 # mpirun would look at all X servers of the machine, and be killed when one goes away meanwhile.
 export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
-# Time to write a checkpoint between a signal to mpirun and the kill of its ranks, in seconds. The price: mpirun waits twice
-# as long before it returns when ranks end with another status than 0.
-export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-60}"
+# A rank that waits for another leaves its core to others. Otherwise it spins there, and beside busy processes keeps the
+# rank it waits for from running.
+export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
+
+# Ctrl-C stops with a checkpoint: `mpirun` is a function from here on. In other shells than bash it stays as it is.
+if [ -n "${BASH_VERSION:-}" ]; then
+  source "$(dirname "${BASH_SOURCE[0]}")/launch.sh"
+fi
 
 # More ranks than cores, and several mpirun side by side on the same cores: for tests and for small machines.
 allow_more_ranks_than_cores() {

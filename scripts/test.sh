@@ -15,7 +15,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh
 allow_more_ranks_than_cores
-unset OMPI_MCA_odls_base_sigkill_timeout # many tests provoke errors; mpirun would wait two minutes after each
 
 presets=(release) selection=()
 while (($#)); do

@@ -10,13 +10,16 @@
 # Slurm kills 30 seconds (its KillWait) after TERM. mpirun gets the same TERM and must not kill ranks that are writing
 # their checkpoint before; it takes twice this time to return when they end with status 4.
 export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-10}"
+# The cores are the job's alone: nobody to leave them to.
+export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-0}"
 source "$FABSEQ_ROOT/scripts/environment.sh"
-source "$FABSEQ_ROOT/scripts/wait_for_end.sh"
+unset -f mpirun # the traps below do with Slurm's signals what that function does with a terminal's
 
 # One task of an array has the array's number as SLURM_JOB_ID; requeued by that, all tasks would run again.
 job=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}
 job=${job:-$SLURM_JOB_ID}
 
+signals=0
 warned=no # the job's time is nearly over: USR1 from sbatch --signal
 ended=no  # Slurm takes the job away: cancelled, preempted, requeued
 launcher=

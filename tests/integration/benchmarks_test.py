@@ -56,6 +56,13 @@ class BenchmarkScriptTest(FabseqTest):
         self.assertTrue(all(run["samples"][0]["primal"] > 0 for run in record["runs"]))
         self.assertEqual([line.split()[0] for line in lines[-2:]], ["2", "3"])
 
+    def test_spinning_and_yielding_beside_busy_processes(self):
+        lines, record = self.run_script("busy_machine.py", "--ranks", 2, "--busy", 0, 1, "--", "-max_iterations", 1)
+        self.assertEqual([(run["ranks"], run["busy"], run["waiting"]) for run in record["runs"]],
+                         [(2, busy, waiting) for busy in (0, 1) for waiting in ("spin", "yield")])
+        self.assertTrue(all(len(run["samples"]) == 1 and run["seconds"] > 0 for run in record["runs"]))
+        self.assertEqual([line.split()[:2] for line in lines[-2:]], [["2", "0"], ["2", "1"]])
+
     def read_csv(self, name):
         with open(os.path.join(self.directory, name), encoding="utf-8", newline="") as file:
             return list(csv.DictReader(file))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/run.sh: Ctrl-C says at once what happens, and leaves a checkpoint; a second one ends all."""
+"""scripts/use/run.sh: signals to it alone; launch_test.py types Ctrl-C at a terminal."""
 
 import json
 import os
@@ -57,28 +57,46 @@ class RunScriptTest(unittest.TestCase):
         self.assertEqual(self.start("-max_iterations", "2").wait(PATIENCE), DONE, self.errors())
         self.assertEqual(self.errors(), "")
 
-    def test_control_c(self):
+    def test_term(self):
+        """Twice within a moment, as `timeout` sends it: to the process, and to its group."""
         process = self.start("-elements", "60,36", "-max_iterations", "100000")
         self.wait_for_history()
-        os.killpg(process.pid, signal.SIGINT)
+        process.terminate()
+        os.killpg(process.pid, signal.SIGTERM)
         begin = time.monotonic()
         self.wait_until(lambda: "stopping after the solve in hand" in self.errors())
         self.assertLess(time.monotonic() - begin, 2)
         self.assertEqual(process.wait(PATIENCE), STOPPED, self.errors())
         self.assertLess(time.monotonic() - begin, 20)
+        self.assertNotIn("ending at once", self.errors())
         self.assertIn("-restart auto continues", self.errors())
         with open(self.path("out/summary.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["status"], "stopped")
         self.assertTrue(os.path.exists(self.path("out/checkpoint/newest")))
 
-    def test_a_second_one(self):
-        process = self.start("-elements", "400,240", "-layers", "40", "-max_iterations", "100000")
-        self.wait_until(lambda: os.path.exists(self.path("out/lock")))
-        os.killpg(process.pid, signal.SIGINT)
-        self.wait_until(lambda: "stopping after the solve in hand" in self.errors())
-        os.killpg(process.pid, signal.SIGINT)
-        self.assertEqual(process.wait(10), 137, self.errors())
-        self.wait_until(lambda: subprocess.run(["pgrep", "-f", self.path("out")], capture_output=True, check=False).returncode)
+    def test_hung_ranks(self):
+        """A third signal ends even what cannot answer."""
+        process = self.start("-elements", "60,36", "-max_iterations", "100000")
+        self.wait_for_history()
+        ranks = subprocess.run(["pgrep", "-f", self.path("out")], capture_output=True, text=True, check=True).stdout.split()
+        ranks = [int(rank) for rank in ranks if os.path.realpath(f"/proc/{rank}/exe") == os.path.realpath(PROGRAM)]
+        self.assertEqual(len(ranks), 2)
+        for rank in ranks:
+            os.kill(rank, signal.SIGSTOP)
+        self.addCleanup(subprocess.run, ["kill", "-KILL", *map(str, ranks)], stderr=subprocess.DEVNULL, check=False)
+        for message in ("stopping after the solve in hand", "ending at once"):
+            process.terminate()
+            self.wait_until(lambda expected=message: expected in self.errors())
+            time.sleep(0.2)  # sooner, it is the same signal
+        process.terminate()
+        self.assertEqual(process.wait(10), 128 + signal.SIGKILL, self.errors())
+
+    def test_input_is_left_alone(self):
+        """In a loop that reads lines, they are the loop's."""
+        loop = f"while read -r word; do {SCRIPT} -np 1 -help >/dev/null && echo $word; done"
+        done = subprocess.run(["bash", "-c", loop], input="first\nsecond\n", capture_output=True, text=True, timeout=PATIENCE,
+                              env={**ENVIRONMENT, **os.environ, "FABSEQ_PROGRAM": PROGRAM}, check=False)
+        self.assertEqual(done.stdout, "first\nsecond\n", done.stderr)
 
     def test_usage(self):
         done = subprocess.run([SCRIPT], capture_output=True, text=True, check=False)

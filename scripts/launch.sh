@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: MIT
+# shellcheck shell=bash
+# Starts programs so that signals end them in order; source it.
+
+# Status of a process, waiting on when a signal has come in between. Traps of the caller count their signals in
+# `signals`, a variable of the caller.
+wait_for_end() {
+  local seen status=0
+  while true; do
+    seen=$signals
+    wait "$1" && status=0 || status=$?
+    ((seen != signals)) || return "$status"
+  done
+}
+
+# Runs mpirun so that Ctrl-C, TERM and a closed terminal stop the program behind it with a checkpoint:
+#
+#   launch_stoppable NAME COMMAND [WORD]...     NAME begins the messages
+#
+# mpirun itself answers them by killing its ranks within two seconds. So it gets a session of its own, which keeps the
+# terminal's signals away, and USR1, which it hands on to the ranks. A second signal is handed on, too, and ends them at
+# once; a third one, or Ctrl-\, kills mpirun. The status is that of COMMAND. What the terminal types does not reach the
+# ranks; other input does. The traps of the shell are as before afterwards.
+launch_stoppable() {
+  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 traps caught=(HUP INT QUIT TERM USR1 USR2)
+  shift
+  trap - URG # until it sets one, a subshell lists the traps of its parent, which it does not have
+  traps=$(trap -p "${caught[@]}")
+  trap hand_on_stop "${caught[@]}"
+  trap 'stops=2; hand_on_stop' QUIT
+  setsid "$@" <&0 & # without <&0 a script's background process reads nothing
+  launcher=$!
+  [[ $early == no ]] || hand_on_stop
+  wait_for_end "$launcher" || status=$?
+  trap - "${caught[@]}"
+  eval "$traps"
+  ((status != 4 || signals == 0)) || echo "$name: stopped; the same command with -restart auto continues" >&2
+  return "$status"
+}
+
+# The trap of launch_stoppable. Messages come last, since the terminal may be gone.
+hand_on_stop() {
+  local now=${EPOCHREALTIME:-$SECONDS.000000}
+  now=${now/[.,]/} # microseconds
+  signals=$((signals + 1))
+  if [[ -z $launcher ]]; then
+    early=yes
+    return
+  fi
+  ((now - last > 100000)) || return 0 # `timeout` and others send the same one twice; the program has the same limit
+  stops=$((stops + 1))
+  if ((stops > 2)); then
+    kill -KILL -- "-$launcher" 2>/dev/null || true
+  elif ((stops == 2)); then
+    kill -USR1 "$launcher" 2>/dev/null || true
+    echo "$name: ending at once" >&2 || true
+  elif ranks_listen; then
+    kill -USR1 "$launcher" 2>/dev/null || true
+    echo "$name: stopping after the solve in hand, with a checkpoint; press Ctrl-C again to end at once" >&2 || true
+  else # mpirun that begins would lose USR1, and there is nothing to be saved
+    kill -TERM "$launcher" 2>/dev/null || true
+    echo "$name: ending; there is nothing to save yet" >&2 || true
+  fi
+  last=${EPOCHREALTIME:-$SECONDS.000000} last=${last/[.,]/}
+}
+
+# Whether a process of this machine that mpirun has started catches USR1 (bit 9 of the mask).
+ranks_listen() {
+  [[ -n $(cat /proc/[0-9]*/status 2>/dev/null | awk -v session="$launcher" '
+    /^Name:/ { is_rank = $2 != "mpirun" }
+    /^NSsid:/ { is_rank = is_rank && $2 == session }
+    /^SigCgt:/ && is_rank && substr($2, 14, 1) ~ /[2367abef]/ { print "yes" }') ]]
+}
+
+# For users' shells and scripts. A subshell keeps traps and notices of jobs out of them; where there is one already, as
+# in `mpirun ... &`, it is the one that gets the signals.
+function mpirun { # an alias of that name would be replaced in mpirun()
+  if [[ $BASHPID == "$$" ]]; then (launch_stoppable mpirun mpirun "$@"); else launch_stoppable mpirun mpirun "$@"; fi
+}
