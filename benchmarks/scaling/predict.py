@@ -1,40 +1,17 @@
-#!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A model of what a design iteration computes and sends: checked by counting, and used to predict strong
-scaling.
+"""Seconds of a design iteration over cores, and what they are made of, as tables and a picture."""
 
-    benchmarks/scaling_model.py check --splits 1x4 2x4 1x16           counts of small runs beside the model's
-    benchmarks/scaling_model.py predict --before benchmarks/scaling/before.csv --plot docs/scaling.png
-                                                                      time over cores, by the model
-    benchmarks/scaling_model.py parts --case v_shape --splits 1x1 4x16    what an iteration's time is made of
-
-`check` runs the program with a library preloaded that counts MPI calls (benchmarks/scaling/message_count.cc),
-on two small boxes, one all of material and one with a void, oversubscribed if need be: counts do not depend
-on that. It compares the last design iteration with the model, given its numbers of CG iterations, and the
-whole run with PETSc's -log_view.
-
-`predict` times the counts on a stated machine (benchmarks/scaling/machine.py): --latency, --network and so on
-change it. For each number of cores it takes the fastest split into groups x domain ranks on no more cores
-that fits the memory. --measured adds the figures of a CSV of strong_scaling.py, --before those of another
-prediction's --csv: scaling/before.csv is that of the last version in which small levels were whole on every
-rank.
-
-How box, layers and rows are dealt out is asked of the program (benchmarks/scaling/plan.cc, built with the
-tests and with FABSEQ_BENCHMARKS).
-"""
 import csv
 import dataclasses
 import math
 import os
-import sys
-import tempfile
 
-import program_run
-from program_run import parse_split, split_text
-from scaling import check
-from scaling.counts import Iteration, count_iteration
-from scaling.machine import KINDS, Clock, Machine, memory_bytes
-from scaling.plan import Plan
+from .. import program_run
+from ..program_run import split_text
+from . import __doc__ as documentation
+from .counts import Iteration, count_iteration
+from .machine import KINDS, Clock, memory_bytes
+from .plan import Plan
 
 # Cores and seconds of an iteration of the V-shape (Di Girolamo 2024, table 2).
 PUBLISHED = [(4, 568.36), (8, 317.19), (16, 131.73), (24, 92.54), (32, 75.99),
@@ -148,7 +125,13 @@ def plot(path, predictions, measured, before):
             axes.set(title=case.title, xlabel="cores", ylabel="seconds per design iteration")
 
 
+def print_origin():
+    """What the seconds below rest on."""
+    print(documentation.splitlines()[0])
+
+
 def run_predict(options, on):
+    print_origin()
     predictions, record = [], []
     for case in CASES.values():
         rows = predict(case, on, options.plan)
@@ -167,50 +150,8 @@ def run_parts(options, on):
     case = CASES[options.case]
     all_groups, all_ranks = map(list, zip(*options.splits))
     case.prepare(options.plan, all_groups, all_ranks)
+    print_origin()
     for groups, ranks in options.splits:
         seconds = case.time_split(on, groups, case.plan.systems(ranks))
         print(f"{case.title}, {split_text((groups, ranks))}")
         print_parts(seconds) if seconds else print("does not fit")
-
-
-def parse_arguments():
-    parser = program_run.parser_of(__doc__)
-    commands = parser.add_subparsers(dest="command", required=True)
-    checks = commands.add_parser("check", help="counts of small runs beside the model's")
-    program_run.add_program_option(checks)
-    checks.add_argument("--cases", nargs="+", default=list(check.CASES), choices=list(check.CASES),
-                        help="default: both")
-    checks.add_argument("--splits", nargs="+", type=parse_split,
-                        default=[(1, 4), (2, 4), (1, 16)], metavar="GxD", help="default: 1x4 2x4 1x16")
-    checks.set_defaults(rest=[])
-    predicts = commands.add_parser("predict", help="time over cores")
-    predicts.add_argument("--plot", metavar="FILE")
-    predicts.add_argument("--csv", metavar="FILE")
-    predicts.add_argument("--before", metavar="FILE", help="a CSV of another prediction")
-    predicts.add_argument("--measured", metavar="FILE", help="a CSV of strong_scaling.py, of the V-shape")
-    parts = commands.add_parser("parts", help="what the time of splits is made of")
-    parts.add_argument("--case", default="v_shape", choices=list(CASES))
-    parts.add_argument("--splits", nargs="+", type=parse_split, default=[(1, 1)], metavar="GxD")
-    for command in (checks, predicts, parts):
-        command.add_argument("--plan", metavar="PROGRAM", help="default: build/release/benchmarks/scaling_plan",
-                             default=os.path.join(os.path.dirname(program_run.PROGRAM), "benchmarks", "scaling_plan"))
-    for command in (predicts, parts):
-        for field in dataclasses.fields(Machine):
-            command.add_argument("--" + field.name.replace("_", "-"), type=field.type,
-                                 default=field.default, help="default: %(default)g")
-    return parser.parse_args()
-
-
-def main():
-    options = parse_arguments()
-    if options.command == "check":  # status 1 if not all messages are as many and as large as the model says
-        with tempfile.TemporaryDirectory() as directory:
-            library = check.build_library(directory)
-            sys.exit(any([check.compare(options, case, *split, library)
-                          for case in options.cases for split in options.splits]))
-    on = Machine(**{field.name: getattr(options, field.name) for field in dataclasses.fields(Machine)})
-    (run_predict if options.command == "predict" else run_parts)(options, on)
-
-
-if __name__ == "__main__":
-    program_run.run_script(main)
