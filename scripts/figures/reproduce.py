@@ -4,8 +4,10 @@
 
     scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- PROGRAM OPTIONS]
     scripts/figures/reproduce.py --list
+    scripts/figures/reproduce.py --command CASE...       how the program is called, to start from
 
-configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE;
+configs/published/cases.json holds the cases: a config each, and the keys of it that differ, or another case
+that it is like, and the keys that differ from it. A case goes to OUTPUT/CASE;
 one that was interrupted goes on where it was, one that is done is only looked at again. Then the geometric
 thickness of its layers is measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other
 numbers of layers where the case asks for that, a small picture is drawn, and its page docs/results/CASE.md
@@ -16,6 +18,7 @@ Options of the program, such as -max_iterations 10, are for trials: give --resul
 
 import json
 import os
+import shlex
 import shutil
 import sys
 
@@ -31,10 +34,12 @@ def main():
     parser = parser_of(__doc__)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--list", action="store_true", help="print the cases")
+    parser.add_argument("--command", action="store_true", help="print the command of each case, run nothing")
     parser.add_argument("--all-2d", action="store_true", help="all cases in two dimensions")
     parser.add_argument("--ranks", type=int, help="processes (default: the case's)")
     parser.add_argument("--output", default=os.path.join("output", "cases"), help="default: %(default)s")
-    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "cases.json"), help="default: configs/cases.json")
+    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "published", "cases.json"),
+                        help="default: configs/published/cases.json")
     parser.add_argument("--results", default=os.path.join(ROOT, "docs", "results.md"),
                         help="the overview, or none (default: docs/results.md)")
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
@@ -44,6 +49,10 @@ def main():
         for name in cases.table:
             case, width = cases[name], max(map(len, cases.table))
             print(f"{name:<{width}}  {'2D' if cases.is_flat(name) else '3D'}  [{case['source']}] {case['what']}")
+        return
+    if arguments.command:
+        for name in chosen(cases, arguments):
+            print(shlex.join(program_call(arguments.program, arguments.ranks or cases.ranks(name), cases.command(name))))
         return
     failed = [name for name in chosen(cases, arguments) if not reproduce(cases, name, arguments)]
     if failed:
@@ -67,7 +76,10 @@ class Cases:
         return {**other, **case, "set": {**other.get("set", {}), **case.get("set", {})}}
 
     def config(self, name):
-        return os.path.join(self.folder, self[name]["config"])
+        return os.path.normpath(os.path.join(self.folder, self[name]["config"]))
+
+    def ranks(self, name):
+        return self[name].get("ranks", 2)
 
     def command(self, name):
         """The program's own words for a case, but for ranks and output."""
@@ -98,7 +110,7 @@ def reproduce(cases, name, arguments):
     """One case with everything that follows; whether it worked."""
     case, directory = cases[name], os.path.join(arguments.output, name)
     simulates = case.get("task") == "simulate"
-    ranks = arguments.ranks or case.get("ranks", 2)
+    ranks = arguments.ranks or cases.ranks(name)
     again = ["-overwrite"] if simulates else ["-restart", "auto"]
     try:
         run(arguments.program, ranks, [*cases.command(name), *again, "-output", directory, *arguments.rest])
@@ -118,8 +130,13 @@ def reproduce(cases, name, arguments):
 
 
 def run(program, ranks, words):
-    print(" ".join(["mpirun", "-np", str(ranks), program, *words]), flush=True)
-    run_command(["mpirun", "-np", ranks, program, *words], capture=False)
+    command = program_call(program, ranks, words)
+    print(shlex.join(command), flush=True)
+    run_command(command, capture=False)
+
+
+def program_call(program, ranks, words):
+    return ["mpirun", "-np", str(ranks), program, *words]
 
 
 def reslice(arguments, ranks, directory, count):

@@ -25,6 +25,7 @@ class ReproduceTest(FabseqTest):
                           "published": {"planar": 2.0, "optimized": 0.5},
                           "set": {"constraints.layer_thickness.target": 0.35}, "reslice": [8]},
                  "wall_free": {"config": "direct_elements.json", "source": "made up", "what": "a wall"},
+                 "wall_fine": {"like": "wall", "what": "a wall", "set": {"layers.count": 9}},
                  "planar": {"config": "hook.json", "source": "made up", "what": "a hook", "task": "simulate",
                             "set": {"sequence": {"type": "planar"}}}}
         self.cases = self.write_config(cases, "cases.json")
@@ -107,18 +108,23 @@ class ReproduceTest(FabseqTest):
         listed = self.reproduce("--list")
         self.assertEqual(listed.returncode, 0, listed.stderr)
         self.assertEqual([line.split()[:2] for line in listed.stdout.splitlines()],
-                         [["wall", "2D"], ["wall_free", "2D"], ["planar", "3D"]])
+                         [["wall", "2D"], ["wall_free", "2D"], ["wall_fine", "2D"], ["planar", "3D"]])
+        command = self.reproduce("--command", "wall_fine", "--ranks", "3").stdout
+        self.assertEqual(command, f"mpirun -np 3 {PROGRAM} -config {self.directory}/plate.json -task optimize "
+                         "-set constraints.layer_thickness.target=0.35 -set layers.count=9\n")
         for words, message in ((["wal"], "no such case"), ([], "no case given")):
             refused = self.reproduce(*words)
             self.assertEqual(refused.returncode, 1)
             self.assertIn(message, refused.stderr)
 
     def test_all_published_cases_are_accepted(self):
-        """Every case of configs/cases.json, and of those of this program, is one that the program takes."""
+        """Every case of configs/published/cases.json and of the studies is one that the program takes."""
         sys.path.insert(0, os.path.join(ROOT, "scripts", "figures"))
         from reproduce import Cases
 
-        for path in sorted(glob.glob(os.path.join(ROOT, "configs", "*cases.json"))):
+        paths = sorted(glob.glob(os.path.join(ROOT, "configs", "*", "*cases.json")))
+        self.assertEqual(len(paths), 5)
+        for path in paths:
             with open(path, encoding="utf-8") as file:
                 names = list(json.load(file))
             cases = Cases(path)
