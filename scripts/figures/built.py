@@ -30,9 +30,9 @@ def main():
 
 
 def print_cases(documentation, name, head, options, rows_of):
-    """The command line of a script that runs the cases of configs/studies/NAME_cases.json with these options of
-    the program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of cells
-    without the first, which says what the case is."""
+    """The command line of a script that runs the cases of configs/studies/NAME_cases.json with these options
+    of the program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of
+    cells without the first, which says what the case is."""
     parser = parser_of(documentation)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--ranks", type=int, default=2)

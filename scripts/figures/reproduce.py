@@ -5,13 +5,15 @@
     scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- PROGRAM OPTIONS]
     scripts/figures/reproduce.py --list
     scripts/figures/reproduce.py --command CASE...       how the program is called, to start from
+    scripts/figures/reproduce.py --pages                 writes all pages again, runs nothing
 
 configs/published/cases.json holds the cases: a config each, and the keys of it that differ, or another case
-that it is like, and the keys that differ from it. A case goes to OUTPUT/CASE;
-one that was interrupted goes on where it was, one that is done is only looked at again. Then the geometric
-thickness of its layers is measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other
-numbers of layers where the case asks for that, a small picture is drawn, and its page docs/results/CASE.md
-and its row in docs/results.md are written.
+that it is like, and the keys that differ from it. A case goes to OUTPUT/CASE; one that was interrupted goes
+on where it was, one that is done is only looked at again. Then the geometric thickness of its layers is
+measured (scripts/use/geometric_thickness.py), and its pseudo-time is cut into other numbers of layers where
+the case asks for that. Its rows in docs/results/cases/cases.csv are written, and from that table
+docs/results.md and the pages beside the table. A page that shows a picture of the case gets a new one;
+--picture adds one.
 
 Options of the program, such as -max_iterations 10, are for trials: give --results none with them.
 """
@@ -25,8 +27,9 @@ import sys
 import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script  # before any package
 
-import case_table
 import geometric_thickness
+from case_figures import rows_of
+from case_pages import Pages
 from read_run import Run, read_json
 
 
@@ -35,6 +38,8 @@ def main():
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--list", action="store_true", help="print the cases")
     parser.add_argument("--command", action="store_true", help="print the command of each case, run nothing")
+    parser.add_argument("--pages", action="store_true", help="write the pages as the table of figures has them, run nothing")
+    parser.add_argument("--picture", action="store_true", help="a picture of each, even if its page had none")
     parser.add_argument("--all-2d", action="store_true", help="all cases in two dimensions")
     parser.add_argument("--ranks", type=int, help="processes (default: the case's)")
     parser.add_argument("--output", default=os.path.join("output", "cases"), help="default: %(default)s")
@@ -53,6 +58,9 @@ def main():
     if arguments.command:
         for name in chosen(cases, arguments):
             print(shlex.join(program_call(arguments.program, arguments.ranks or cases.ranks(name), cases.command(name))))
+        return
+    if arguments.pages:
+        Pages(arguments.results, cases).write_again()
         return
     failed = [name for name in chosen(cases, arguments) if not reproduce(cases, name, arguments)]
     if failed:
@@ -118,11 +126,10 @@ def reproduce(cases, name, arguments):
         thickness = None if planes else geometric_thickness.write_record(directory)  # of planes it is given
         resliced = {count: reslice(arguments, ranks, directory, count) for count in case.get("reslice", [])}
         if arguments.results != "none":
-            figures = case_table.figures_of(case, directory, thickness, resliced)
-            page = case_table.page_of(arguments.results, name)
-            os.makedirs(os.path.dirname(page), exist_ok=True)
-            picture = None if simulates else draw(directory, page)
-            case_table.record(arguments.results, list(cases.table), name, case, figures, picture)
+            pages = Pages(arguments.results, cases)
+            if not simulates and (arguments.picture or os.path.exists(pages.picture(name))):
+                draw(directory, pages.picture(name))
+            pages.record(name, rows_of(name, case, directory, thickness, resliced))
     except (RunError, OSError) as error:
         print(f"reproduce.py: {name}: {error}", file=sys.stderr)
         return False
@@ -158,14 +165,11 @@ def reslice(arguments, ranks, directory, count):
     return result
 
 
-def draw(directory, page):
-    """A small picture beside the page of the case; its path relative to that."""
+def draw(directory, picture):
     if not os.environ.get("DISPLAY") and not shutil.which("Xvfb"):
         print("reproduce.py: no picture: it needs a display, or Xvfb", file=sys.stderr)
-        return None
-    picture = page.removesuffix(".md") + ".png"
+        return
     run_command([sys.executable, os.path.join(ROOT, "scripts", "figures", "small_picture.py"), directory, picture])
-    return os.path.basename(picture)
 
 
 if __name__ == "__main__":

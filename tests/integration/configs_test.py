@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every config of configs/ and configs/published/ is one that the program checks and optimizes, and is said to
-cost what it does."""
+"""Every config of configs/ and configs/published/ is one that the program checks and optimizes, and is said
+to cost what it does."""
 
 import json
 import math
