@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Links between the documents: files and headings that they name are there, and pictures are shown
-somewhere."""
+"""Links between the documents: files and headings that they name are there, as are paths of this tree in
+their text, and pictures are shown somewhere."""
 
 import re
 import unittest
@@ -47,6 +47,14 @@ class LinksTest(unittest.TestCase):
                     self.assertTrue(target.exists(), "no such file")
                     if anchor:
                         self.assertIn(anchor, anchors_of(target))
+
+    def test_paths(self):
+        """Those that stand in the text, but for NAME and what the changelog says of earlier versions."""
+        for page in PAGES:
+            text = page.read_text(encoding="utf-8") if page.name != "CHANGELOG.md" else ""
+            for name in set(re.findall(r"(?<![\w./~-])(?:scripts|configs|docs|benchmarks|tests)/[\w./-]*\w", text)):
+                with self.subTest(page=str(page.relative_to(PROJECT)), path=name):
+                    self.assertTrue("NAME" in name or (PROJECT / name).exists(), "no such file")
 
     def test_pictures_are_shown(self):
         shown = {(page.parent / link).resolve() for page in PAGES for link in links_of(page)}
