@@ -7,10 +7,10 @@ import re
 import tempfile
 from collections import Counter, defaultdict
 
-import program_run
-from scaling.counts import Iteration, count_iteration
-from scaling.machine import PHASES
-from scaling.plan import Plan
+from .. import program_run
+from .counts import Iteration, count_iteration
+from .machine import PHASES
+from .plan import Plan
 
 FIGURES = ["messages", "message_bytes", "collectives", "collective_bytes"]
 # Iterations of a run; the last is compared. By then groups have met all numbers of lanes that they are dealt:

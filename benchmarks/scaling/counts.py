@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaling.costs import DOUBLE, SINGLE, coarse_step, outer_step, visit
+from .costs import DOUBLE, SINGLE, coarse_step, outer_step, visit
 
 
 @dataclass

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaling.costs import DOUBLE, SINGLE
+from .costs import DOUBLE, SINGLE
 
 PHASES = ["heat", "layers", "primal", "adjoint", "responses", "optimizer"]
 KINDS = ["compute", "serial", "messages", "collectives"]

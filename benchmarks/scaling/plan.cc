@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
 /// What the program decides for any number of ranks, asked on one of them: the part that the scaling model
-/// (benchmarks/scaling_model.py) takes from the program instead of having rules of its own.
+/// (benchmarks/scaling) takes from the program instead of having rules of its own.
 ///
 ///     scaling_plan < QUESTION > ANSWER
 ///

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the cases of configs/built_cases.json, of material that goes to nominal positions, and prints a table
-of what they reach, in length units, and of what is left of it under the changes of -task sensitivity.
+"""Runs the cases of configs/studies/built_cases.json, of material that goes to nominal positions, and prints
+a table of what they reach, in length units, and of what is left of it under the changes of -task sensitivity.
 
     scripts/figures/built.py [CASE...] [--ranks N] [--output output/built] [--cases FILE.json] [--table]
                              [-- PROGRAM OPTIONS]
@@ -30,15 +30,15 @@ def main():
 
 
 def print_cases(documentation, name, head, options, rows_of):
-    """The command line of a script that runs the cases of configs/NAME_cases.json with these options of the
-    program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of cells
-    without the first, which says what the case is."""
+    """The command line of a script that runs the cases of configs/studies/NAME_cases.json with these options
+    of the program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of
+    cells without the first, which says what the case is."""
     parser = parser_of(documentation)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--output", default=os.path.join("output", name))
     parser.add_argument("--table", action="store_true", help="only of what is there")
-    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", f"{name}_cases.json"))
+    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "studies", f"{name}_cases.json"))
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
     arguments = parse(parser)
     cases = Cases(arguments.cases)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the cases of configs/machine_cases.json, without and with the limits of a machine, and prints what the
-torch does not reach, tilts, local thickness and what the limits cost in distortion.
+"""Runs the cases of configs/studies/machine_cases.json, without and with the limits of a machine, and prints
+what the torch does not reach, tilts, local thickness and what the limits cost in distortion.
 
     scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--table] [-- PROGRAM OPTIONS]
 

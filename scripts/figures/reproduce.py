@@ -4,26 +4,32 @@
 
     scripts/figures/reproduce.py CASE... [--all-2d] [--ranks N] [--output output/cases] [-- PROGRAM OPTIONS]
     scripts/figures/reproduce.py --list
+    scripts/figures/reproduce.py --command CASE...       how the program is called, to start from
+    scripts/figures/reproduce.py --pages                 writes all pages again, runs nothing
 
-configs/cases.json holds the cases: a config each, and the keys of it that differ. A case goes to OUTPUT/CASE;
-one that was interrupted goes on where it was, one that is done is only looked at again. Then the geometric
-thickness of its layers is measured (scripts/use/geometric_thickness.py), its pseudo-time is cut into other
-numbers of layers where the case asks for that, a small picture is drawn, and its page docs/results/CASE.md
-and its row in docs/results.md are written.
+configs/published/cases.json holds the cases: a config each, and the keys of it that differ, or another case
+that it is like, and the keys that differ from it. A case goes to OUTPUT/CASE; one that was interrupted goes
+on where it was, one that is done is only looked at again. Then the geometric thickness of its layers is
+measured (scripts/use/geometric_thickness.py), and its pseudo-time is cut into other numbers of layers where
+the case asks for that. Its rows in docs/results/cases/cases.csv are written, and from that table
+docs/results.md and the pages beside the table. A page that shows a picture of the case gets a new one;
+--picture adds one.
 
 Options of the program, such as -max_iterations 10, are for trials: give --results none with them.
 """
 
 import json
 import os
+import shlex
 import shutil
 import sys
 
 import scripts_use  # noqa: F401 (before modules of that folder)
 from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script  # before any package
 
-import case_table
 import geometric_thickness
+from case_figures import rows_of
+from case_pages import Pages
 from read_run import Run, read_json
 
 
@@ -31,10 +37,14 @@ def main():
     parser = parser_of(__doc__)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--list", action="store_true", help="print the cases")
+    parser.add_argument("--command", action="store_true", help="print the command of each case, run nothing")
+    parser.add_argument("--pages", action="store_true", help="write the pages as the table of figures has them, run nothing")
+    parser.add_argument("--picture", action="store_true", help="a picture of each, even if its page had none")
     parser.add_argument("--all-2d", action="store_true", help="all cases in two dimensions")
     parser.add_argument("--ranks", type=int, help="processes (default: the case's)")
     parser.add_argument("--output", default=os.path.join("output", "cases"), help="default: %(default)s")
-    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "cases.json"), help="default: configs/cases.json")
+    parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "published", "cases.json"),
+                        help="default: configs/published/cases.json")
     parser.add_argument("--results", default=os.path.join(ROOT, "docs", "results.md"),
                         help="the overview, or none (default: docs/results.md)")
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
@@ -44,6 +54,13 @@ def main():
         for name in cases.table:
             case, width = cases[name], max(map(len, cases.table))
             print(f"{name:<{width}}  {'2D' if cases.is_flat(name) else '3D'}  [{case['source']}] {case['what']}")
+        return
+    if arguments.command:
+        for name in chosen(cases, arguments):
+            print(shlex.join(program_call(arguments.program, arguments.ranks or cases.ranks(name), cases.command(name))))
+        return
+    if arguments.pages:
+        Pages(arguments.results, cases).write_again()
         return
     failed = [name for name in chosen(cases, arguments) if not reproduce(cases, name, arguments)]
     if failed:
@@ -67,7 +84,10 @@ class Cases:
         return {**other, **case, "set": {**other.get("set", {}), **case.get("set", {})}}
 
     def config(self, name):
-        return os.path.join(self.folder, self[name]["config"])
+        return os.path.normpath(os.path.join(self.folder, self[name]["config"]))
+
+    def ranks(self, name):
+        return self[name].get("ranks", 2)
 
     def command(self, name):
         """The program's own words for a case, but for ranks and output."""
@@ -98,7 +118,7 @@ def reproduce(cases, name, arguments):
     """One case with everything that follows; whether it worked."""
     case, directory = cases[name], os.path.join(arguments.output, name)
     simulates = case.get("task") == "simulate"
-    ranks = arguments.ranks or case.get("ranks", 2)
+    ranks = arguments.ranks or cases.ranks(name)
     again = ["-overwrite"] if simulates else ["-restart", "auto"]
     try:
         run(arguments.program, ranks, [*cases.command(name), *again, "-output", directory, *arguments.rest])
@@ -106,11 +126,10 @@ def reproduce(cases, name, arguments):
         thickness = None if planes else geometric_thickness.write_record(directory)  # of planes it is given
         resliced = {count: reslice(arguments, ranks, directory, count) for count in case.get("reslice", [])}
         if arguments.results != "none":
-            figures = case_table.figures_of(case, directory, thickness, resliced)
-            page = case_table.page_of(arguments.results, name)
-            os.makedirs(os.path.dirname(page), exist_ok=True)
-            picture = None if simulates else draw(directory, page)
-            case_table.record(arguments.results, list(cases.table), name, case, figures, picture)
+            pages = Pages(arguments.results, cases)
+            if not simulates and (arguments.picture or os.path.exists(pages.picture(name))):
+                draw(directory, pages.picture(name))
+            pages.record(name, rows_of(name, case, directory, thickness, resliced))
     except (RunError, OSError) as error:
         print(f"reproduce.py: {name}: {error}", file=sys.stderr)
         return False
@@ -118,8 +137,13 @@ def reproduce(cases, name, arguments):
 
 
 def run(program, ranks, words):
-    print(" ".join(["mpirun", "-np", str(ranks), program, *words]), flush=True)
-    run_command(["mpirun", "-np", ranks, program, *words], capture=False)
+    command = program_call(program, ranks, words)
+    print(shlex.join(command), flush=True)
+    run_command(command, capture=False)
+
+
+def program_call(program, ranks, words):
+    return ["mpirun", "-np", str(ranks), program, *words]
 
 
 def reslice(arguments, ranks, directory, count):
@@ -141,14 +165,11 @@ def reslice(arguments, ranks, directory, count):
     return result
 
 
-def draw(directory, page):
-    """A small picture beside the page of the case; its path relative to that."""
+def draw(directory, picture):
     if not os.environ.get("DISPLAY") and not shutil.which("Xvfb"):
         print("reproduce.py: no picture: it needs a display, or Xvfb", file=sys.stderr)
-        return None
-    picture = page.removesuffix(".md") + ".png"
+        return
     run_command([sys.executable, os.path.join(ROOT, "scripts", "figures", "small_picture.py"), directory, picture])
-    return os.path.basename(picture)
 
 
 if __name__ == "__main__":

@@ -11,11 +11,12 @@ curves.
 """
 
 import json
+import lzma
 import os
 from html import escape
 from string import Template
 
-from command_line import ROOT, parser_of, run_script
+from command_line import ROOT, RunError, parser_of, run_script
 
 from check_words import check_sentences
 from read_run import NOT_COMPARED, Run, flat, read_fields, read_history, read_json
@@ -63,7 +64,7 @@ def page_of(runs):
     title = f"{run_name(runs[0])}: report" if len(runs) == 1 else "Comparison of runs"
     return Template(read("page.html")).substitute(
         title=escape(title), style=read("page.css"), body=body_of(runs, notes_of(runs, scene, factors)),
-        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), script=read("bundle.js"))
+        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), script=bundle())
 
 
 def view_labels(run, runs):
@@ -71,6 +72,16 @@ def view_labels(run, runs):
     if len(runs) > 1:
         return {state: run.label for state in ("binary", "simulated") if state in run.summary}
     return states_of(runs[0]) | ({"binary": "optimized"} if "binary" in runs[0].summary else {})
+
+
+def bundle():
+    """The page's script, of a packed file whose checksum is compared as it is unpacked."""
+    path = os.path.join(PARTS, "bundle.js.xz")
+    try:
+        with lzma.open(path, "rt", encoding="utf-8") as file:
+            return file.read()
+    except (lzma.LZMAError, EOFError) as error:
+        raise RunError(f"{path} is damaged: {error}") from error
 
 
 def read(name):

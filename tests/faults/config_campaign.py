@@ -8,9 +8,9 @@ says.
     tests/faults/config_campaign.py --short                a sample, as ctest runs it
     tests/faults/config_campaign.py --seed 1 --only 137    one case, with all that it says
 
-A case is one of the configs of configs/ with few elements and two iterations (shrunken_configs.py), in which
-one to three things are changed at random (config_mutations.py), and a command line (option_mutations.py). It
-depends on the seed and its own number only.
+A case is one of the configs of configs/ and configs/published/ with few elements and two iterations
+(shrunken_configs.py), in which one to three things are changed at random (config_mutations.py), and a command
+line (option_mutations.py). It depends on the seed and its own number only.
 
 Right is: status 0, all files of the task, finite numbers in them, a config.json that can be read again;
 status 2, one line that names key, option or file, nothing written; 3, 4 and 5 as the reference describes

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The configs of configs/ with few elements, few layers and two iterations: each runs in about a second."""
+"""The configs of configs/ and configs/published/ with few elements, few layers and two iterations: each runs
+in about a second."""
 
+import glob
 import json
 import math
 import os
@@ -81,6 +83,7 @@ def shrunken(path, target_folder):
 
 
 def shrunken_configs(folder, target_folder):
-    """All by name."""
-    names = sorted(name for name in os.listdir(folder) if name.endswith(".json") and not name.endswith("cases.json"))
-    return {name[:-5]: shrunken(os.path.join(folder, name), target_folder) for name in names}
+    """All of the folder and of its folder `published`, by name."""
+    paths = sorted([*glob.glob(os.path.join(folder, "*.json")), *glob.glob(os.path.join(folder, "published", "*.json"))],
+                   key=os.path.basename)
+    return {os.path.basename(path)[:-5]: shrunken(path, target_folder) for path in paths if not path.endswith("cases.json")}

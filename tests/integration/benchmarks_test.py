@@ -121,8 +121,8 @@ class BenchmarkScriptTest(FabseqTest):
 class ScalingModelTest(FabseqTest):
     def run_model(self, *arguments):
         plan = os.path.join(os.path.dirname(PROGRAM), "benchmarks", "scaling_plan")
-        command = ["/usr/bin/python3", os.path.join(ROOT, "benchmarks", "scaling_model.py"), *map(str, arguments), "--plan", plan]
-        status, stdout, stderr = run_command(command, self.directory, 300)
+        command = ["/usr/bin/python3", "-m", "benchmarks.scaling", *map(str, arguments), "--plan", plan]
+        status, stdout, stderr = run_command(command, ROOT, 300)
         self.assertEqual(status, DONE, stdout + stderr)
         return stdout
 
@@ -138,6 +138,7 @@ class ScalingModelTest(FabseqTest):
 
         def totals(*options):
             lines = self.run_model("parts", "--case", "v_shape", "--splits", "1x1", "1x2", *options).splitlines()
+            self.assertRegex(lines[0], "^Measured on .* assumed")
             return [[float(word) for word in line.split()[1:]] for line in lines if line.split()[:1] == ["total"]]
 
         (alone, pair), (_, quick) = totals(), totals(*free)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every config of configs/ is one that the program checks and optimizes, and is said to cost what it does."""
+"""Every config of configs/ and configs/published/ is one that the program checks and optimizes, and is said
+to cost what it does."""
 
 import json
 import math
@@ -10,6 +11,7 @@ import run_fabseq
 from run_fabseq import FabseqTest, ROOT
 
 CONFIGS = os.path.join(ROOT, "configs")
+PUBLISHED = os.path.join(CONFIGS, "published")
 MOST_ELEMENTS = 3000  # of the box of an iteration
 FINER = {"bracket.json": 6000}  # or its hole has no nodes
 COARSE_PART = ("-set", "part.voxels.file=" + os.path.join(CONFIGS, "parts", "demo_part_20x20x30.h5"))
@@ -31,12 +33,15 @@ def reduced(path):
 @run_fabseq.only_release
 class ConfigsTest(FabseqTest):
     def for_each_config(self, test, but=()):
-        names = sorted(name for name in os.listdir(CONFIGS) if name.endswith(".json")
-                       and not name.endswith("cases.json") and name not in but)
-        self.assertIn("demo.json", names)
-        for name in names:
-            with self.subTest(config=name):
-                test(os.path.join(CONFIGS, name))
+        folders = (CONFIGS, PUBLISHED)
+        paths = sorted(os.path.join(folder, name) for folder in folders for name in os.listdir(folder)
+                       if name.endswith(".json") and not name.endswith("cases.json"))
+        self.assertIn(os.path.join(CONFIGS, "demo.json"), paths)
+        self.assertIn(os.path.join(PUBLISHED, "two_faces.json"), paths)
+        for path in paths:
+            if path not in but:
+                with self.subTest(config=os.path.relpath(path, CONFIGS)):
+                    test(path)
 
     def test_checked(self):
         """But for those of cases, each of which reproduce_test checks."""
@@ -45,8 +50,9 @@ class ConfigsTest(FabseqTest):
             self.assert_done(run)
             self.assertIn("estimate", run.stdout)
 
-        with open(os.path.join(CONFIGS, "cases.json"), encoding="utf-8") as file:
-            self.for_each_config(check, {case.get("config") for case in json.load(file).values()})
+        with open(os.path.join(PUBLISHED, "cases.json"), encoding="utf-8") as file:
+            names = [case["config"] for case in json.load(file).values() if "config" in case]
+        self.for_each_config(check, {os.path.normpath(os.path.join(PUBLISHED, name)) for name in names})
 
     def test_one_iteration(self):
         def iterate(path):

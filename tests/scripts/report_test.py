@@ -11,6 +11,7 @@ import tempfile
 import unittest
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -20,7 +21,9 @@ PROJECT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(Path(__file__).parent), str(PROJECT / "scripts/use"), str(PROJECT / "tests/integration")]
 import browser
 import fake_results
+import report as report_page
 import report_views
+from command_line import RunError
 from read_run import nodes_of
 from report import ReportRun
 from run_fabseq import Runner
@@ -264,9 +267,17 @@ class Contents(Report):
         folder = PROJECT / "scripts/use/report"
         names = sorted([*(f"src/{path.name}" for path in (folder / "src").glob("*.js")), "package-lock.json"])
         expected = hashlib.sha256(b"".join((folder / name).read_bytes() for name in names)).hexdigest()
-        with open(folder / "bundle.js", encoding="utf-8") as file:
-            self.assertIn(expected, file.readline(), "scripts/use/report/build.sh has to make bundle.js again")
+        self.assertIn(expected, report_page.bundle().splitlines()[0], "scripts/use/report/build.sh has to make the bundle again")
         self.assertNotIn("resolved", (folder / "package-lock.json").read_text(encoding="utf-8"))
+
+    def test_damaged_bundle(self):
+        packed = (PROJECT / "scripts/use/report/bundle.js.xz").read_bytes()
+        middle = len(packed) // 2
+        turned = packed[:middle] + bytes([packed[middle] ^ 1]) + packed[middle + 1:]
+        for damaged in (turned, packed[:middle]):
+            with tempfile.TemporaryDirectory() as folder, mock.patch.object(report_page, "PARTS", folder):
+                (Path(folder) / "bundle.js.xz").write_bytes(damaged)
+                self.assertRaisesRegex(RunError, r"bundle\.js\.xz is damaged", report_page.bundle)
 
 
 class Fields(unittest.TestCase):
