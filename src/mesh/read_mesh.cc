@@ -3,6 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/verdict.h"
 
 #include <algorithm>
@@ -144,6 +145,7 @@ TriangleMesh read_alone(const std::string& path) {
     throw InputError("is a directory, pipe or device, needs a regular file");
   const std::string needs = ", needs an intact STL, OBJ, PLY or 3MF file";
   if (lacks_end_of_header(path)) throw InputError("ends before its header does" + needs);
+  const PlainNumbers plain;  // assimp reads some by strtod()
   Assimp::Importer importer;
   importer.SetIOHandler(new RegularFiles);  // becomes the importer's
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
