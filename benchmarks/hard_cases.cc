@@ -5,13 +5,14 @@
 ///     hard_cases [-scale 0.5] [-tolerance 1e-5] [-only NAME] [-cycle v|w|k] [-islands 0] [-error_factor 1e9]
 ///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration,
 ///     as CSV
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
+#include "fabseq/base/session.h"
 
 #include "lane_case.h"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -210,9 +211,8 @@ void print_history(const HardCase& hard, const Settings& settings) {
     (void)solver.matrix().apply(solution.data(), image.data());
     const double residual = relative_differences(solver, image, load)[hardest];
     const double error = relative_differences(solver, solution, exact)[hardest];
-    if (fabseq::rank_of(PETSC_COMM_WORLD) == 0)
-      std::printf("%s,%d,%.3e,%.3e,%.3e\n", hard.name.c_str(), iteration, error, residual,
-                  now[hardest].residual);
+    fabseq::print(fabseq::formatted("%s,%d,%.3e,%.3e,%.3e", hard.name.c_str(), iteration, error, residual,
+                                    now[hardest].residual));
   }
 }
 
@@ -231,12 +231,11 @@ void run(const HardCase& hard, const Settings& settings) {
   std::ranges::sort(outcomes, {}, &fabseq::LaneOutcome::iterations);
   const auto error = relative_differences(solver, solution, exact);
   const double filled = lane_case.filled();
-  if (fabseq::rank_of(PETSC_COMM_WORLD) != 0) return;
-  std::printf("| %-12s | %-40s | %3.0f %% | %3d | %3d | %7.1e | %6.3f |%s\n", hard.name.c_str(),
-              hard.what.c_str(), 100.0 * filled, outcomes.back().iterations,
-              outcomes[LaneCase::lanes / 2].iterations, *std::max_element(error.begin(), error.end()),
-              seconds / LaneCase::lanes, converged ? "" : " not converged");
-  std::fflush(stdout);
+  fabseq::print(fabseq::formatted("| %-12s | %-40s | %3.0f %% | %3d | %3d | %7.1e | %6.3f |%s",
+                                  hard.name.c_str(), hard.what.c_str(), 100.0 * filled,
+                                  outcomes.back().iterations, outcomes[LaneCase::lanes / 2].iterations,
+                                  *std::max_element(error.begin(), error.end()), seconds / LaneCase::lanes,
+                                  converged ? "" : " not converged"));
 }
 
 }  // namespace
@@ -244,10 +243,9 @@ void run(const HardCase& hard, const Settings& settings) {
 int main(int argc, char** argv) {
   fabseq::check(PetscInitialize(&argc, &argv, nullptr, nullptr));
   const Settings settings = read_settings();
-  if (fabseq::rank_of(PETSC_COMM_WORLD) == 0)
-    std::puts(settings.history > 0 ? "case,iteration,error,residual,preconditioned_residual"
-                                   : "| case | what | fill | worst | median | error | seconds a lane |\n"
-                                     "| - | - | - | - | - | - | - |");
+  fabseq::print(settings.history > 0 ? "case,iteration,error,residual,preconditioned_residual"
+                                     : "| case | what | fill | worst | median | error | seconds a lane |\n"
+                                       "| - | - | - | - | - | - | - |");
   for (const auto& hard : hard_cases(settings.scale))
     if (settings.only.empty() || settings.only == hard.name)
       (settings.history > 0 ? print_history : run)(hard, settings);

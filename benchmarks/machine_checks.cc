@@ -3,6 +3,7 @@
 /// so many layers (planar, convex or concave), below a torch as high as the cube.
 ///
 ///     mpirun -np 2 build/release/benchmarks/machine_checks [ELEMENTS PER EDGE] [LAYERS]     default: 100 50
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/machine/blocked.h"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 namespace {
@@ -77,13 +77,11 @@ void measure(const char* name, const Part<3>& part, const Sequence& sequence, in
   MarkedElements marked;
   const double count =
       seconds([&] { marked = count_marked<3>(part, blocked, sequence.layer, layers, MarkedPlace::largest); });
-  char line[300];
-  std::snprintf(line, sizeof line,
-                "%s: %lld elements, %d layers, %d ranks: blocked %.2f s (%lld elements, %.4f deep), hanging "
+  print(
+      formatted("%s: %lld elements, %d layers, %d ranks: blocked %.2f s (%lld elements, %.4f deep), hanging "
                 "%.2f s, extrema %.2f s, counts %.3f s",
                 name, static_cast<long long>(part.count()), layers, size_of(MPI_COMM_WORLD), torch,
-                static_cast<long long>(marked.elements), marked.largest, air, ends, count);
-  print(line);
+                static_cast<long long>(marked.elements), marked.largest, air, ends, count));
 }
 
 void measure_all(int edge, int layers) {

@@ -4,12 +4,12 @@
 ///
 ///     mpirun -np 2 build/release/benchmarks/voxelize [TRIANGLES] [ELEMENTS PER EDGE]     default: 1000000
 ///     400
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/mesh/mesh_interior.h"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <numeric>
 
@@ -51,12 +51,9 @@ void measure(std::int64_t triangles, int edge) {
   const double volume = sum(world, std::accumulate(filled.of_element.begin(), filled.of_element.end(), 0.0)) /
                         std::pow(edge, 3);
   const double exact = 2 * M_PI * M_PI * major * minor * minor;
-  char line[200];
-  std::snprintf(
-      line, sizeof line,
+  print(formatted(
       "%zu triangles, %d^3 elements, %d ranks: set-up %.2f s, elements %.2f s, volume %.6f (torus %.6f)",
-      mesh.triangles.size(), edge, size_of(world), built, seconds, volume, exact);
-  print(line);
+      mesh.triangles.size(), edge, size_of(world), built, seconds, volume, exact));
 }
 
 }  // namespace

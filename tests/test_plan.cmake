@@ -48,7 +48,7 @@ set(FABSEQ_COSTS
     scripts.launch_test=60 scripts.overview_test=30 scripts.report_test=25 scripts.export_paths_test=25 integration.coarse=20 scripts.compare_test=20 integration.failures=20
     integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=30 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
-    integration.outputs=10 integration.calculix=15 integration.compensate=15 faults.configs=20 integration.install=15 lane_elasticity_mpi_test.np4=10)
+    integration.locale=30 integration.locks=30 run_lock_test.np1=45 integration.outputs=10 integration.calculix=15 integration.compensate=15 faults.configs=20 integration.install=15 lane_elasticity_mpi_test.np4=10)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})
@@ -63,7 +63,7 @@ endfunction()
 set(FABSEQ_LABELS
     "kernels=^(lanes|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
-    "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate)"
+    "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install)"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"

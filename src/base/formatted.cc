@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/formatted.h"
 
+#include "fabseq/base/plain_numbers.h"
+
 #include <cstdarg>
 #include <cstdio>
 
 namespace fabseq {
 
 std::string formatted(const char* format, ...) {
+  const PlainNumbers plain;
   std::va_list arguments, again;
   va_start(arguments, format);
   va_copy(again, arguments);

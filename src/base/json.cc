@@ -2,6 +2,7 @@
 #include "fabseq/base/json.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/plain_numbers.h"
 
 #include <algorithm>
 #include <limits>
@@ -131,6 +132,7 @@ void write(std::string& text, const Json& value, int indent, int level) {
 
 Json parse_json(const std::string& text, const std::string& place) {
   constexpr bool whole_text = true, allow_comments = true;
+  const PlainNumbers plain;  // nlohmann reads them by strtod()
   Builder builder(text, place);
   Json::sax_parse(text, &builder, nlohmann::json::input_format_t::json, whole_text, allow_comments);
   return builder.take();

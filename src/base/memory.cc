@@ -2,9 +2,10 @@
 #include "fabseq/base/memory.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 
-#include <cstdio>
 #include <fstream>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -38,21 +39,19 @@ std::int64_t available_memory_bytes(MPI_Comm comm) {
   std::int64_t kilobytes =
       static_cast<std::int64_t>(sysconf(_SC_AVPHYS_PAGES)) * sysconf(_SC_PAGESIZE) / 1024;
   std::ifstream file("/proc/meminfo");
-  std::string name, unit;
-  std::int64_t value = 0;
+  std::string name, value, unit;
   while (file >> name >> value && std::getline(file, unit))
-    if (name == "MemAvailable:") kilobytes = value;
+    if (name == "MemAvailable:") kilobytes = number_in<std::int64_t>(value).value_or(kilobytes);
   return sum_over_machines(comm, 1024 * kilobytes);
 }
 
 void require_memory(MPI_Comm comm, double bytes, const std::string& what) {
   const auto installed = static_cast<double>(installed_memory_bytes(comm));
   if (bytes <= installed) return;
-  char amounts[160];
-  std::snprintf(amounts, sizeof amounts,
-                " need at least %.4g GB of memory; allowed: at most the %.4g GB of the machines of this run",
-                bytes / 1e9, installed / 1e9);
-  throw InputError(what + amounts);
+  throw InputError(
+      what +
+      formatted(" need at least %.4g GB of memory; allowed: at most the %.4g GB of the machines of this run",
+                bytes / 1e9, installed / 1e9));
 }
 
 }  // namespace fabseq

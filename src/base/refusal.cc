@@ -2,6 +2,7 @@
 #include "fabseq/base/refusal.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 
 #include <cmath>
 
@@ -14,7 +15,7 @@ std::string join(const std::vector<std::string>& words, const std::string& separ
 }
 
 std::string shown(const Json& value) {
-  if (value.is_number() && !std::isfinite(value.get<double>())) return std::to_string(value.get<double>());
+  if (value.is_number() && !std::isfinite(value.get<double>())) return formatted("%f", value.get<double>());
   constexpr std::size_t longest = 80;
   std::string text = to_text(value);
   if (text.size() <= longest) return text;

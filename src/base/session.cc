@@ -4,6 +4,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/stop.h"
 
 #include <cerrno>
@@ -129,6 +130,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
   pointers.push_back(nullptr);
   int count = static_cast<int>(copies.size());
   char** arguments = pointers.data();
+  const PlainNumbers plain;  // PETSc's options and what it prints follow the locale
   prefer_romio();
   give_memory_back();
   PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet

@@ -3,11 +3,11 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -75,15 +75,6 @@ extern "C" void on_stop_signal(int signal) {
     (void)raise(signal);  // delivered when this returns
   }
   errno = error;
-}
-
-/// The number that a whole text is; none if it is no number.
-template <class Number>
-std::optional<Number> number_in(const std::string& text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 /// A file that is there but cannot be read counts as a request, too.

@@ -3,6 +3,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
@@ -68,7 +69,7 @@ std::size_t find_entry(const Json& list, const std::string& segment, const std::
   const std::size_t count = list.size();
   const auto digit = [](unsigned char character) { return std::isdigit(character) != 0; };
   if (std::all_of(segment.begin(), segment.end(), digit)) {
-    const std::size_t index = segment.size() < 10 ? std::stoul(segment) : count;
+    const std::size_t index = number_in<std::size_t>(segment).value_or(count);
     if (index < count) return index;
     const std::string allowed =
         count == 0 ? "none, as the list is empty" : "0 to " + std::to_string(count - 1);

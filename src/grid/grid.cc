@@ -2,6 +2,7 @@
 #include "fabseq/grid/grid.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 
@@ -31,11 +32,7 @@ double node_count(const Index<Dim>& elements, int axes = Dim) {
 }
 
 /// "12345", of a number too large for an integer, too.
-std::string whole_number(double value) {
-  std::string text = std::to_string(value);
-  text.resize(text.find('.'));
-  return text;
-}
+std::string whole_number(double value) { return formatted("%.0f", value); }
 
 /// Throws InputError if PETSc's indices cannot count the values of a nodal field; the same on all ranks.
 template <int Dim>
@@ -65,7 +62,7 @@ void require_domain(MPI_Comm comm, const Domain<Dim>& domain) {
       throw InputError("/domain/elements: " + to_text<Dim>(domain.elements) + ", at most " +
                        std::to_string(most_along_axis) + " are allowed along an axis");
     if (!(domain.size[axis] > 0.0))
-      throw InputError("/domain/size: " + std::to_string(domain.size[axis]) + " along axis " +
+      throw InputError("/domain/size: " + formatted("%f", domain.size[axis]) + " along axis " +
                        std::to_string(axis) + ", needs positive lengths");
   }
   constexpr int most_in_plane = std::numeric_limits<int>::max();

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/keys/config_key.h"
 
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/plain_numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <sstream>
 
 namespace fabseq {
 
 namespace {
 
-double parse_bound(std::string_view text) {
-  if (text == "inf") return std::numeric_limits<double>::infinity();
-  return std::stod(std::string(text));
-}
+/// "-inf" and "inf" are numbers, too.
+double parse_bound(std::string_view text) { return number_in<double>(text).value(); }
 
-std::string number_text(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
+std::string number_text(double value) { return formatted("%g", value); }
 
 std::string entries(int dimension) {
   return dimension == 0 ? std::string("2 or 3") : std::to_string(dimension);

@@ -2,11 +2,12 @@
 #include "fabseq/mesh/ply_values.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/plain_numbers.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -80,7 +81,7 @@ double PlyValues::next(PlyType type) {
 std::size_t PlyValues::next_count(PlyType type) {
   const double count = next(type);
   if (!(count >= 0.0) || count != std::floor(count))
-    throw InputError("has a list of " + std::to_string(count) + " entries, needs an intact PLY file");
+    throw InputError(formatted("has a list of %g entries, needs an intact PLY file", count));
   if (count > static_cast<double>(rest_.size())) refuse_end();  // an entry takes a byte or more
   return static_cast<std::size_t>(count);
 }
@@ -91,15 +92,9 @@ double PlyValues::next_in_text() {
   rest_.remove_prefix(begin);
   const std::string_view word = rest_.substr(0, rest_.find_first_of(blanks));
   rest_.remove_prefix(word.size());
-  const std::size_t sign = word.starts_with('+') ? 1 : 0;  // from_chars takes none
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
-  if (error == std::errc::result_out_of_range)
-    value = word.find("e-") == std::string_view::npos && word.find("E-") == std::string_view::npos ? HUGE_VAL
-                                                                                                   : 0.0;
-  if (error == std::errc::invalid_argument || end != word.data() + word.size())
-    throw InputError("has \"" + std::string(word.substr(0, 40)) + "\" where a number belongs");
-  return value;
+  const std::optional<double> value = number_in<double>(word.substr(word.starts_with('+') ? 1 : 0));
+  if (!value) throw InputError("has \"" + std::string(word.substr(0, 40)) + "\" where a number belongs");
+  return *value;
 }
 
 }  // namespace fabseq

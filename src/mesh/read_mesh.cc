@@ -3,6 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/mesh/mesh_formats.h"
@@ -38,6 +39,7 @@ std::string first_bytes(const std::string& path) {
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
 TriangleMesh read_alone(const std::string& path, std::vector<std::string>& notes) {
   require_regular_file(path);
+  const PlainNumbers plain;  // assimp and lib3mf read some by strtod()
   SurfaceBuilder surface;
   const std::string start = first_bytes(path);
   if (start == "PK\3\4")

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/mesh/mesh_formats.h"
 #include "fabseq/mesh/ply_values.h"
 
-#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -57,9 +57,9 @@ bool read_line(const std::string& line, PlyHeader& header) {
   } else if (first == "element") {
     PlyElement& element = header.elements.emplace_back();
     element.name = word(1);
-    const std::string count = word(2);
-    const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
-    if (error != std::errc() || end != count.data() + count.size() || element.count < 0) refuse_header(line);
+    const std::optional<std::int64_t> count = number_in<std::int64_t>(word(2));
+    if (!count || *count < 0) refuse_header(line);
+    element.count = *count;
   } else if (first == "property") {
     if (header.elements.empty()) refuse_header(line);
     const bool is_list = word(1) == "list";

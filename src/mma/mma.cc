@@ -2,6 +2,7 @@
 #include "fabseq/mma/mma.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
 #include "fabseq/mma/mma_subproblem.h"
@@ -73,7 +74,7 @@ std::vector<double> solve_kept_rows(MPI_Comm comm, MmaBox box, std::span<const d
     for (double& curvature : box.curvature) curvature *= conservative_factor;
   }
   throw NumericalError("MMA: the subproblem has not converged after " + std::to_string(report.newton_steps) +
-                       " steps, residual " + std::to_string(report.kkt_residual));
+                       " steps, residual " + formatted("%f", report.kkt_residual));
 }
 
 // Steps of the variables. Rows that stay fulfilled wherever the variables go are left out: their multipliers

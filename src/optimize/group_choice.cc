@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/group_choice.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/refusal.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -61,21 +61,16 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
   };
   const double halo = halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks) -
                       halo_nodes<Dim>(settings.domain<Dim>().elements, size.ranks / groups);
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f "
-                "times; memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all "
-                "layers' matrices",
-                groups_text(groups, size.ranks).c_str(), speedup(groups), groups_text(1, size.ranks).c_str(),
-                speedup(1), memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
-                2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
-  std::string result = text;
-  if (fastest && *fastest != groups) {
-    std::snprintf(text, sizeof text, "; %s ranks would be faster, but need %.2f GB",
-                  groups_text(*fastest, size.ranks).c_str(),
+  std::string result = formatted(
+      "layer groups: %s ranks (auto): %.1f times as fast as one rank by the model, %s ranks %.1f times; "
+      "memory estimate %.2f GB of %.2f GB available; halo saved %.2f MB a product with all layers' matrices",
+      groups_text(groups, size.ranks).c_str(), speedup(groups), groups_text(1, size.ranks).c_str(),
+      speedup(1), memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
+      2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
+  if (fastest && *fastest != groups)
+    result +=
+        formatted("; %s ranks would be faster, but need %.2f GB", groups_text(*fastest, size.ranks).c_str(),
                   memory_estimate(size, path, *fastest, lanes) / 1e9);
-    result += text;
-  }
   return result;
 }
 

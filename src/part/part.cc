@@ -7,9 +7,7 @@
 #include "fabseq/base/session.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 
@@ -83,13 +81,11 @@ void Part<Dim>::warn_about(const Clarity& clarity) const {
       min(grid_.comm(), std::int64_t{doubt == most ? rank_of(grid_.comm()) : size_of(grid_.comm())}));
   Point<3> place = clarity.least_clear;
   broadcast(grid_.comm(), place, first);
-  std::array<char, 128> share{};
-  std::snprintf(share.data(), share.size(), "%.2g %% of %lld points",
-                100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
-                static_cast<long long>(asked));
-  warn(std::string(
-           "/part/mesh: the mesh has holes, or faces that are turned round: inside is not clear for ") +
-       share.data() + ", least at " + to_text<3>(place));
+  warn("/part/mesh: the mesh has holes, or faces that are turned round: inside is not clear for " +
+       formatted("%.2g %% of %lld points, least at ",
+                 100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
+                 static_cast<long long>(asked)) +
+       to_text<3>(place));
 }
 
 template <int Dim>

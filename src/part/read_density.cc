@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/part/part.h"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace fabseq {
@@ -61,9 +61,8 @@ void require_densities(MPI_Comm comm, const std::vector<double>& density, const 
     throw InputError(name + std::to_string(not_a_number) +
                      " values that are not a number, needs densities from 0 to 1");
   if (voxels.threshold || (lowest >= 0.0 && highest <= 1.0)) return;
-  std::array<char, 64> range{};
-  std::snprintf(range.data(), range.size(), "%g to %g", lowest, highest);
-  throw InputError(name + "values from " + range.data() + ", needs densities from 0 to 1 or a threshold");
+  throw InputError(name + formatted("values from %g to %g", lowest, highest) +
+                   ", needs densities from 0 to 1 or a threshold");
 }
 
 /// Number of elements that a file has along each axis. Throws InputError unless these are those of `domain`

@@ -2,11 +2,11 @@
 #include "fabseq/process/process_simulation.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/solve/solver_settings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -17,14 +17,11 @@ namespace {
 void note_solves(const std::vector<SolveReport>& reports, int layer, const char* what,
                  std::vector<int>& iterations) {
   for (const SolveReport& report : reports) {
-    if (!report.converged || !std::isfinite(report.residual)) {
-      std::ostringstream text;
-      text << "layer " << layer + 1 << ": the elastic " << what
-           << " solve did not converge: " << report.iterations
-           << " iterations, relative preconditioned residual " << report.residual << " (" << report.reason
-           << ')';
-      throw NumericalError(text.str());
-    }
+    if (!report.converged || !std::isfinite(report.residual))
+      throw NumericalError(
+          formatted("layer %d: the elastic %s solve did not converge: %d iterations, relative "
+                    "preconditioned residual %g (%s)",
+                    layer + 1, what, report.iterations, report.residual, report.reason.c_str()));
     iterations[layer] = std::max(iterations[layer], report.iterations);
     ++layer;
   }

@@ -2,12 +2,12 @@
 #include "fabseq/process/release.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -118,11 +118,9 @@ SolveReport Release<Dim>::solve_by_lanes(const std::vector<double>& load, std::v
                                                  settings_.cycle, model_.finished_stiffness());
   SolveReport report = lanes_->solve(load, solution, settings_.reference.tolerance);
   if (report.converged) return report;
-  std::ostringstream text;
-  text << "release: " << report.iterations
-       << " iterations of the lane engine left a relative preconditioned residual of " << report.residual
-       << "; solving it again by the reference path";
-  warn(grid.comm(), text.str());
+  warn(grid.comm(), formatted("release: %d iterations of the lane engine left a relative preconditioned "
+                              "residual of %g; solving it again by the reference path",
+                              report.iterations, report.residual));
   return solve_by_reference(load, solution);
 }
 

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -161,15 +160,13 @@ double GradientCheck::worst() const {
 }
 
 std::string GradientCheck::csv() const {
-  std::ostringstream text;
-  text.precision(10);
-  text << "name,type,variables,value,adjoint,step,difference,relative_error\n";
+  std::string text = "name,type,variables,value,adjoint,step,difference,relative_error\n";
   for (const GradientError& error : errors)
     for (std::size_t s = 0; s < steps.size(); ++s)
-      text << error.name << ',' << error.type << ',' << error.variables << ',' << error.value << ','
-           << error.adjoint << ',' << steps[s] << ',' << error.differences[s] << ',' << error.relative[s]
-           << '\n';
-  return text.str();
+      text += error.name + ',' + error.type + ',' + error.variables +
+              formatted(",%.10g,%.10g,%.10g,%.10g,%.10g\n", error.value, error.adjoint, steps[s],
+                        error.differences[s], error.relative[s]);
+  return text;
 }
 
 Json GradientCheck::json() const {

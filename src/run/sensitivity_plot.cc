@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
 #include "fabseq/run/sensitivity.h"
 #include "fabseq/run/svg.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 
 namespace fabseq {
 
@@ -48,48 +49,47 @@ std::vector<double> ticks(const SensitivityFrame& frame) {
   return result;
 }
 
-void draw_axis(std::ostringstream& text, const SensitivityFrame& frame) {
-  text << "<rect x='" << frame.left << "' y='" << frame.top << "' width='" << frame.right - frame.left
-       << "' height='" << frame.bottom - frame.top << "' fill='none' stroke='#999'/>\n";
+std::string axis(const SensitivityFrame& frame) {
+  std::string text = formatted("<rect x='%g' y='%g' width='%g' height='%g' fill='none' stroke='#999'/>\n",
+                               frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
   for (const double ratio : ticks(frame)) {
     const double x = frame.x(ratio);
-    text << "<line x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='" << frame.bottom
-         << "' stroke='" << (ratio == 1.0 ? "#444" : "#ddd") << "'/>\n<text x='" << x << "' y='"
-         << frame.bottom + 16 << "' text-anchor='middle'>" << ratio << "</text>\n";
+    text += formatted("<line x1='%g' x2='%g' y1='%g' y2='%g' stroke='%s'/>\n", x, x, frame.top, frame.bottom,
+                      ratio == 1.0 ? "#444" : "#ddd");
+    text += formatted("<text x='%g' y='%g' text-anchor='middle'>%g</text>\n", x, frame.bottom + 16, ratio);
   }
-  text << "<text x='" << 0.5 * (frame.left + frame.right) << "' y='" << frame.bottom + 36
-       << "' text-anchor='middle'>planar / this, under the same change</text>\n";
+  return text +
+         formatted("<text x='%g' y='%g' text-anchor='middle'>planar / this, under the same change</text>\n",
+                   0.5 * (frame.left + frame.right), frame.bottom + 36);
 }
 
-void draw_legend(std::ostringstream& text, const SensitivityFrame& frame) {
+std::string legend(const SensitivityFrame& frame) {
+  std::string text;
   double x = frame.left;
   for (const Kind& kind : kinds) {
-    text << "<circle cx='" << x << "' cy='52' r='4' fill='" << kind.color << "'/>\n<text x='" << x + 8
-         << "' y='56'>" << kind.meaning << "</text>\n";
+    text += formatted("<circle cx='%g' cy='52' r='4' fill='%s'/>\n<text x='%g' y='56'>%s</text>\n", x,
+                      kind.color, x + 8, kind.meaning);
     x += 230;
   }
+  return text;
 }
 
 }  // namespace
 
 std::string SensitivityTable::svg() const {
   const SensitivityFrame frame(*this);
-  std::ostringstream text;
-  text << svg::begin(760, frame.bottom + 50) << "<text x='20' y='28' font-size='16'>Sensitivity of "
-       << svg::escaped(name) << "</text>\n";
-  draw_axis(text, frame);
-  draw_legend(text, frame);
+  std::string text = svg::begin(760, frame.bottom + 50) +
+                     "<text x='20' y='28' font-size='16'>Sensitivity of " + svg::escaped(name) + "</text>\n" +
+                     axis(frame) + legend(frame);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double y = frame.y(i);
-    text << "<text x='" << frame.left - 8 << "' y='" << y + 4 << "' text-anchor='end'>" << rows[i].change
-         << (rows[i].skipped.empty() ? "" : " (skipped)") << "</text>\n";
+    text += formatted("<text x='%g' y='%g' text-anchor='end'>%s%s</text>\n", frame.left - 8, y + 4,
+                      rows[i].change.c_str(), rows[i].skipped.empty() ? "" : " (skipped)");
     for (const Kind& kind : kinds)
       if (const auto ratio = (rows[i].*kind.ratio)(); ratio && *ratio > 0.0)
-        text << "<circle cx='" << frame.x(*ratio) << "' cy='" << y << "' r='4' fill='" << kind.color
-             << "'/>\n";
+        text += formatted("<circle cx='%g' cy='%g' r='4' fill='%s'/>\n", frame.x(*ratio), y, kind.color);
   }
-  text << "</svg>\n";
-  return text.str();
+  return text + "</svg>\n";
 }
 
 }  // namespace fabseq

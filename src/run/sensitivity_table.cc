@@ -3,7 +3,6 @@
 #include "fabseq/run/sensitivity.h"
 
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -112,20 +111,19 @@ Json SensitivityTable::json() const {
 }
 
 std::string SensitivityTable::csv() const {
-  std::ostringstream text;
-  text << "change";
+  std::string text = "change";
   for (const char* of : {"sequence", "planar"}) {
     for (const std::string& term : terms)
-      text << ',' << of << '_' << term << ',' << of << '_' << term << "_length";
+      text += formatted(",%s_%s,%s_%s_length", of, term.c_str(), of, term.c_str());
     for (const char* column : {"max", "rms", "deviation_max", "deviation_rms"})
-      text << ',' << of << '_' << column;
+      text += formatted(",%s_%s", of, column);
   }
-  text << ",length_ratio,rms_ratio\n";
+  text += ",length_ratio,rms_ratio\n";
   for (const SensitivityRow& row : rows)
     if (row.skipped.empty())
-      text << '"' << row.change << "\"," << csv_numbers(row.sequence) << ',' << csv_numbers(row.planar) << ','
-           << csv_number(row.length_ratio()) << ',' << csv_number(row.rms_ratio()) << '\n';
-  return text.str();
+      text += '"' + row.change + "\"," + csv_numbers(row.sequence) + ',' + csv_numbers(row.planar) + ',' +
+              csv_number(row.length_ratio()) + ',' + csv_number(row.rms_ratio()) + '\n';
+  return text;
 }
 
 std::vector<std::string> SensitivityTable::text() const {

@@ -3,6 +3,7 @@
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/session.h"
 #include "fabseq/run/summary_table.h"
 
@@ -28,10 +29,7 @@ int parent_of(int process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   std::string word;
   while (status >> word)
-    if (word == "PPid:") {
-      int parent = 0;
-      return status >> parent ? parent : 0;
-    }
+    if (word == "PPid:") return status >> word ? number_in<int>(word).value_or(0) : 0;
   return 0;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/sequence/heat_sequence.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 namespace fabseq {
@@ -198,12 +198,9 @@ void HeatSequence<Dim>::derive_time() {
   const bool left_before = leaves_range();
   time_.lowest_temperature = min(grid.comm(), lowest);
   time_.highest_temperature = max(grid.comm(), highest);
-  if (leaves_range() && !left_before) {
-    std::ostringstream text;
-    text << "the virtual temperature leaves [0, 1]: " << time_.lowest_temperature << " to "
-         << time_.highest_temperature;
-    warn(text.str());
-  }
+  if (leaves_range() && !left_before)
+    warn(formatted("the virtual temperature leaves [0, 1]: %g to %g", time_.lowest_temperature,
+                   time_.highest_temperature));
 }
 
 template <int Dim>

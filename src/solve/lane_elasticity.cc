@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/solve/lane_elasticity.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/log_event.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -140,11 +140,10 @@ std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load
 template <int Dim>
 void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displacement, int lane,
                                       SolveReport& report) {
-  std::ostringstream text;
-  text << "layer " << first_layer_ + lane + 1 << ": " << report.iterations
-       << " iterations of the lane solver left a relative preconditioned residual of " << report.residual
-       << "; solving it again by the reference path";
-  warn(grid_.comm(), text.str());
+  warn(grid_.comm(),
+       formatted("layer %d: %d iterations of the lane solver left a relative preconditioned residual of %g; "
+                 "solving it again by the reference path",
+                 first_layer_ + lane + 1, report.iterations, report.residual));
   if (!fallback_)
     fallback_ = std::make_unique<ReferenceElasticity<Dim>>(
         grid_, domain_, problem_.matrices(grid_.spacing()).stiffness, reference_settings_);
@@ -175,15 +174,13 @@ void LaneElasticity<Dim>::give_back_memory() {
 
 template <int Dim>
 std::string LaneElasticity<Dim>::description() const {
-  std::ostringstream text;
   const auto& finest = hierarchy_.level(0);
   std::int64_t nodes = 0;
   for (const auto& range : finest.counted) nodes += range.end - range.begin;
-  text << "lanes: flexible CG + multigrid, " << hierarchy_.count() << " levels, "
-       << sum(grid_.comm(), nodes * Dim) << " unknowns a layer, up to " << most_lanes_
-       << (most_lanes_ == 1 ? " layer at once" : " layers at once")
-       << (saves_memory() ? ", to save memory" : "");
-  return text.str();
+  return "lanes: flexible CG + multigrid, " + std::to_string(hierarchy_.count()) + " levels, " +
+         std::to_string(sum(grid_.comm(), nodes * Dim)) + " unknowns a layer, up to " +
+         std::to_string(most_lanes_) + (most_lanes_ == 1 ? " layer at once" : " layers at once") +
+         (saves_memory() ? ", to save memory" : "");
 }
 
 FABSEQ_INSTANTIATE_CLASS(LaneElasticity);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/solve/lane_heat.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/log_event.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace fabseq {
 
@@ -101,12 +101,10 @@ void LaneHeat<Dim>::solve_again(std::span<const LaneVector> loads, std::span<Lan
     }
   if (leftovers.empty()) return;
   const SolveReport& first = reports[leftovers[0].report];
-  std::ostringstream text;
-  text << "heat: " << leftovers.size() << " of " << reports.size()
-       << " solves did not converge, the first in " << first.iterations
-       << " iterations of the lane solver to a relative preconditioned residual of " << first.residual
-       << "; solving again by the reference path";
-  warn(grid_.comm(), text.str());
+  warn(grid_.comm(),
+       formatted("heat: %zu of %zu solves did not converge, the first in %d iterations of the lane solver to "
+                 "a relative preconditioned residual of %g; solving again by the reference path",
+                 leftovers.size(), reports.size(), first.iterations, first.residual));
   std::vector<LaneVector> solved = again;
   const std::vector<SolveReport> new_reports = fallback().solve(again, solved);
   for (std::size_t i = 0; i < leftovers.size(); ++i) {

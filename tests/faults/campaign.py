@@ -35,8 +35,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
 
 # pylint: disable=wrong-import-position
-from fault_run import FaultRuns, build_library  # noqa: E402
-from run_fabseq import STOPPED, NoSmallDisk, Result, must_run, small_disk  # noqa: E402
+from fault_run import FaultRuns  # noqa: E402
+from run_fabseq import STOPPED, NoSmallDisk, Result, build_preload, must_run, small_disk  # noqa: E402
 
 COLUMNS = ("fault", "injected", "reported", "not noticed", "survived", "iterations lost, at most", "seconds")
 
@@ -200,7 +200,7 @@ def main():
     chance = random.Random(seed)
     table = Table(options.jobs)
     with tempfile.TemporaryDirectory(prefix="fabseq_faults_") as directory:
-        library = build_library(directory)
+        library = build_preload(directory, "failing_calls")
         small = FaultRuns(os.path.join(directory, "small"), library, "-max_iterations", 6, "-output_every", 3)
         long = FaultRuns(os.path.join(directory, "long"), library, "-max_iterations",
                          30, "-elements", "40,24", "-output_every", 10)

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import threading
 import unittest
 
@@ -14,7 +13,6 @@ from compare_runs import assert_same_run
 from run_fabseq import DONE, OUTPUT_FAILURE, PROGRAM, Process, Result
 from small_parts import plate_2d
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 PATIENCE = 120  # seconds; a run takes less than ten
 
 
@@ -26,15 +24,6 @@ class Outcome:
     reported: bool
     lost: int = 0
     wrong: str = ""  # "" if the run came to its result in the end
-
-
-def build_library(directory):
-    """Path of failing_calls.cc as a library to be preloaded."""
-    library = os.path.join(directory, "failing_calls.so")
-    subprocess.run(["g++", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library,
-                    os.path.join(HERE, "failing_calls.cc"), "-ldl"],
-                   check=True)
-    return library
 
 
 class FaultRuns:

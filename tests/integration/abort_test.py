@@ -3,11 +3,10 @@
 3."""
 
 import os
-import subprocess
 import time
 
 import run_fabseq
-from run_fabseq import DONE, FabseqTest, NUMERICAL_FAILURE, PROGRAM, Process, ROOT, Result
+from run_fabseq import DONE, FabseqTest, NUMERICAL_FAILURE, PROGRAM, Process, Result
 from small_parts import plate_2d
 
 RANKS, RANK = 3, 1
@@ -19,9 +18,7 @@ class AbortTest(FabseqTest):
 
     def setUp(self):
         super().setUp()
-        self.library = os.path.join(self.directory, "failing_new.so")
-        source = os.path.join(ROOT, "tests", "faults", "failing_new.cc")
-        subprocess.run(["g++", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", self.library, source], check=True)
+        self.library = run_fabseq.build_preload(self.directory, "failing_new")
 
     def run_failing(self, number):
         """A run in which that allocation of one rank throws std::bad_alloc; 0: none does."""

@@ -137,6 +137,14 @@ def run_command(command, directory, timeout):
         return process.wait(timeout)
 
 
+def build_preload(directory, name):
+    """Path of tests/faults/NAME.cc, compiled in that directory as a library to be preloaded (LD_PRELOAD)."""
+    library = os.path.join(directory, name + ".so")
+    source = os.path.join(ROOT, "tests", "faults", name + ".cc")
+    subprocess.run(["g++", "-std=c++20", "-O1", "-fPIC", "-shared", "-o", library, source, "-ldl"], check=True)
+    return library
+
+
 class NoSmallDisk(Exception):
     """Why a small disk cannot be had here."""
 

@@ -5,7 +5,7 @@
 
 namespace fabseq {
 
-/// Text of values as printf() writes them, of any length.
+/// Text of values as printf() writes them, of any length, with a decimal point whatever the locale.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
 }  // namespace fabseq

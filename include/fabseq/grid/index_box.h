@@ -3,10 +3,11 @@
 /// Points, indices and boxes of indices in `Dim` dimensions, x fastest.
 #pragma once
 
+#include "fabseq/base/formatted.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <numeric>
 #include <string>
 
@@ -60,10 +61,8 @@ template <int Dim>
 std::string to_text(const Point<Dim>& point) {
   std::string text;
   for (const double coordinate : point) {
-    std::array<char, 32> number{};
-    std::snprintf(number.data(), number.size(), "%.6g", coordinate);
     text += text.empty() ? "[" : ",";
-    text += number.data();
+    text += formatted("%.6g", coordinate);
   }
   return text + "]";
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/lanes/lane_outcome.h"
 
 #include <limits>
-#include <sstream>
 #include <string>
 
 namespace fabseq {
@@ -24,10 +24,8 @@ struct SolveReport {
 /// Throws NumericalError("WHAT did not converge: ...") if a solve did not.
 inline void require_convergence(const SolveReport& report, const std::string& what) {
   if (report.converged) return;
-  std::ostringstream text;
-  text << what << " did not converge: " << report.iterations << " iterations, residual " << report.residual
-       << " (" << report.reason << ')';
-  throw NumericalError(text.str());
+  throw NumericalError(what + formatted(" did not converge: %d iterations, residual %g (%s)",
+                                        report.iterations, report.residual, report.reason.c_str()));
 }
 
 /// The report of a lane: what is no number has no residual, either.
