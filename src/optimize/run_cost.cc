@@ -3,9 +3,9 @@
 
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/optimize/stage.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/solve/reference/reference_elasticity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,30 +15,13 @@ namespace fabseq {
 
 namespace {
 
-/// What a path needs, measured (docs/performance.md).
-struct PathCost {
-  double bytes_per_unknown;    ///< of a system with its preconditioner; with lanes, per lane
-  double seconds_per_unknown;  ///< of a solve on one core
-};
-constexpr PathCost lanes_cost{121.0, 4.5e-7};
-constexpr PathCost reference_cost{3000.0, 1e-5};
-/// What the narrower solvers add to that of a lane, where there are any (LaneCycle::narrows).
-constexpr double narrower_bytes_per_unknown = 69.0;
-/// The heat problem's memory per node: per lane, and all in all on the reference path.
-constexpr double heat_bytes_per_lane = 106.0, reference_heat_bytes = 700.0;
-/// The reference path keeps the factors of every layer.
-constexpr double factor_bytes_per_unknown = 5000.0;
 /// A rank holds this much whatever it solves.
 constexpr double bytes_per_rank = 8e7;
 
-/// The forward heat solve, which one group does for all, in units of a full block of layers.
-constexpr double forward_heat_work = 0.1;
 /// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6
 /// times as fast as one, four 2.4 times (docs/performance.md).
 constexpr double overhead_of_the_first_doubling = 0.25;
 constexpr double overhead_of_a_further_doubling = 0.35;
-
-const PathCost& cost_of(SolverPath path) { return path == SolverPath::lanes ? lanes_cost : reference_cost; }
 
 /// Time of a group of several ranks, over that of one rank with its share of the work.
 double overhead(int domain_ranks) {
@@ -89,31 +72,23 @@ BlockSolver block_solver(SolverPath path) {
   return path == SolverPath::lanes ? BlockSolver::lanes : BlockSolver::one_by_one;
 }
 
+bool saves_memory(int lanes) { return lanes < ProcessSimulation<3>::most_lanes; }
+
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
-  // Each group has the heat problem and all densities; increments and what counts of them, and gradients with
-  // two rows per layer, are shared out. The baseline's report is there throughout, two others when there are
-  // no gradients any more.
-  const double problem = size.nodes * 200.0 * groups + size.part_elements * size.layers * 16.0 * groups;
-  const double increments =
-      size.unknowns * size.layers * 8.0 * (size.cases + 1.0 / static_cast<double>(size.dimension));
+  // Gradients with two rows per layer are shared out. The baseline's report is there throughout, two others
+  // when there are no gradients any more.
   const double gradients = size.part_elements * (24.0 * size.layers + 56.0 * size.functionals + 100.0);
   const double report = size.nodes * 136.0;
-  const double held =
-      problem + increments + report + std::max(gradients, 2.0 * report) + size.ranks * bytes_per_rank;
-  if (path == SolverPath::reference) {
-    const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
-    const double systems = size.unknowns * (kept ? size.layers * factor_bytes_per_unknown
-                                                 : reference_cost.bytes_per_unknown * groups);
-    return held + systems + size.nodes * reference_heat_bytes * groups;
+  double held = report + std::max(gradients, 2.0 * report) + size.ranks * bytes_per_rank;
+  double all = 0.0, largest = 0.0;
+  for (const StageType* stage : stage_types()) {
+    const StageCost cost = stage->cost(size, path, groups, lanes);
+    held += cost.held;
+    all += cost.solving;
+    largest = std::max(largest, cost.solving);
   }
-  // Load, solution and a copy with halo, of all nodes; then the lane engine's own.
-  const double vectors = 24.0 * size.nodes * size.dimension * lanes * groups;
-  // To save memory, there are no narrower solvers, and only one of both has its vectors at a time.
-  const bool saves = lanes < ProcessSimulation<3>::most_lanes;
-  const double of_lane = lanes_cost.bytes_per_unknown + (saves ? 0.0 : narrower_bytes_per_unknown);
-  const double elasticity = vectors + of_lane * size.unknowns * lanes * groups;
-  const double heat = heat_bytes_per_lane * size.nodes * lanes * groups;
-  return held + (saves ? std::max(elasticity, heat) : elasticity + heat);
+  // To save memory, one stage at a time has its solver's vectors.
+  return held + (path == SolverPath::lanes && saves_memory(lanes) ? largest : all);
 }
 
 /// Fewer groups come before fewer lanes.
@@ -130,17 +105,18 @@ int resolved_lanes(MPI_Comm world, const SolverSettings& settings, const RunSize
 }
 
 double relative_time_estimate(const RunSize& size, SolverPath path, int groups) {
-  const std::vector<double> equal(size.layers, 1.0);
   const int domain_ranks = size.ranks / groups;
-  const double work =
-      forward_heat_work +
-      deal_out_layers(equal, groups, ProcessSimulation<3>::most_lanes, block_solver(path)).longest;
+  double work = 0.0;
+  for (const StageType* stage : stage_types())
+    work += stage->cost(size, path, groups, ProcessSimulation<3>::most_lanes).work;
   return work * overhead(domain_ranks) / domain_ranks;
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
-  return (1.0 + size.cases + size.functionals) * size.layers * size.unknowns *
-         cost_of(path).seconds_per_unknown / size.ranks;
+  double seconds = 0.0;
+  for (const StageType* stage : stage_types())
+    seconds += stage->cost(size, path, 1, ProcessSimulation<3>::most_lanes).seconds;
+  return seconds;
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_size);

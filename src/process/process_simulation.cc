@@ -297,7 +297,7 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
     deposition_->add_derivatives(room.missing, result_.blocks[number].first,
                                  weight_derivatives(*functional.from, result_, number, increments),
                                  *to.densities);
-  if (to.after_block) to.after_block();
+  if (to.sink != nullptr) to.sink->hand_on();
 }
 
 FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);

@@ -5,35 +5,19 @@
 
 #include "fabseq/base/phase_timer.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/optimize/adjoint_rows.h"
 #include "fabseq/optimize/design.h"
 #include "fabseq/optimize/model.h"
-#include "fabseq/process/inherent_strain.h"
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/optimize/process_stage.h"
+#include "fabseq/optimize/sequence_stage.h"
+#include "fabseq/optimize/stage.h"
 #include "fabseq/responses/response.h"
-#include "fabseq/sequence/sequence.h"
 
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace fabseq {
-
-/// Borrowed.
-template <int Dim>
-using Responses = std::span<const std::unique_ptr<Response<Dim>>>;
-
-/// A component of a response with a factor; a gradient row is a sum of these.
-struct WeightedComponent {
-  int response = 0;
-  int component = 0;
-  double weight = 1.0;
-};
-using GradientRow = std::vector<WeightedComponent>;
-
-/// Solver iterations of the last run and of the last gradients.
-struct SolverIterations {
-  std::vector<int> primal, adjoint, heat;
-};
 
 /// The chain of stages for one part. All calls are collective on the world of the model's layer groups. The
 /// fields of a design and of its gradients are this rank's share of them (LayerGroups::share), all other
@@ -54,18 +38,20 @@ class Pipeline {
   /// Takes sequence and layers that the model asks for.
   Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer);
 
-  Sequence<Dim>& sequence() { return *sequence_; }
-  const ProcessSimulation<Dim>& process() const { return process_; }
-  ProcessSimulation<Dim>& process() { return process_; }
+  Sequence<Dim>& sequence() { return sequence_->sequence(); }
+  const ProcessSimulation<Dim>& process() const { return process_->simulation(); }
+  ProcessSimulation<Dim>& process() { return process_->simulation(); }
 
   /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
   /// to results that stay valid until the next run.
   PipelineState<Dim> run(const Design& design, double beta, bool binary);
   /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get
   /// there.
-  const PseudoTime<Dim>* last_time() const { return time_; }
+  const PseudoTime<Dim>* last_time() const { return results_.time; }
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
-  std::vector<double> last_layer_index() const { return layers_->layer_index(time_->time, densities_); }
+  std::vector<double> last_layer_index() const {
+    return results_.cut->layer_index(results_.time->time, *results_.layers);
+  }
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(Responses<Dim> responses, const PipelineState<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run.
@@ -84,45 +70,22 @@ class Pipeline {
   /// Adds what start_cold() leaves: by what work the layers are dealt out to the groups next. Not collective.
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
-  const SolverIterations& iterations() const { return iterations_; }
+  SolverIterations iterations() const;
 
  private:
-  /// A row on its way back through the stages.
-  struct Row {
-    const GradientRow* terms = nullptr;
-    int owner = 0;        ///< group whose row it is
-    bool shared = false;  ///< uses displacements: other groups have parts of it
-    PipelineAdjoint<Dim> adjoint;
-    std::vector<double> layer_variables;  ///< derivative by these, this rank's part
-    StrainField strains;                  ///< dJ/d(inherent strain) where that turns, this group's part
-  };
-  std::vector<Row> deal_out_rows(Responses<Dim> responses, const PipelineState<Dim>& state,
-                                 const std::vector<GradientRow>& rows) const;
-  void pull_back_process(Responses<Dim> responses, const PipelineState<Dim>& state, std::vector<Row>& rows);
-  void add_explicit_derivatives(Responses<Dim> responses, const PipelineState<Dim>& state, Row& row);
-  void take_up_densities(const PipelineState<Dim>& state, Row& row) const;
-  void pull_back_shared(const PipelineState<Dim>& state, std::vector<Row>& rows);
-  void pull_back_layers(const PipelineState<Dim>& state, Row& row) const;
-  std::vector<std::vector<double>> pull_back_own(Responses<Dim> responses, const PipelineState<Dim>& state,
-                                                 std::vector<Row>& rows);
-  std::vector<std::vector<double>> sum_up_layer_variables(const std::vector<Row>& rows) const;
-  void solve_to(const SolveTolerance& of_sequence, const SolveTolerance& of_process);
-  bool is_own(const Row& row) const { return row.owner == model_.groups.index(); }
+  /// Takes rows back through the stages, last to first: those of the owner, or all others.
+  void pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner);
+  void pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& rows);
 
   const Model<Dim>& model_;
   PhaseTimer& timer_;
-  std::unique_ptr<Sequence<Dim>> sequence_;
-  const LayerModel<Dim>& layer_model_;
   Tolerances tolerances_;
-  NegligibleLayers negligible_;
-  InherentStrain<Dim> strain_;
-  ElasticModel<Dim> elastic_;
-  ProcessSimulation<Dim> process_;
-  std::unique_ptr<Layers> layers_;
-  LayerDensities densities_;
-  const PseudoTime<Dim>* time_ = nullptr;
-  std::size_t layer_variables_ = 0;  ///< of the last run's design
-  SolverIterations iterations_;
+  std::vector<std::unique_ptr<Stage<Dim>>> stages_;  ///< each behind those whose results it reads
+  SequenceStage<Dim>* sequence_ = nullptr;           ///< the first one
+  ProcessStage<Dim>* process_ = nullptr;
+  StageResults<Dim> results_;
+  std::size_t layer_variables_ = 0;      ///< of the last run's design
+  std::vector<int> adjoint_iterations_;  ///< of the sequence, in the last gradients
 };
 
 }  // namespace fabseq

@@ -4,11 +4,10 @@
 #pragma once
 
 #include "fabseq/lanes/lane_vector.h"
-#include "fabseq/layers/layers.h"
+#include "fabseq/layers/density_sink.h"
 #include "fabseq/process/elastic_model.h"
 
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -33,7 +32,7 @@ std::vector<ProcessAdjoint> reduced(std::vector<ProcessAdjoint> functionals, std
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
   StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
-  std::function<void()> after_block = {};  ///< called after each block of layers, may take the entries out
+  DensitySink* sink = nullptr;     ///< takes `densities` after each block of layers; nullptr: they stay there
 };
 
 }  // namespace fabseq

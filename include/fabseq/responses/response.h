@@ -6,7 +6,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/responses/pipeline_state.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
 
@@ -31,26 +31,6 @@ struct ResponseContext {
   int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
   ToolSettings tool = {};            ///< torch and bead
   double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
-};
-
-/// The results of the pipeline's stages for one design, which the pipeline owns.
-template <int Dim>
-struct PipelineState {
-  const PseudoTime<Dim>& time;
-  const LayerDensities& layers;
-  const ProcessResult& process;
-};
-
-/// Derivatives of one row (a weighted sum of response components) with respect to the result of each stage.
-/// Responses add theirs to it.
-template <int Dim>
-struct PipelineAdjoint {
-  explicit PipelineAdjoint(int layers) : densities(layers) {}
-
-  ProcessAdjoint process;  ///< dJ/du, dJ/dv and dJ/d(increments) for the strain as given; empty while zero
-  std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
-  DensityDerivatives densities;  ///< explicit dependence on stage and layer densities and on time points
-  TimeDerivatives time;          ///< explicit dependence on t and grad t; empty while zero
 };
 
 /// An inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by

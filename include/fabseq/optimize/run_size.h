@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/optimize/model_settings.h"
+
+#include <map>
+#include <string>
+
+namespace fabseq {
+
+/// What memory and time of a run follow from.
+struct RunSize {
+  double unknowns = 0.0;       ///< of one layer's system
+  double nodes = 0.0;          ///< of the box
+  double part_elements = 0.0;  ///< all ranks
+  int dimension = 3;
+  int layers = 0;
+  int ranks = 1;
+  int cases = 1;        ///< strains that each layer is solved for
+  int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
+};
+
+/// Size of a run with this part, its node sets and so many layers. Collective on the grid's communicator.
+template <int Dim>
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
+                 const std::map<std::string, NodeSet>& node_sets, int layers, int ranks);
+
+}  // namespace fabseq

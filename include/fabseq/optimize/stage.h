@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// The stages of the pipeline: one interface, and the registry from which a chain is made. A stage registers
+/// itself in its own source, with the results that it reads and makes; their order follows.
+#pragma once
+
+#include "fabseq/base/phase_timer.h"
+#include "fabseq/files/checkpoint_state.h"
+#include "fabseq/optimize/adjoint_rows.h"
+#include "fabseq/optimize/design.h"
+#include "fabseq/optimize/model.h"
+#include "fabseq/optimize/run_size.h"
+#include "fabseq/responses/pipeline_state.h"
+#include "fabseq/sequence/sequence.h"
+#include "fabseq/solve/solve_tolerance.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fabseq {
+
+/// What all stages get on the way forward.
+struct StageInput {
+  const Design& design;
+  double beta;               ///< sharpness of the layers (LayerModel::make())
+  bool binary;               ///< sharp layers
+  SolveTolerance tolerance;  ///< of a run's solves
+};
+
+/// What the stages of a chain have made so far for one design.
+template <int Dim>
+struct StageResults {
+  const PseudoTime<Dim>* time = nullptr;
+  const Layers* cut = nullptr;  ///< the layers that `layers` are the densities of
+  const LayerDensities* layers = nullptr;
+  StrainField strains;
+  const ProcessResult* process = nullptr;
+};
+
+/// Solver iterations of the last run and of the last gradients.
+struct SolverIterations {
+  std::vector<int> primal, adjoint, heat;
+};
+
+/// A link of the chain, differentiated by hand. forward(), pull_back() and start_cold() are collective on the
+/// world of the model's groups, the other calls are local.
+template <int Dim>
+class Stage {
+ public:
+  virtual ~Stage() = default;
+
+  /// Makes the stage's results from those of the stages before. They stay valid until the next call.
+  virtual void forward(const StageInput& input, StageResults<Dim>& results) = 0;
+  /// For each row, adds what its derivatives by this stage's results amount to by those of the stages before.
+  /// Solves go to `tolerance`. Rows that are not shared have nothing by the process or the strains.
+  virtual void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+                         AdjointRowSpan<Dim> rows) = 0;
+  /// Whether a row goes back through the stage in its owner's group alone: pull_back() is then collective on
+  /// the grid's communicator. Such stages come first.
+  virtual bool is_of_owner() const { return false; }
+  /// What its time counts for.
+  virtual Phase phase() const = 0;
+  virtual Phase adjoint_phase() const { return phase(); }
+  /// Forgets what earlier solves have left for later ones.
+  virtual void start_cold() {}
+  /// Gives back memory that the next forward() takes again.
+  virtual void give_back_memory() {}
+  /// What start_cold() leaves and a continued run needs, under names of the stage's own.
+  virtual void save(CheckpointState& /*state*/) const {}
+  virtual void restore(const CheckpointState& /*state*/) {}
+  /// Adds the iterations of the last forward() and of the pull_back() behind it.
+  virtual void add_iterations(SolverIterations& /*iterations*/) const {}
+};
+
+/// What stages are made of. References must outlive them.
+template <int Dim>
+struct StageContext {
+  const Model<Dim>& model;
+  const LayerModel<Dim>& layers;
+  double tolerance;                         ///< of the elastic solves; heat is solved a thousand times closer
+  std::unique_ptr<Sequence<Dim>> sequence;  ///< becomes the stage's; null: the one that the model asks for
+};
+
+/// What a stage costs in a run.
+struct StageCost {
+  double held = 0.0;  ///< memory throughout, all ranks, bytes
+  double solving =
+      0.0;            ///< memory while it solves, all ranks, bytes; with few lanes one stage at a time has it
+  double work = 0.0;  ///< time of one group, in units of a full block of layers on one rank
+  double seconds = 0.0;  ///< per design iteration, all ranks busy
+};
+
+/// A type of stage. Names of results: design, time, layers, strains, process, and what new stages make.
+class StageType {
+ public:
+  StageType(std::string name_, std::vector<std::string> reads_, std::vector<std::string> makes_)
+      : name(std::move(name_)), reads(std::move(reads_)), makes(std::move(makes_)) {}
+  StageType(const StageType&) = delete;
+  StageType& operator=(const StageType&) = delete;
+  virtual ~StageType() = default;
+
+  /// The stage, or null where the model needs none. Collective on the world of the model's groups.
+  virtual std::unique_ptr<Stage<2>> make(StageContext<2>& context) const = 0;
+  virtual std::unique_ptr<Stage<3>> make(StageContext<3>& context) const = 0;
+  virtual StageCost cost(const RunSize& size, SolverPath path, int groups, int lanes) const = 0;
+
+  const std::string name;
+  const std::vector<std::string> reads, makes;
+};
+
+/// All types, each behind those whose results it reads. One that reads what it makes changes it: it comes
+/// between the one that makes it and the others that read it.
+std::vector<const StageType*> stage_types();
+/// Adds a type, which must live as long as the program. RegisteredStage calls it.
+void register_stage(const StageType* type);
+/// The stages that a model needs, in order. Collective on the world of the model's groups.
+template <int Dim>
+std::vector<std::unique_ptr<Stage<Dim>>> make_stages(StageContext<Dim> context);
+
+/// Registers a stage. The stage's source defines one object of this type.
+///   - Kind<Dim>: the stage, with a static function make(StageContext<Dim>&), or a constructor with this
+///     argument;
+///   - cost: what it costs.
+template <template <int> class Kind>
+class RegisteredStage : public StageType {
+ public:
+  using Cost = StageCost (*)(const RunSize& size, SolverPath path, int groups, int lanes);
+  RegisteredStage(std::string name, std::vector<std::string> reads, std::vector<std::string> makes, Cost cost)
+      : StageType(std::move(name), std::move(reads), std::move(makes)), cost_(cost) {
+    register_stage(this);
+  }
+
+  std::unique_ptr<Stage<2>> make(StageContext<2>& context) const override { return make_kind<2>(context); }
+  std::unique_ptr<Stage<3>> make(StageContext<3>& context) const override { return make_kind<3>(context); }
+  StageCost cost(const RunSize& size, SolverPath path, int groups, int lanes) const override {
+    return cost_(size, path, groups, lanes);
+  }
+
+ private:
+  template <int Dim>
+  static std::unique_ptr<Stage<Dim>> make_kind(StageContext<Dim>& context) {
+    if constexpr (requires { Kind<Dim>::make(context); })
+      return Kind<Dim>::make(context);
+    else
+      return std::make_unique<Kind<Dim>>(context);
+  }
+
+  Cost cost_;
+};
+
+}  // namespace fabseq

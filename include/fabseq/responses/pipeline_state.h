@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What goes forward and back through the stages of the pipeline, by the names of their results.
+#pragma once
+
+#include "fabseq/layers/layers.h"
+#include "fabseq/process/elastic_model.h"
+#include "fabseq/process/process_adjoint.h"
+#include "fabseq/process/process_simulation.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// The results of the pipeline's stages for one design, which the pipeline owns.
+template <int Dim>
+struct PipelineState {
+  const PseudoTime<Dim>& time;
+  const LayerDensities& layers;
+  const ProcessResult& process;
+};
+
+/// Derivatives of one row (a weighted sum of response components) with respect to the result of each stage.
+/// Responses add theirs to it, and so does each stage to those of the stages before it.
+template <int Dim>
+struct PipelineAdjoint {
+  explicit PipelineAdjoint(int layers) : densities(layers) {}
+
+  ProcessAdjoint process;  ///< dJ/du, dJ/dv and dJ/d(increments) for the strain as given; empty while zero
+  std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
+  StrainField strains;           ///< by inherent strains that are not the material's; empty while zero
+  DensityDerivatives densities;  ///< by stage and layer densities, time points, sub-parts and directions
+  TimeDerivatives time;          ///< by t and grad t; empty while zero
+};
+
+}  // namespace fabseq
