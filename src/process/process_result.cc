@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/process_result.h"
 
+#include <utility>
+
 namespace fabseq {
 
 void add_scaled(std::vector<double>& to, double factor, const std::vector<double>& from) {
@@ -18,10 +20,7 @@ void ProcessResult::add_counted(std::size_t block, CaseDisplacements& of) const 
 }
 
 ProcessResult ProcessResult::combined(std::span<const double> combination, bool with_increments) const {
-  ProcessResult result;
-  result.nodes = nodes;
-  result.all_layers = all_layers;
-  result.iterations = iterations;
+  ProcessResult result = at_once({});
   for (std::size_t k = 0; k < combination.size(); ++k) {
     add_scaled(result.displacement, combination[k], of_case(k).displacement);
     add_scaled(result.release, combination[k], of_case(k).release);
@@ -31,6 +30,15 @@ ProcessResult ProcessResult::combined(std::span<const double> combination, bool 
   result.weights = weights;
   for (std::size_t block = 0; block < blocks.size(); ++block)
     result.increments.push_back(combined_increments(combination, block));
+  return result;
+}
+
+ProcessResult ProcessResult::at_once(std::vector<double> displacement) const {
+  ProcessResult result;
+  result.nodes = nodes;
+  result.all_layers = all_layers;
+  result.iterations = iterations;
+  result.displacement = std::move(displacement);
   return result;
 }
 

@@ -45,8 +45,7 @@ VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, P
                          const PipelineState<Dim>& state, VariedNumbers numbers) {
   std::vector<double> deviation(state.process.displacement.size(), 0.0);
   for (int j = 0; j < state.layers.count(); ++j) {
-    ProcessResult layer;
-    layer.displacement = pipeline.process().increment(j, true);
+    const ProcessResult layer = state.process.at_once(pipeline.process().increment(j, true));
     for (std::size_t i = 0; i < deviation.size(); ++i)
       deviation[i] += std::pow(size_of_change * layer.displacement[i], 2);
     const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.layers, layer});

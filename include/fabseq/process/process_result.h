@@ -54,6 +54,9 @@ struct ProcessResult : CaseDisplacements {
   /// The result for a combination of the cases, which has no other cases; increments, which take memory, only
   /// if asked for.
   ProcessResult combined(std::span<const double> combination, bool with_increments) const;
+  /// The result of a process on these nodes that leads to a displacement at once: it has no increments, other
+  /// cases or release.
+  ProcessResult at_once(std::vector<double> displacement) const;
   /// Increments of a block for a combination of the cases.
   LaneVector combined_increments(std::span<const double> combination, std::size_t block) const;
 };
