@@ -95,7 +95,7 @@ void write_slot(const OutputDirectory& directory, const std::string& slot, const
   Hdf5Writer writer(directory.comm(), directory.file(slot));
   for (const auto& [name, values] : state.fields()) {
     const std::vector<double> field = layout.to_grid(values);
-    writer.write_field<Dim>(layout.grid, {name, layout.on_nodes, 1, field, false});
+    writer.write_field<Dim>(layout.grid, {name, layout.on_nodes, layout.components, field, false});
   }
   for (const auto& [name, values] : state.arrays()) writer.write_array(name, values);
   for (const auto& [name, value] : state.scalars()) writer.write_attribute(name, value);

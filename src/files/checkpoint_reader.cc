@@ -107,7 +107,7 @@ CheckpointState read_checkpoint(const std::string& path, const DesignLayout<Dim>
   for (const Json& name : description.at("fields"))
     state.set_field(name.get<std::string>(),
                     layout.from_grid(read_field(layout.grid, layout.on_nodes, path, name.get<std::string>(),
-                                                "-restart", "-restart")));
+                                                "-restart", "-restart", layout.components)));
   return state;
 }
 

@@ -3,7 +3,8 @@
 #include "fabseq/files/hdf5_writer.h"
 
 #include <algorithm>
-#include <array>
+#include <string>
+#include <vector>
 
 namespace fabseq {
 
@@ -31,20 +32,28 @@ std::vector<double> read_field_as_list(const IndexBox<Dim>& all, const IndexBox<
 template <int Dim>
 std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
                                const std::string& dataset, const std::string& file_key,
-                               const std::string& dataset_key) {
+                               const std::string& dataset_key, int components) {
   const Hdf5ParallelDataset data(grid.comm(), file, dataset, file_key, dataset_key);
   const IndexBox<Dim> all = on_nodes ? grid.all_nodes() : grid.all_elements();
   const IndexBox<Dim>& owned = on_nodes ? grid.owned_nodes() : grid.owned_elements();
   const auto values = static_cast<hsize_t>(all.count());
-  if (data.shape().size() == 1 && data.shape()[0] == values) return read_field_as_list<Dim>(all, owned, data);
-  std::array<hsize_t, Dim> shape{}, start{}, count{};  // slowest axis first
+  if (components == 1 && data.shape().size() == 1 && data.shape()[0] == values)
+    return read_field_as_list<Dim>(all, owned, data);
+  std::vector<hsize_t> shape(Dim), start(Dim), count(Dim);  // slowest axis first
   for (int axis = 0; axis < Dim; ++axis) {
     shape[Dim - 1 - axis] = static_cast<hsize_t>(all.size[axis]);
     start[Dim - 1 - axis] = static_cast<hsize_t>(owned.start[axis]);
     count[Dim - 1 - axis] = static_cast<hsize_t>(owned.size[axis]);
   }
-  data.require_shape(
-      shape, on_nodes ? "nodes of the grid, domain.elements plus 1 reversed" : "domain.elements reversed");
+  std::string meaning =
+      on_nodes ? "nodes of the grid, domain.elements plus 1 reversed" : "domain.elements reversed";
+  if (components > 1) {
+    shape.push_back(static_cast<hsize_t>(components));
+    start.push_back(0);
+    count.push_back(shape.back());
+    meaning += ", then the components";
+  }
+  data.require_shape(shape, meaning);
   return data.read(start, count);
 }
 

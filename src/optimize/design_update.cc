@@ -18,7 +18,7 @@ DesignUpdate::DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_i
 
 std::vector<double> DesignUpdate::to_variables(const Design& design) const {
   std::vector<double> result;
-  for (std::size_t i = 0; i < field_size_; ++i) result.push_back(space_.to_unit(design.field[i]));
+  for (std::size_t i = 0; i < field_size_; ++i) result.push_back(space_.of(i).to_unit(design.field[i]));
   if (has_layer_variables())
     result.insert(result.end(), design.layer_variables.begin(), design.layer_variables.end());
   return result;
@@ -27,7 +27,7 @@ std::vector<double> DesignUpdate::to_variables(const Design& design) const {
 std::vector<double> DesignUpdate::gradient_of_variables(Design gradient, const Design& design) const {
   std::vector<double> result = std::move(gradient.field);
   result.resize(field_size_);
-  for (std::size_t i = 0; i < field_size_; ++i) result[i] *= space_.slope(design.field[i]);
+  for (std::size_t i = 0; i < field_size_; ++i) result[i] *= space_.of(i).slope(design.field[i]);
   if (has_layer_variables())
     result.insert(result.end(), gradient.layer_variables.begin(), gradient.layer_variables.end());
   return result;
@@ -63,7 +63,7 @@ StepReport DesignUpdate::update(Design& design, ProblemGradients gradients, doub
   for (std::size_t i = 0; i < now.size(); ++i)
     report.change = std::max(report.change, std::abs(now[i] - before[i]) / (upper[i] - lower[i]));
   report.change = max(comm_, report.change);
-  for (std::size_t i = 0; i < field_size_; ++i) design.field[i] = space_.from_unit(now[i]);
+  for (std::size_t i = 0; i < field_size_; ++i) design.field[i] = space_.of(i).from_unit(now[i]);
   if (has_layer_variables())
     std::copy(now.begin() + static_cast<std::ptrdiff_t>(field_size_), now.end(),
               design.layer_variables.begin());

@@ -50,7 +50,7 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
 
 template <int Dim>
 DesignLayout<Dim> Model<Dim>::design_layout() const {
-  return {grid, design_support.on_nodes(),
+  return {grid, design_support.on_nodes(), design_support.components(),
           [this](std::span<const double> share) { return design_field(share); },
           [this](std::span<const double> field) {
             return groups.share(design_support.restrict_to_variables(field));

@@ -24,7 +24,7 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
     : problem(model, settings.constraint_margin),
       continuation(model.settings.projection, model.layers->traits().first_beta,
                    model.layers->traits().last_beta, settings),
-      optimizer(model.world(), sequence.space(), model.layers->traits().time_is_fixed,
+      optimizer(model.world(), model.space_of_share(sequence), model.layers->traits().time_is_fixed,
                 model.layers->variables(), design, settings.mma),
       best(model.layers->variables().name),
       model_(model),

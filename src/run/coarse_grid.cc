@@ -8,7 +8,6 @@
 #include "fabseq/keys/config_key.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace fabseq {
@@ -112,13 +111,13 @@ Json coarse_document(const Setup<Dim>& fine) {
   return document;
 }
 
-/// Field of a coarse run on the fine grid's owned elements.
+/// Field of a coarse run on the fine grid's owned elements, [element][component].
 template <int Dim>
 std::vector<double> read_coarse_field(const Grid<Dim>& fine, const std::string& file,
-                                      const std::string& dataset) {
+                                      const std::string& dataset, int components) {
   const Hdf5ParallelDataset data(fine.comm(), file, dataset, key, key);
   IndexBox<Dim> box;
-  std::array<hsize_t, Dim> start, count;  // slowest axis first
+  std::vector<hsize_t> start(Dim), count(Dim);  // slowest axis first
   const IndexBox<Dim>& owned = fine.owned_elements();
   for (int axis = 0; axis < Dim; ++axis) {
     box.start[axis] = owned.start[axis] / 2;
@@ -127,12 +126,17 @@ std::vector<double> read_coarse_field(const Grid<Dim>& fine, const std::string& 
     start[Dim - 1 - axis] = static_cast<hsize_t>(box.start[axis]);
     count[Dim - 1 - axis] = static_cast<hsize_t>(box.size[axis]);
   }
+  if (components > 1) {
+    start.push_back(0);
+    count.push_back(static_cast<hsize_t>(components));
+  }
   const std::vector<double> coarse = data.read(start, count);
-  std::vector<double> result(static_cast<std::size_t>(owned.count()));
+  std::vector<double> result(static_cast<std::size_t>(owned.count()) * components);
   owned.for_each([&](const Index<Dim>& element, std::int64_t offset) {
     Index<Dim> parent = element;
     for (int& index : parent) index /= 2;
-    result[offset] = coarse[box.offset(parent)];
+    std::copy_n(coarse.begin() + static_cast<std::ptrdiff_t>(box.offset(parent) * components), components,
+                result.begin() + static_cast<std::ptrdiff_t>(offset * components));
   });
   return result;
 }
@@ -165,12 +169,13 @@ std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& d
   const std::string folder = directory + "/" + coarse_folder + "/";
   const std::string result = folder + "result.h5";
   std::string refined = folder + "refined.h5";
-  const std::vector<double> parents = read_coarse_field(fine.grid, result, "design");
+  const int components = fine.design_support.components();
+  const std::vector<double> parents = read_coarse_field(fine.grid, result, "design", components);
   // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
   const std::vector<double> design =
       fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
   Hdf5Writer file(fine.world(), refined);
-  file.template write_field<Dim>(fine.grid, {"design", false, 1, design});
+  file.template write_field<Dim>(fine.grid, {"design", false, components, design});
   if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
     file.write_array(variables.name,
                      read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",

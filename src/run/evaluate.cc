@@ -28,7 +28,8 @@ void write_gradient(Hdf5Writer& file, const Setup<Dim>& setup, const std::string
                     const Design& gradient, bool has_field) {
   if (has_field) {
     const std::vector<double> field = setup.design_field(gradient.field);
-    file.template write_field<Dim>(setup.grid, {name + "/design", setup.design_support.on_nodes(), 1, field});
+    file.template write_field<Dim>(setup.grid, {name + "/design", setup.design_support.on_nodes(),
+                                                setup.design_support.components(), field});
   }
   write_layer_variables(file, setup.layers->variables(), name + "/", gradient);
 }

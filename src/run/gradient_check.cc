@@ -59,7 +59,7 @@ Design moved(const Design& design, const Design& along, double step, const Desig
   Design result = design;
   for (std::size_t i = 0; i < design.field.size(); ++i)
     if (along.field[i] != 0.0)
-      result.field[i] = space.from_unit(space.to_unit(design.field[i]) + step * along.field[i]);
+      result.field[i] = space.of(i).from_unit(space.of(i).to_unit(design.field[i]) + step * along.field[i]);
   for (std::size_t j = 0; j < design.layer_variables.size(); ++j)
     result.layer_variables[j] = std::clamp(design.layer_variables[j] + step * along.layer_variables[j],
                                            variables.lower[j], variables.upper[j]);
@@ -71,7 +71,7 @@ double slope_along(MPI_Comm comm, const Design& gradient, const Design& design, 
                    const DesignSpace& space) {
   double product = 0.0;
   for (std::size_t i = 0; i < design.field.size(); ++i)
-    product += gradient.field[i] * space.slope(design.field[i]) * along.field[i];
+    product += gradient.field[i] * space.of(i).slope(design.field[i]) * along.field[i];
   product = sum(comm, product);
   for (std::size_t j = 0; j < design.layer_variables.size(); ++j)
     product += gradient.layer_variables[j] * along.layer_variables[j];
@@ -89,7 +89,7 @@ double relative_error(double difference, double adjoint) {
 template <int Dim>
 GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                               const Design& design) {
-  const DesignSpace space = pipeline.sequence().space();
+  const DesignSpace space = model.space_of_share(pipeline.sequence());
   const auto run = [&](const Design& x) { return pipeline.run(x, model.layers->traits().first_beta, false); };
   const auto state = run(design);
   const auto values = pipeline.values(problem.responses_and_functionals(), state);
@@ -129,7 +129,8 @@ GradientCheck check_gradients(const Model<Dim>& model, Problem<Dim>& problem, Pi
 /// Steps must not end on a bound: the field keeps a tenth of the range from both, the layers' variables,
 /// which may be closer to each other, a thousandth.
 void keep_off_the_bounds(Design& design, const DesignSpace& space, const LayerVariables& variables) {
-  for (double& value : design.field) value = space.from_unit(std::clamp(space.to_unit(value), 0.1, 0.9));
+  for (std::size_t i = 0; i < design.field.size(); ++i)
+    design.field[i] = space.of(i).from_unit(std::clamp(space.of(i).to_unit(design.field[i]), 0.1, 0.9));
   for (std::size_t j = 0; j < design.layer_variables.size(); ++j) {
     const double margin = 1e-3 * (variables.upper[j] - variables.lower[j]);
     design.layer_variables[j] =
@@ -194,7 +195,7 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
     return;
   }
   Design design = starting_design(setup, pipeline.sequence(), command_line);
-  keep_off_the_bounds(design, pipeline.sequence().space(), setup.layers->variables());
+  keep_off_the_bounds(design, setup.space_of_share(pipeline.sequence()), setup.layers->variables());
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
   const GradientCheck check = check_gradients(setup, problem, pipeline, design);

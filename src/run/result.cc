@@ -17,7 +17,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   FieldSet<Dim> fields{&setup.grid, {}};
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
-  fields.add(setup.design_support.on_nodes(), "design", design);
+  fields.add(setup.design_support.on_nodes(), "design", design, setup.design_support.components());
   add_sequence_fields(fields, setup.part, reports.optimized, "");
   add_displacements(fields, reports.binary, "binary/");
   if (const auto& stress = reports.binary.build_fields.von_mises)
@@ -61,7 +61,7 @@ void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& dire
     fields.add_elements("layer", layer, 1, &model.part.elements());
   }
   add_build_fields(fields, model.part, checks, "");
-  fields.add(model.design_support.on_nodes(), "design", design);
+  fields.add(model.design_support.on_nodes(), "design", design, model.design_support.components());
   if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
   if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);
   directory.make_folder("fields");

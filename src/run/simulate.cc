@@ -89,7 +89,8 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   FieldSet<Dim> fields{&setup.grid, {}};
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
-  if (has_design) fields.add(setup.design_support.on_nodes(), "design", design);
+  if (has_design)
+    fields.add(setup.design_support.on_nodes(), "design", design, setup.design_support.components());
   add_sequence_fields(fields, setup.part, simulation.report, "");
   fields.add_elements("residual_stress", simulation.stress.field, voigt_size<Dim>);
   if (released) fields.add_elements("released_stress", released->field, voigt_size<Dim>);

@@ -36,12 +36,18 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
                                       const std::string& file) {
   const DesignSupport<Dim>& support = setup.design_support;
   std::vector<double> design = support.restrict_to_variables(
-      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design"));
-  if (any_outside(setup.world(), design, space.lower, space.upper))
-    throw InputError("-design: " + file + " has values outside the bounds " + Json(space.lower).dump() +
-                     " to " + Json(space.upper).dump() +
+      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design", space.count()));
+  for (int component = 0; component < space.count(); ++component) {
+    std::vector<double> values;
+    for (std::size_t i = component; i < design.size(); i += space.count()) values.push_back(design[i]);
+    const auto& [lower, upper, logarithmic] = space.components[component];
+    if (!any_outside(setup.world(), values, lower, upper)) continue;
+    throw InputError("-design: " + file + " has values outside the bounds " + Json(lower).dump() + " to " +
+                     Json(upper).dump() +
+                     (space.count() > 1 ? " of component " + std::to_string(component) : "") +
                      (setup.config.sequence.type == SequenceType::heat ? " of /sequence/bounds" : "") +
                      " on the part's " + (support.on_nodes() ? "nodes" : "elements"));
+  }
   return design;
 }
 

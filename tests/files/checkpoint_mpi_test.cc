@@ -2,6 +2,7 @@
 #include "fabseq/files/checkpoint.h"
 #include "fabseq/files/seal.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/sequence/design_support.h"
 
 #include "support/io_support.h"
 #include "support/small_parts.h"
@@ -25,24 +26,31 @@ test::PartOnGrid<3> make_part(MPI_Comm comm = PETSC_COMM_WORLD) {
       {2, false}, comm);
 }
 
-/// Fields whose values tell iteration and element; in the void there are none.
+/// Two variables of each part element: shares of groups may end between them.
+DesignSupport<3> support_of(const Part<3>& part) { return {part.grid(), false, part.elements(), 2}; }
+
+/// Fields whose values tell iteration, element and component; in the void there are none.
 std::vector<double> design_of(const Part<3>& part, int iteration) {
-  std::vector<double> design = part.restrict_to_part(analytic_field<3>(part.grid().owned_elements(), 1));
+  std::vector<double> design =
+      support_of(part).restrict_to_variables(analytic_field<3>(part.grid().owned_elements(), 2));
   for (double& value : design) value += iteration;
   return design;
 }
 
 /// Every rank has the entries of its part elements.
 DesignLayout<3> layout_of(const Part<3>& part) {
-  return {part.grid(), false, [&part](std::span<const double> entries) { return part.expand(entries); },
-          [&part](std::span<const double> field) { return part.restrict_to_part(field); }};
+  return {part.grid(), false, 2,
+          [&part](std::span<const double> entries) { return support_of(part).expand(entries); },
+          [&part](std::span<const double> field) { return support_of(part).restrict_to_variables(field); }};
 }
 
 /// Ranks with the same part elements share their entries.
 DesignLayout<3> layout_of(const Part<3>& part, const LayerGroups& groups) {
-  return {part.grid(), false,
-          [&](std::span<const double> share) { return part.expand(groups.gather(share)); },
-          [&](std::span<const double> field) { return groups.share(part.restrict_to_part(field)); }};
+  return {part.grid(), false, 2,
+          [&](std::span<const double> share) { return support_of(part).expand(groups.gather(share)); },
+          [&](std::span<const double> field) {
+            return groups.share(support_of(part).restrict_to_variables(field));
+          }};
 }
 
 CheckpointState state_of(const Part<3>& part, int iteration) {

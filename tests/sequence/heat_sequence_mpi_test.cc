@@ -180,7 +180,7 @@ TYPED_TEST(HeatSequenceTest, SpaceFollowsTheSettings) {
   SequenceSettings settings = test::heat_settings(MassRule::automatic);
   for (const VariableScale scale : {VariableScale::log, VariableScale::linear}) {
     settings.scale = scale;
-    const DesignSpace space = test::heat_sequence<Dim>(on_grid.part, settings).space();
+    const DesignScale space = test::heat_sequence<Dim>(on_grid.part, settings).space().of(0);
     EXPECT_EQ(space.lower, 0.02);
     EXPECT_EQ(space.upper, 1.0);
     EXPECT_EQ(space.logarithmic, scale == VariableScale::log);

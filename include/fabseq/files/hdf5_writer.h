@@ -70,13 +70,14 @@ template <int Dim>
 std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
 
 /// Reads this rank's owned values of a field on the elements or nodes, by all ranks in parallel,
-/// lexicographic in the owned box. The dataset has axes [z][y][x] (2D [y][x]) or is one list with x fastest.
+/// [element or node][component], lexicographic in the owned box. The dataset has axes [z][y][x] (2D [y][x])
+/// or, with more than one component, [z][y][x][component]; with one it may also be one list with x fastest.
 /// Collective on the grid's communicator. Throws InputError on all ranks, naming file and dataset (and the
 /// config keys or options they come from), if one is missing or has another shape.
 template <int Dim>
 std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::string& file,
                                const std::string& dataset, const std::string& file_key = "field file",
-                               const std::string& dataset_key = "field");
+                               const std::string& dataset_key = "field", int components = 1);
 
 /// Reads a list of numbers of any length, the same on all ranks. Collective on `comm`. Throws InputError as
 /// read_field() does, and also if the dataset has several axes.

@@ -24,7 +24,8 @@ struct StepReport {
 /// where it is. Collective.
 class DesignUpdate {
  public:
-  /// `space`: of the field; `field_is_fixed`: it is kept from the optimizer; `design`: one of the same sizes.
+  /// `space`: of this rank's part of the field; `field_is_fixed`: it is kept from the optimizer; `design`:
+  /// one of the same sizes.
   DesignUpdate(MPI_Comm comm, const DesignSpace& space, bool field_is_fixed, LayerVariables layer_variables,
                const Design& design, const MmaSettings& settings);
 

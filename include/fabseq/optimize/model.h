@@ -14,6 +14,7 @@
 #include "fabseq/part/supports.h"
 #include "fabseq/responses/response.h"
 #include "fabseq/sequence/design_support.h"
+#include "fabseq/sequence/sequence.h"
 #include "fabseq/sequence/start_region.h"
 
 #include <map>
@@ -60,6 +61,10 @@ class Model {
   /// Collective.
   std::vector<double> design_field(std::span<const double> share) const {
     return design_support.expand(groups.gather(share));
+  }
+  /// Bounds and scales of the variables of which this rank has its share.
+  DesignSpace space_of_share(const Sequence<Dim>& sequence) const {
+    return sequence.space().from(groups.first_of_share(sequence.variables()));
   }
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;

@@ -35,6 +35,8 @@ class LayerGroups {
 
   /// This rank's share of a field that it and its copies have. Local.
   std::vector<double> share(std::span<const double> field) const;
+  /// Number of the first entry of this rank's share of a field with so many entries. Local.
+  std::size_t first_of_share(std::size_t length) const { return start(length, index_); }
   /// The whole field, from the shares of this rank and its copies.
   std::vector<double> gather(std::span<const double> share) const;
   /// This rank's shares of several fields, each of which exists in one group only. `owners`: the group of

@@ -60,7 +60,7 @@ class HeatSequence : public Sequence<Dim> {
   bool has_design() const override { return true; }
   std::size_t variables() const override { return part_.elements().size(); }
   DesignSpace space() const override {
-    return {settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log};
+    return {{{settings_.min_diffusivity, settings_.max_diffusivity, settings_.scale == VariableScale::log}}};
   }
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;

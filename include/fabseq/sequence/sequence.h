@@ -33,9 +33,9 @@ struct TimeDerivatives {
   std::vector<double> time, gradient;
 };
 
-/// The optimizer's view of the design: bounds of the physical variable, and the scale on which it moves. The
-/// defaults are those of a pseudo-time.
-struct DesignSpace {
+/// The optimizer's view of a design variable: bounds of the physical variable, and the scale on which it
+/// moves. The defaults are those of a pseudo-time.
+struct DesignScale {
   double lower = 0.0, upper = 1.0;
   bool logarithmic = false;
 
@@ -45,6 +45,17 @@ struct DesignSpace {
   double from_unit(double unit) const;
   /// Derivative of the design value by its position in [0, 1].
   double slope(double design) const;
+};
+
+/// The scales of all variables: each place of a DesignSupport has the same components, one after the other.
+struct DesignSpace {
+  std::vector<DesignScale> components = {{}};  ///< at least one
+
+  int count() const { return static_cast<int>(components.size()); }
+  /// The scale of an entry of a design, [place][component].
+  const DesignScale& of(std::size_t entry) const { return components[entry % components.size()]; }
+  /// For vectors that begin with entry number `first` of a design, as a share of one does.
+  DesignSpace from(std::size_t first) const;
 };
 
 /// Turns design variables into pseudo-time: the first stage of the pipeline (docs/formulation.md 2, 3.3).
@@ -57,7 +68,8 @@ class Sequence {
 
   /// Whether there is anything to optimize; the same on all ranks.
   virtual bool has_design() const { return false; }
-  /// Number of design variables on this rank: those of its DesignSupport, or 0 without a design.
+  /// Number of design variables on this rank: those of its DesignSupport, [place][component], or 0 without a
+  /// design.
   virtual std::size_t variables() const { return 0; }
   /// Bounds and scale of the variables; the same on all ranks.
   virtual DesignSpace space() const { return {}; }
