@@ -7,6 +7,7 @@
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/run/tasks.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,11 +38,12 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
   const DesignSupport<Dim>& support = setup.design_support;
   std::vector<double> design = support.restrict_to_variables(
       read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design"));
+  const std::string& key = setup.config.sequence.kind->bounds_key;
   if (any_outside(setup.world(), design, space.lower, space.upper))
     throw InputError("-design: " + file + " has values outside the bounds " + Json(space.lower).dump() +
                      " to " + Json(space.upper).dump() +
-                     (setup.config.sequence.type == SequenceType::heat ? " of /sequence/bounds" : "") +
-                     " on the part's " + (support.on_nodes() ? "nodes" : "elements"));
+                     (key.empty() ? "" : " of " + pointer_to("/sequence", key)) + " on the part's " +
+                     (support.on_nodes() ? "nodes" : "elements"));
   return design;
 }
 
