@@ -3,6 +3,7 @@
 
 #include "fabseq/part/part_settings.h"
 #include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 
@@ -71,6 +72,14 @@ void add_part(Section<Config>& keys) {
   for (SectionKeys& section : set_keys.declarations()) keys.declare(std::move(section));
 }
 
+void add_sequence(Section<Config>& keys) {
+  for (SectionKeys& section : sequence_keys()) keys.declare(std::move(section));
+  keys.key("sequence", "Fabrication sequence", {.type = KeyType::section, .required = true},
+           [](Config& config, const Json& value, const KeyPlace& place) {
+             config.sequence = read_sequence(value, place);
+           });
+}
+
 void add_terms(Section<Config>& keys) {
   using Its = Config;
   const auto terms_of = [](std::vector<Term> ModelSettings::*member, TermList list) {
@@ -95,9 +104,9 @@ Section<Config> all_keys() {
       .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
   add_part(keys);
   keys.section("material", &Its::material, "Material", material_keys(), optional)
-      .section("process", &Its::process, "Process simulation", process_keys(), optional)
-      .section("sequence", &Its::sequence, "Fabrication sequence", sequence_keys(), required)
-      .section("layers", &Its::layers, "Layers", layer_keys(), required)
+      .section("process", &Its::process, "Process simulation", process_keys(), optional);
+  add_sequence(keys);
+  keys.section("layers", &Its::layers, "Layers", layer_keys(), required)
       .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);
   add_terms(keys);
   return keys.section("baseline", &Its::baseline, "Planar sequence for comparison", baseline_keys(), optional)

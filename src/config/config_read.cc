@@ -42,8 +42,8 @@ void check_files(const Config& config) {
   constexpr const char* allowed = "a readable HDF5 file";
   if (const auto* voxels = std::get_if<VoxelFile>(&config.part.source))
     require_readable("/part/voxels/file", voxels->file, allowed);
-  if (config.sequence.type == SequenceType::file)
-    require_readable("/sequence/file", config.sequence.file, allowed);
+  for (const auto& [key, file] : config.sequence.facts.files)
+    require_readable(pointer_to("/sequence", key), file, allowed);
 }
 
 void warn_about(const Config& config) {

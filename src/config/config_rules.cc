@@ -2,12 +2,13 @@
 /// Relations between keys of different sections.
 #include "fabseq/config/config.h"
 #include "fabseq/keys/config_key.h"
+#include "fabseq/keys/direction.h"
 #include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
 
 namespace fabseq {
 
@@ -64,36 +65,17 @@ void check_magnitudes(const Config& config) {
   }
 }
 
-/// `word`: what the key takes in place of a vector.
-void check_direction(const Config& config, const char* section, const char* key, const char* word,
-                     const std::vector<double>& direction) {
-  const bool zero =
-      std::all_of(direction.begin(), direction.end(), [](double value) { return value == 0.0; });
-  if (direction.empty() || !zero) return;
-  refuse(pointer_to(pointer_to("", std::string(section)), std::string(key)), given(config, section, key),
-         std::string("\"") + word + "\" or a vector other than 0");
-}
-
-void check_initial_diffusivity(const Config& config) {
-  const SequenceSettings& sequence = config.sequence;
-  if (!sequence.initial) return;
-  if (*sequence.initial >= sequence.min_diffusivity && *sequence.initial <= sequence.max_diffusivity) return;
-  refuse("/sequence/initial", given(config, "sequence", "initial"),
-         "\"distance\" or a number within bounds " + given(config, "sequence", "bounds"));
-}
-
 /// Message text for configs without a gradient of the pseudo-time, which thickness and turning strains need
 /// and which element-wise values do not have.
 std::string without_gradient(const Config& config) {
-  const bool file = config.sequence.type == SequenceType::file;
-  return std::string(" with sequence type ") + (file ? "\"file\"" : "\"direct\" and location \"elements\"") +
+  return " with sequence " + config.sequence.facts.gradient_obstacle +
          ", for which the gradient of the pseudo-time is not defined";
 }
 
 void check_strain(const Config& config) {
   if (!config.material.turning_strain || config.has_time_gradient() || config.layers.multi_planar) return;
   refuse("/material/inherent_strain", given(config, "material", "inherent_strain") + without_gradient(config),
-         "a list of numbers, or sequence type heat, planar, or direct with location nodes");
+         "a list of numbers, or sequence type " + sequences_with_gradient());
 }
 
 /// The torch turns with the layers, and each rank gathers the layers of all elements.
@@ -117,7 +99,7 @@ void check_needs(const Config& config, const ResponseType& type, const std::stri
            std::string("this type with layers of type ") + name(type.layers));
   if (type.needs_time_gradient && !config.has_time_gradient())
     refuse(pointer, shown(type.name) + without_gradient(config),
-           "this type with sequence type heat, planar, or direct with location nodes");
+           "this type with sequence type " + sequences_with_gradient());
 }
 
 void check_terms(const Config& config, const std::vector<Term>& terms, const std::string& list) {
@@ -150,62 +132,11 @@ void check_largest(const Config& config) {
   }
 }
 
-void check_angles(const Config& config) {
-  const MultiPlanarSettings& layers = *config.layers.multi_planar;
-  const auto angles = static_cast<std::size_t>(config.dimension()) - 1,
-             subparts = static_cast<std::size_t>(layers.subparts);
-  const std::string of_subparts = " for " + std::to_string(subparts) + " sub-parts";
-  const Json& directions = config.effective.at("layers").at("angles");
-  if (directions.is_array() && directions.size() != subparts)
-    refuse("/layers/angles", given(config, "layers", "angles") + of_subparts,
-           "a list of angles for each of them");
-  const Json& bounds = config.effective.at("layers").at("angle_bounds");
-  const std::size_t pairs = bounds[0].is_number() ? 1 : bounds.size();
-  if (pairs != 1 && pairs != angles && pairs != subparts * angles)
-    refuse("/layers/angle_bounds", std::to_string(pairs) + " pairs",
-           "one pair, " + std::to_string(angles) + " or " + std::to_string(subparts * angles));
-  for (std::size_t i = 0; i < layers.angles.size(); ++i)
-    if (layers.angles[i] < layers.lowest_angles[i] || layers.angles[i] > layers.highest_angles[i])
-      refuse("/layers/angles/" + std::to_string(i / angles) + "/" + std::to_string(i % angles),
-             shown(layers.angles[i]),
-             "a number within its bounds, " + shown(layers.lowest_angles[i]) + " to " +
-                 shown(layers.highest_angles[i]));
-}
-
-void check_multi_planar(const Config& config) {
-  const MultiPlanarSettings& layers = *config.layers.multi_planar;
-  const std::vector<double>& timestamps = layers.timestamps;
-  const Json& times = config.effective.at("layers").at("timestamps");
-  if ((times.is_array() && times.size() + 1 != static_cast<std::size_t>(layers.subparts)) ||
-      !std::is_sorted(timestamps.begin(), timestamps.end(), std::less_equal<>()))
-    refuse("/layers/timestamps", given(config, "layers", "timestamps"),
-           "\"auto\" or " + std::to_string(layers.subparts - 1) +
-               " ascending numbers in (0, 1), one less than subparts");
-  check_angles(config);
-  if (layers.fixed_angles && layers.fixed_time)
-    refuse("/layers/fixed", given(config, "layers", "fixed"), "[], [\"angles\"] or [\"time\"]");
-  for (const char* key : {"beta", "max"})
-    if (config.effective.at("projection").at(key).is_number())
-      refuse(pointer_to("/projection", std::string(key)), given(config, "projection", key),
-             "\"auto\" with layers of type multi_planar, whose sharpness is layers.sharpness");
-}
-
-void check_layers(const Config& config) {
-  if (config.layers.multi_planar) return check_multi_planar(config);
-  if (config.layers.count || config.layers.target) return;
-  refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
-         "an integer in [1, " + std::to_string(most_layers) +
-             "], or \"auto\" with a constraint of type layer_thickness");
-}
-
-void check_projection(const Config& config) {
-  const ProjectionSettings& projection = config.projection;
-  std::optional<double> start = projection.beta;
-  if (!start && config.layers.count) start = 4.0 * *config.layers.count;
-  if (!start || !projection.max || *projection.max >= *start) return;
-  const char* origin = projection.beta ? " (beta)" : " (beta, 4 times the number of layers)";
-  refuse("/projection/max", given(config, "projection", "max"),
-         "\"auto\" or a number >= " + shown(*start) + origin);
+std::vector<std::string> sequences_with_design() {
+  std::vector<std::string> result;
+  for (const SequenceKind* kind : sequence_kinds())
+    if (kind->has_design) result.push_back(kind->name);
+  return result;
 }
 
 void check_optimizer(const Config& config) {
@@ -220,17 +151,16 @@ void check_optimizer(const Config& config) {
 void check_rules(const Config& config) {
   check_names(config);
   check_magnitudes(config);
-  check_direction(config, "sequence", "direction", "auto", config.sequence.direction);
-  check_direction(config, "baseline", "direction", "auto", config.baseline.direction);
-  check_direction(config, "tool", "axis", "normal", config.tool.axis);
+  config.sequence.kind->check(config.sequence);
+  check_direction("/baseline/direction", config.effective.at("baseline").at("direction"),
+                  config.baseline.direction, "auto");
+  check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, "normal");
   check_torch(config);
-  check_initial_diffusivity(config);
   check_strain(config);
   check_terms(config, config.objective, "objective");
   check_terms(config, config.constraints, "constraints");
   check_largest(config);
-  check_layers(config);
-  check_projection(config);
+  check_layers(config.layers, config.projection, config.effective, config.dimension());
   check_optimizer(config);
 }
 
@@ -238,10 +168,9 @@ void check_task(const Config& config, Task task) {
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");
-  if (config.sequence.type != SequenceType::heat && config.sequence.type != SequenceType::direct) {
+  if (!config.sequence.kind->has_design)
     refuse("/sequence/type", given(config, "sequence", "type") + ", which has nothing to vary",
-           "heat, direct " + with_task + ", all with -task simulate");
-  }
+           join(sequences_with_design(), ", ") + " " + with_task + ", all with -task simulate");
   if (config.projection.binary)
     refuse("/projection/binary", "true", "false " + with_task + ", which needs derivatives");
   if (task == Task::optimize && config.objective.empty())

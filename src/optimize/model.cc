@@ -8,19 +8,6 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-DesignSupport<Dim> make_design_support(const Part<Dim>& part, const SequenceSettings& settings,
-                                       const std::optional<StartRegion>& start) {
-  switch (settings.type) {
-    case SequenceType::heat:
-      return {part.grid(), false, part.elements()};
-    case SequenceType::direct:
-      return {part.grid(), settings.location == DesignLocation::nodes, start->free};
-    default:
-      return {part.grid(), false, {}};
-  }
-}
-
-template <int Dim>
 int baseline_count(const BaselineSettings& settings, const LayerModel<Dim>& layers, const Part<Dim>& part) {
   return settings.layers ? *settings.layers : layers.planar_count(planar_height(part, settings.direction));
 }
@@ -36,17 +23,16 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       grid(*placed_.grid),
       part(*placed_.part),
       supports(part, settings.part),
-      start(settings.sequence.type == SequenceType::direct
-                ? std::optional(make_start_region(part, settings.sequence))
-                : std::nullopt),
-      design_support(make_design_support(part, settings.sequence, start)),
+      places_(settings.sequence.kind->places(settings.sequence, part)),
+      start(places_.start),
+      design_support(places_.support),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
       baseline(make_layer_model({.count = baseline_count(settings.baseline, *layers, part)}, {}, part)),
       lanes(resolved_lanes(world, settings.solver,
                            run_size(settings, part, node_sets, layers->count(), size_of(world)),
                            groups.count())),
-      characteristic_length(settings.sequence.characteristic_length.value_or(part.longest_edge())) {}
+      characteristic_length(settings.sequence.facts.characteristic_length.value_or(part.longest_edge())) {}
 
 template <int Dim>
 DesignLayout<Dim> Model<Dim>::design_layout() const {

@@ -2,6 +2,7 @@
 #include "fabseq/keys/section.h"
 #include "fabseq/optimize/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 
@@ -19,13 +20,6 @@ Section<MmaSettings> asymptote_keys() {
       .key("decrease", &Its::asymptote_decrease, "Factor when a variable turns", {.range = "(0, 1]"})
       .key("floor", &Its::asymptote_floor, "Least distance, relative to the variable's range",
            {.range = "(0, 10]"});
-}
-
-/// Largest step where the config leaves it to us, docs/formulation.md 9: measured for diffusivities on the
-/// log scale and for times, published for diffusivities themselves.
-double automatic_move_limit(const SequenceSettings& sequence) {
-  if (sequence.type == SequenceType::direct) return 0.02;
-  return sequence.scale == VariableScale::log ? 0.05 : 0.2;
 }
 
 /// When and how a run ends.
@@ -47,12 +41,16 @@ void add_ends(Section<OptimizerSettings>& keys) {
 
 void add_steps(Section<OptimizerSettings>& keys) {
   using Its = OptimizerSettings;
+  const auto of_kinds = [](std::string SequenceTraits::*trait) {
+    return join(of_sequence_kinds(trait), ", ");
+  };
+  const std::string first = of_kinds(&SequenceTraits::move_limits),
+                    last = of_kinds(&SequenceTraits::last_move_limits);
   keys.key("move_limit", &Its::given_move_limit,
-           "Largest step of a variable, relative to its range; auto: "
-           "0.05 on the log, 0.2 on the linear scale, 0.02 for times (direct)",
+           ("Largest step of a variable, relative to its range; auto: " + first).c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
       .key("final_move_limit", &Its::given_final_move_limit,
-           "The same at the end of the run; auto: 0.004 on the log scale, else move_limit",
+           ("The same at the end of the run; auto: " + last + ", else move_limit").c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-final_move_limit"})
       .section("asymptotes", &Its::mma, "Asymptotes", asymptote_keys(), {.default_value = "{}"})
       .key("constraint_margin", &Its::constraint_margin,
@@ -92,10 +90,10 @@ Section<OptimizerSettings> optimizer_keys() {
 }
 
 void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence) {
-  optimizer.move_limit = optimizer.given_move_limit.value_or(automatic_move_limit(sequence));
-  const bool log_scale = sequence.scale == VariableScale::log;
-  const double final_limit = log_scale ? std::min(0.004, optimizer.move_limit) : optimizer.move_limit;
-  optimizer.final_move_limit = optimizer.given_final_move_limit.value_or(final_limit);
+  const MoveLimits& automatic = sequence.facts.move_limits;
+  optimizer.move_limit = optimizer.given_move_limit.value_or(automatic.first);
+  optimizer.final_move_limit = optimizer.given_final_move_limit.value_or(
+      std::min(automatic.last.value_or(optimizer.move_limit), optimizer.move_limit));
 }
 
 Section<BaselineSettings> baseline_keys() {

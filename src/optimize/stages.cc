@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/stages.h"
 
-#include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/sequence/heat_sequence.h"
+#include "fabseq/sequence/sequence_kind.h"
 #include "fabseq/solve/lane_elasticity.h"
 #include "fabseq/solve/lane_heat.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "fabseq/solve/reference/reference_heat.h"
-
-#include <utility>
 
 namespace fabseq {
 
@@ -26,25 +23,14 @@ AssembledSolverSettings assembled(const SolverSettings& settings, const SolveTol
 }
 
 template <int Dim>
-std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Model<Dim>& model, const HeatModel<Dim>& heat,
-                                                  double tolerance) {
+std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const Model<Dim>& model, const SystemDomain& domain,
+                                                  bool lumped, double tolerance) {
   const AssembledSolverSettings settings =
       assembled(model.settings.solver, heat_tolerance({tolerance}), "heat_");
   if (model.settings.solver.path == SolverPath::lanes)
-    return std::make_unique<LaneHeat<Dim>>(model.grid, heat.domain, heat.lumped, lane_iterations, settings,
+    return std::make_unique<LaneHeat<Dim>>(model.grid, domain, lumped, lane_iterations, settings,
                                            model.lanes);
-  return std::make_unique<ReferenceHeat<Dim>>(model.grid, heat.domain, heat.lumped, settings);
-}
-
-template <int Dim>
-std::unique_ptr<Sequence<Dim>> make_heat_sequence(const Model<Dim>& model, double tolerance) {
-  const SequenceSettings& settings = model.settings.sequence;
-  const auto& target = model.settings.layers.target;
-  const double gradient = target ? 1.0 / (model.layers->count() * target->value) : 0.0;
-  auto heat = std::make_unique<const HeatModel<Dim>>(model.part, settings);
-  auto solver = make_heat_solver(model, *heat, tolerance);
-  return std::make_unique<HeatSequence<Dim>>(model.part, settings, gradient, std::move(heat),
-                                             std::move(solver), model.groups.across(), model.lanes);
+  return std::make_unique<ReferenceHeat<Dim>>(model.grid, domain, lumped, settings);
 }
 
 }  // namespace
@@ -71,17 +57,14 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const Model<Dim>& 
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tolerance) {
   const SequenceSettings& settings = model.settings.sequence;
-  switch (settings.type) {
-    case SequenceType::planar:
-      return std::make_unique<GivenSequence<Dim>>(planar_time(model.part, settings.direction));
-    case SequenceType::file:
-      return std::make_unique<GivenSequence<Dim>>(
-          time_from_file(model.part, settings.file, settings.dataset));
-    case SequenceType::direct:
-      return make_direct_sequence(model.part, model.design_support, *model.start, settings.filter_radius);
-    default:
-      return make_heat_sequence(model, tolerance);
-  }
+  const auto& target = model.settings.layers.target;
+  const auto heat_solver = [&model, tolerance](const SystemDomain& domain, bool lumped) {
+    return make_heat_solver(model, domain, lumped, tolerance);
+  };
+  return settings.kind->make(
+      settings, SequenceContext<Dim>{model.part, model.design_support, model.start,
+                                     target ? 1.0 / (model.layers->count() * target->value) : 0.0,
+                                     model.groups.across(), model.lanes, heat_solver});
 }
 
 template <int Dim>

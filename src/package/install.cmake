@@ -10,10 +10,10 @@ endif()
 add_library(fabseq::core ALIAS fabseq_core)
 set_target_properties(fabseq_core PROPERTIES EXPORT_NAME core)
 set_target_properties(fabseq_usage PROPERTIES EXPORT_NAME usage)
-set_target_properties(fabseq_responses PROPERTIES EXPORT_NAME responses)
+set_target_properties(fabseq_registered PROPERTIES EXPORT_NAME registered)
 set(FABSEQ_PACKAGE_DIRECTORY ${CMAKE_INSTALL_LIBDIR}/cmake/fabseq)
 install(DIRECTORY include/fabseq DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS fabseq_core fabseq_responses fabseq_usage EXPORT fabseq
+install(TARGETS fabseq_core fabseq_registered fabseq_usage EXPORT fabseq
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/fabseq)
 install(EXPORT fabseq NAMESPACE fabseq:: FILE fabseqTargets.cmake DESTINATION ${FABSEQ_PACKAGE_DIRECTORY})

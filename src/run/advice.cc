@@ -32,7 +32,7 @@ void add_advice_on_count(const Setup<Dim>& setup, double geodesic_height, std::v
         formatted("/layers/count: %d layers of %g are %.0f %% more than the geodesic height %.6g: the "
                   "last layers stay empty",
                   count, target->value, 100.0 * surplus, geodesic_height));
-  if (!setup.config.sequence.characteristic_length &&
+  if (!setup.config.sequence.facts.characteristic_length &&
       std::abs(setup.characteristic_length / height - 1.0) > most_vacant_layers)
     result.push_back(
         formatted("/sequence/characteristic_length: its default, the longest edge %.6g, is not near the "

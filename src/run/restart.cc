@@ -103,7 +103,7 @@ void require_inputs_to_stay(const Config& config, const CommandLine& command_lin
   };
   run_on_first(comm, [&] {
     if (command_line.design_file) require("-design", *command_line.design_file);
-    if (config.sequence.type == SequenceType::file) require("/sequence/file", config.sequence.file);
+    for (const auto& [key, file] : config.sequence.facts.files) require(pointer_to("/sequence", key), file);
   });
 }
 

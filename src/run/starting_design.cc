@@ -7,6 +7,7 @@
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/run/tasks.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +38,7 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
   const DesignSupport<Dim>& support = setup.design_support;
   std::vector<double> design = support.restrict_to_variables(
       read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design", space.count()));
+  const std::string& key = setup.config.sequence.kind->bounds_key;
   for (int component = 0; component < space.count(); ++component) {
     std::vector<double> values;
     for (std::size_t i = component; i < design.size(); i += space.count()) values.push_back(design[i]);
@@ -45,8 +47,8 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
     throw InputError("-design: " + file + " has values outside the bounds " + Json(lower).dump() + " to " +
                      Json(upper).dump() +
                      (space.count() > 1 ? " of component " + std::to_string(component) : "") +
-                     (setup.config.sequence.type == SequenceType::heat ? " of /sequence/bounds" : "") +
-                     " on the part's " + (support.on_nodes() ? "nodes" : "elements"));
+                     (key.empty() ? "" : " of " + pointer_to("/sequence", key)) + " on the part's " +
+                     (support.on_nodes() ? "nodes" : "elements"));
   }
   return design;
 }

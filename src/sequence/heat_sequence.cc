@@ -19,7 +19,7 @@ namespace {
 
 /// Whether to lump the mass matrix. With the consistent one the temperature leaves its range where the drain
 /// outweighs conduction.
-bool lump_mass(const SequenceSettings& settings, double reaction, double edge) {
+bool lump_mass(const HeatSettings& settings, double reaction, double edge) {
   if (settings.mass != MassRule::automatic) return settings.mass == MassRule::lumped;
   return reaction * edge * edge / 6.0 > std::min(settings.min_diffusivity, settings.void_diffusivity);
 }
@@ -72,7 +72,7 @@ constexpr double temperature_tolerance = 1e-9;
 }  // namespace
 
 template <int Dim>
-HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& settings)
+HeatModel<Dim>::HeatModel(const Part<Dim>& part, const HeatSettings& settings)
     : element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
       reaction(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
       lumped(lump_mass(settings, reaction, part.grid().largest_spacing())) {
@@ -88,8 +88,8 @@ HeatModel<Dim>::HeatModel(const Part<Dim>& part, const SequenceSettings& setting
 }
 
 template <int Dim>
-HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const SequenceSettings& settings,
-                                double target_gradient, std::unique_ptr<const HeatModel<Dim>> model,
+HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const HeatSettings& settings, double target_gradient,
+                                std::unique_ptr<const HeatModel<Dim>> model,
                                 std::unique_ptr<HeatSolver<Dim>> solver, MPI_Comm across, int lanes)
     : part_(part),
       settings_(settings),

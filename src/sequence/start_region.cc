@@ -127,9 +127,9 @@ StartRegion region_of_nodes(const Part<Dim>& part, const std::optional<Shape>& s
 }  // namespace
 
 template <int Dim>
-StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings) {
-  return settings.location == DesignLocation::nodes ? region_of_nodes(part, settings.start)
-                                                    : region_of_elements(part, settings.start);
+StartRegion make_start_region(const Part<Dim>& part, DesignLocation location,
+                              const std::optional<Shape>& shape) {
+  return location == DesignLocation::nodes ? region_of_nodes(part, shape) : region_of_elements(part, shape);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_start_region);

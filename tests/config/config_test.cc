@@ -2,6 +2,10 @@
 #include "fabseq/config/config.h"
 
 #include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/direct_sequence.h"
+#include "fabseq/sequence/given_sequence.h"
+#include "fabseq/sequence/heat_sequence.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <gtest/gtest.h>
 
@@ -30,16 +34,17 @@ TEST(ConfigTest, DefaultsIn3d) {
   EXPECT_EQ(config.process.strain_penalty, 3.0);
   EXPECT_EQ(config.process.min_stiffness, 1e-9);
   EXPECT_EQ(config.process.void_model, VoidModel::absent);
-  EXPECT_EQ(config.sequence.type, SequenceType::heat);
-  EXPECT_EQ(config.sequence.scale, VariableScale::log);
-  EXPECT_EQ(config.sequence.mass, MassRule::automatic);
-  EXPECT_FALSE(config.sequence.initial);
-  EXPECT_EQ(config.sequence.drain, 1.0);
-  EXPECT_FALSE(config.sequence.characteristic_length);
-  EXPECT_EQ(config.sequence.min_diffusivity, 1e-3);
-  EXPECT_EQ(config.sequence.max_diffusivity, 1.0);
-  EXPECT_EQ(config.sequence.void_diffusivity, 1e-3);
-  EXPECT_EQ(config.sequence.filter_radius, 0.0);
+  EXPECT_EQ(config.sequence.kind->name, "heat");
+  const auto& heat = config.sequence.as<HeatSettings>();
+  EXPECT_EQ(heat.scale, VariableScale::log);
+  EXPECT_EQ(heat.mass, MassRule::automatic);
+  EXPECT_FALSE(heat.initial);
+  EXPECT_EQ(heat.drain, 1.0);
+  EXPECT_FALSE(heat.characteristic_length);
+  EXPECT_EQ(heat.min_diffusivity, 1e-3);
+  EXPECT_EQ(heat.max_diffusivity, 1.0);
+  EXPECT_EQ(heat.void_diffusivity, 1e-3);
+  EXPECT_EQ(heat.filter_radius, 0.0);
   EXPECT_EQ(config.layers.count, 4);
   EXPECT_FALSE(config.projection.beta);
   EXPECT_EQ(config.projection.factor, 1.5);
@@ -135,11 +140,12 @@ TEST(ConfigTest, ValuesReachTheirPlace) {
         R"([{"type": "deposition_speed"}, {"type": "layer_thickness", "target": 1, "tolerance": 0.2}])"}});
   EXPECT_EQ(config.plate.axis, 0);
   EXPECT_TRUE(config.plate.upper);
-  EXPECT_EQ(config.sequence.initial, 0.1);
-  EXPECT_EQ(config.sequence.mass, MassRule::lumped);
-  EXPECT_EQ(config.sequence.min_diffusivity, 1e-4);
-  EXPECT_EQ(config.sequence.max_diffusivity, 2.0);
-  EXPECT_EQ(config.sequence.characteristic_length, 2.5);
+  const auto& heat = config.sequence.as<HeatSettings>();
+  EXPECT_EQ(heat.initial, 0.1);
+  EXPECT_EQ(heat.mass, MassRule::lumped);
+  EXPECT_EQ(heat.min_diffusivity, 1e-4);
+  EXPECT_EQ(heat.max_diffusivity, 2.0);
+  EXPECT_EQ(heat.characteristic_length, 2.5);
   EXPECT_EQ(config.projection.beta, 10.0);
   EXPECT_EQ(config.projection.max, 510.0);
   EXPECT_EQ(config.projection.increment, 20.0);
@@ -158,18 +164,20 @@ TEST(ConfigTest, ValuesReachTheirPlace) {
 
 TEST(ConfigTest, OtherSequences) {
   const Config planar = configure(solid, {{"sequence", R"({"type": "planar", "direction": [1, 0, 1]})"}});
-  EXPECT_EQ(planar.sequence.type, SequenceType::planar);
-  EXPECT_EQ(planar.sequence.direction, (std::vector<double>{1, 0, 1}));
-  EXPECT_TRUE(configure(solid, {{"sequence", R"({"type": "planar"})"}}).sequence.direction.empty());
+  EXPECT_EQ(planar.sequence.kind->name, "planar");
+  EXPECT_EQ(planar.sequence.as<PlanarSettings>().direction, (std::vector<double>{1, 0, 1}));
+  EXPECT_TRUE(configure(solid, {{"sequence", R"({"type": "planar"})"}})
+                  .sequence.as<PlanarSettings>()
+                  .direction.empty());
   const Config file =
       configure(plane, {{"sequence", R"({"type": "file", "file": "../t.h5"})"}, {"objective", "[]"}});
-  EXPECT_EQ(file.sequence.type, SequenceType::file);
-  EXPECT_EQ(file.sequence.file, "/base/t.h5");
-  EXPECT_EQ(file.sequence.dataset, "time");
+  EXPECT_EQ(file.sequence.kind->name, "file");
+  EXPECT_EQ(file.sequence.as<FileSettings>().file, "/base/t.h5");
+  EXPECT_EQ(file.sequence.as<FileSettings>().dataset, "time");
   const Config on_elements = configure(plane, {{"sequence", R"({"type": "direct"})"}});
-  EXPECT_EQ(on_elements.sequence.type, SequenceType::direct);
-  EXPECT_EQ(on_elements.sequence.location, DesignLocation::elements);
-  EXPECT_FALSE(on_elements.sequence.start);
+  EXPECT_EQ(on_elements.sequence.kind->name, "direct");
+  EXPECT_EQ(on_elements.sequence.as<DirectSettings>().location, DesignLocation::elements);
+  EXPECT_FALSE(on_elements.sequence.as<DirectSettings>().start);
   EXPECT_EQ(on_elements.optimizer.move_limit, 0.02);
   EXPECT_EQ(on_elements.optimizer.final_move_limit, 0.02);
   EXPECT_FALSE(on_elements.has_time_gradient());
@@ -178,8 +186,8 @@ TEST(ConfigTest, OtherSequences) {
       {{"sequence",
         R"({"type": "direct", "location": "nodes", "start": {"sphere": {"center": [0, 0], "radius": 0.1}}})"},
        {"layers.time_points", "variable"}});
-  EXPECT_EQ(on_nodes.sequence.location, DesignLocation::nodes);
-  EXPECT_EQ(on_nodes.sequence.start->kind, Shape::Kind::sphere);
+  EXPECT_EQ(on_nodes.sequence.as<DirectSettings>().location, DesignLocation::nodes);
+  EXPECT_EQ(on_nodes.sequence.as<DirectSettings>().start->kind, Shape::Kind::sphere);
   EXPECT_TRUE(on_nodes.layers.variable_time_points);
   EXPECT_TRUE(on_nodes.has_time_gradient());
   EXPECT_TRUE(file.objective.empty());
@@ -317,11 +325,11 @@ TEST(ConfigTest, ReferenceCases) {
     }
     if (name == "arch_quiet_3d") {
       EXPECT_EQ(config.process.void_model, VoidModel::quiet);
-      EXPECT_EQ(config.sequence.filter_radius, 0.3);
+      EXPECT_EQ(config.sequence.as<HeatSettings>().filter_radius, 0.3);
       EXPECT_EQ(config.objective[1].keys.at("axis"), "z");
     }
     if (name == "steps_planar_3d") {
-      EXPECT_EQ(config.sequence.direction, (std::vector<double>{0, 0, 1}));
+      EXPECT_EQ(config.sequence.as<PlanarSettings>().direction, (std::vector<double>{0, 0, 1}));
       EXPECT_TRUE(config.projection.binary);
       EXPECT_EQ(config.material.young, 70000.0);
     }

@@ -14,16 +14,10 @@ namespace {
 template <int Dim>
 struct DirectCase {
   explicit DirectCase(DesignLocation location, double filter_radius = 0.0)
-      : region(make_start_region(on_grid.part, settings(location))),
+      : region(make_start_region(on_grid.part, location, std::nullopt)),
         support(on_grid.grid, location == DesignLocation::nodes, region.free),
         sequence(make_direct_sequence(on_grid.part, support, region, filter_radius)) {}
 
-  static SequenceSettings settings(DesignLocation location) {
-    SequenceSettings result;
-    result.type = SequenceType::direct;
-    result.location = location;
-    return result;
-  }
   std::vector<double> noise(double low, double high, int salt) const {
     std::vector<double> result;
     for (std::size_t i = 0; i < support.size(); ++i)

@@ -36,7 +36,7 @@ Errors column_errors(const BuildPlate& plate, int elements, MassRule mass) {
   domain.elements[plate.axis] = elements;
   const test::PartOnGrid<Dim> on_grid(
       domain, test::box(std::vector<double>(Dim, 0.0), {domain.size.begin(), domain.size.end()}), plate);
-  SequenceSettings settings;
+  HeatSettings settings;
   settings.mass = mass;
   settings.drain = 4.0 * column.alpha;
   settings.characteristic_length = 2.0;
@@ -95,7 +95,7 @@ TYPED_TEST(HeatSequenceTest, ConvergesWithSecondOrder) {
 /// filter has its own test).
 template <int Dim>
 std::vector<double> dense_temperature(const Part<Dim>& part, const std::vector<double>& filtered,
-                                      const SequenceSettings& settings) {
+                                      const HeatSettings& settings) {
   const Grid<Dim>& grid = part.grid();
   constexpr int corners = corner_count<Dim>;
   const test::BruteForceElement<Dim> element{grid.spacing(), grid.domain().thickness, 0.0};
@@ -133,7 +133,7 @@ TYPED_TEST(HeatSequenceTest, AgreesWithADenseMatrix) {
   const auto design = test::noise_field(part, 0.02, 1.0);
   for (const MassRule mass : {MassRule::consistent, MassRule::lumped})
     for (const double radius : {0.0, 0.9}) {
-      const SequenceSettings settings = test::heat_settings(mass, radius);
+      const HeatSettings settings = test::heat_settings(mass, radius);
       HeatSequence<Dim> sequence = test::heat_sequence<Dim>(part, settings);
       const auto& result = sequence.update(design);
       const auto expected =
@@ -177,7 +177,7 @@ TYPED_TEST(HeatSequenceTest, DerivativesAgreeWithDifferences) {
 TYPED_TEST(HeatSequenceTest, SpaceFollowsTheSettings) {
   constexpr int Dim = TypeParam::value;
   const test::PartOnGrid<Dim> on_grid(test::odd_domain<Dim>(), test::gallows<Dim>());
-  SequenceSettings settings = test::heat_settings(MassRule::automatic);
+  HeatSettings settings = test::heat_settings(MassRule::automatic);
   for (const VariableScale scale : {VariableScale::log, VariableScale::linear}) {
     settings.scale = scale;
     const DesignScale space = test::heat_sequence<Dim>(on_grid.part, settings).space().of(0);
@@ -199,7 +199,7 @@ TYPED_TEST(HeatSequenceTest, MassRuleKeepsTheMaximumPrinciple) {
   const auto rough =
       test::part_field(on_grid.part, [](std::int64_t n) { return test::noise(n) < 0.5 ? 1e-6 : 1.0; });
   const auto temperature = [&](MassRule mass, double drain, double void_diffusivity = 1e-3) {
-    SequenceSettings settings;
+    HeatSettings settings;
     settings.mass = mass;
     settings.drain = drain;
     settings.min_diffusivity = 1e-6;
@@ -235,7 +235,7 @@ TYPED_TEST(HeatSequenceTest, StartHasAnEvenGradient) {
   domain.elements[Dim - 1] = 40;
   const test::PartOnGrid<Dim> on_grid(
       domain, test::box(std::vector<double>(Dim, 0.0), {domain.size.begin(), domain.size.end()}));
-  SequenceSettings settings;
+  HeatSettings settings;
   const double target = 0.45;  // 1 - 0.45 * 2 = 0.1 at the far end
   settings.characteristic_length = 1.0 / target;
   settings.min_diffusivity = 1e-5;

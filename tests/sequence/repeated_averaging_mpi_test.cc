@@ -17,15 +17,9 @@ namespace {
 template <int Dim>
 struct Case {
   explicit Case(DesignLocation location)
-      : region(make_region(on_grid.part, location)),
+      : region(make_start_region(on_grid.part, location, std::nullopt)),
         support(on_grid.grid, location == DesignLocation::nodes, region.free) {}
 
-  static StartRegion make_region(const Part<Dim>& part, DesignLocation location) {
-    SequenceSettings settings;
-    settings.type = SequenceType::direct;
-    settings.location = location;
-    return make_start_region(part, settings);
-  }
   std::vector<double> noise(int salt) const {
     std::vector<double> result;
     for (std::size_t i = 0; i < support.size(); ++i) result.push_back(test::noise(support.number(i), salt));

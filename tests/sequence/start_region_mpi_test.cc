@@ -14,14 +14,6 @@
 namespace fabseq {
 namespace {
 
-SequenceSettings direct(DesignLocation location, std::optional<Shape> start = std::nullopt) {
-  SequenceSettings settings;
-  settings.type = SequenceType::direct;
-  settings.location = location;
-  settings.start = std::move(start);
-  return settings;
-}
-
 template <int Dim>
 Shape whole_bottom() {
   auto upper = test::odd_domain<Dim>().size;
@@ -51,7 +43,7 @@ TYPED_TEST_SUITE(StartRegionTest, test::Dimensions);
 TYPED_TEST(StartRegionTest, ElementsAboveThePlate) {
   constexpr int Dim = TypeParam::value;
   for (const auto& shape : {std::optional<Shape>(whole_bottom<Dim>()), std::optional<Shape>()}) {
-    const StartRegion region = make_start_region(this->part_, direct(DesignLocation::elements, shape));
+    const StartRegion region = make_start_region(this->part_, DesignLocation::elements, shape);
     std::size_t next = 0;
     std::vector<double> slopes;  // straight up the column; longer in the arm
     const double height = this->on_grid_.grid.spacing()[Dim - 1];
@@ -73,7 +65,7 @@ TYPED_TEST(StartRegionTest, ElementsAboveThePlate) {
 TYPED_TEST(StartRegionTest, NodesOnThePlate) {
   constexpr int Dim = TypeParam::value;
   for (const auto& shape : {std::optional<Shape>(whole_bottom<Dim>()), std::optional<Shape>()}) {
-    const StartRegion region = make_start_region(this->part_, direct(DesignLocation::nodes, shape));
+    const StartRegion region = make_start_region(this->part_, DesignLocation::nodes, shape);
     std::size_t next = 0;
     this->nodes_.for_each([&](const Index<Dim>& node, std::int64_t offset) {
       if (this->part_.touched_nodes()[offset] == 0 || node[Dim - 1] == 0) return;
@@ -90,8 +82,7 @@ TYPED_TEST(StartRegionTest, NodesOnThePlate) {
 TYPED_TEST(StartRegionTest, DistanceOfNodesFromACorner) {
   constexpr int Dim = TypeParam::value;
   const std::vector<double> origin(Dim, 0.0);
-  const StartRegion region =
-      make_start_region(this->part_, direct(DesignLocation::nodes, test::box(origin, origin)));
+  const StartRegion region = make_start_region(this->part_, DesignLocation::nodes, test::box(origin, origin));
   const Grid<Dim>& grid = this->on_grid_.grid;
   std::vector<double> times;  // along the upright edge, over the height
   for (std::size_t i = 0; i < region.free.size(); ++i) {
@@ -111,8 +102,8 @@ TYPED_TEST(StartRegionTest, ThickRegion) {
   auto upper = test::odd_domain<Dim>().size;
   upper[Dim - 1] = 1.6 * grid.spacing()[Dim - 1];  // beyond the second centre, not the second row of nodes
   const Shape shape = test::box(std::vector<double>(Dim, 0.0), {upper.begin(), upper.end()});
-  const StartRegion by_centres = make_start_region(this->part_, direct(DesignLocation::elements, shape));
-  const StartRegion by_nodes = make_start_region(this->part_, direct(DesignLocation::nodes, shape));
+  const StartRegion by_centres = make_start_region(this->part_, DesignLocation::elements, shape);
+  const StartRegion by_nodes = make_start_region(this->part_, DesignLocation::nodes, shape);
   for (std::size_t e = 0; e < by_centres.elements.size(); ++e) {
     const int level = this->elements_.index(this->part_.elements()[e])[Dim - 1];
     EXPECT_EQ(by_centres.elements[e] != 0, level <= 1);
@@ -126,14 +117,14 @@ TYPED_TEST(StartRegionTest, DoesNotDependOnTheRanks) {
   const test::PartOnGrid<Dim> alone(test::odd_domain<Dim>(), test::gallows<Dim>(), {Dim - 1, false},
                                     PETSC_COMM_SELF);
   const std::vector<double> origin(Dim, 0.0);
-  const SequenceSettings settings = direct(DesignLocation::nodes, test::box(origin, origin));
+  const Shape corner = test::box(origin, origin);
   const auto on_nodes = [](const Part<Dim>& part, const StartRegion& region) {
     std::vector<double> field(part.touched_nodes().size(), 0.0);
     for (std::size_t i = 0; i < region.free.size(); ++i) field[region.free[i]] = region.initial_time[i];
     return test::whole_node_field<Dim>(part.grid(), field);
   };
-  const auto parallel = on_nodes(this->part_, make_start_region(this->part_, settings));
-  const auto serial = on_nodes(alone.part, make_start_region(alone.part, settings));
+  const auto parallel = on_nodes(this->part_, make_start_region(this->part_, DesignLocation::nodes, corner));
+  const auto serial = on_nodes(alone.part, make_start_region(alone.part, DesignLocation::nodes, corner));
   EXPECT_LT(test::relative_difference(parallel, serial), 1e-12);
 }
 
@@ -144,7 +135,7 @@ TYPED_TEST(StartRegionTest, RefusesWhatIsNoStart) {
   std::vector<double> beyond = far;
   for (double& x : beyond) x += 1.0;
   const auto message = [&](DesignLocation location, const Shape& shape) {
-    return test::refusal([&] { (void)make_start_region(this->part_, direct(location, shape)); });
+    return test::refusal([&] { (void)make_start_region(this->part_, location, shape); });
   };
   for (const DesignLocation location : {DesignLocation::elements, DesignLocation::nodes}) {
     EXPECT_NE(message(location, test::box(beyond, beyond)).find("/sequence/start: no "), std::string::npos);
@@ -165,7 +156,7 @@ TYPED_TEST(StartRegionTest, RefusesWhatCannotBeReached) {
   const test::PartOnGrid<Dim> towers(domain, test::union_of({test::box(low, left), test::box(right, high)}));
   for (const DesignLocation location : {DesignLocation::elements, DesignLocation::nodes}) {
     const std::string text =
-        test::refusal([&] { (void)make_start_region(towers.part, direct(location, test::box(low, low))); });
+        test::refusal([&] { (void)make_start_region(towers.part, location, test::box(low, low)); });
     EXPECT_NE(text.find("/sequence/start: "), std::string::npos) << text;
     EXPECT_NE(text.find("cannot be reached"), std::string::npos) << text;
   }

@@ -26,15 +26,15 @@ std::unique_ptr<HeatSolver<Dim>> exact_heat_solver(const Grid<Dim>& grid, const 
 
 /// A sequence that solves to rounding.
 template <int Dim>
-HeatSequence<Dim> heat_sequence(const Part<Dim>& part, const SequenceSettings& settings,
+HeatSequence<Dim> heat_sequence(const Part<Dim>& part, const HeatSettings& settings,
                                 double target_gradient = 0.0, SolverPath path = SolverPath::reference) {
   auto model = std::make_unique<const HeatModel<Dim>>(part, settings);
   auto solver = exact_heat_solver(part.grid(), *model, path);
   return {part, settings, target_gradient, std::move(model), std::move(solver)};
 }
 
-inline SequenceSettings heat_settings(MassRule mass, double filter_radius = 0.0) {
-  SequenceSettings result;
+inline HeatSettings heat_settings(MassRule mass, double filter_radius = 0.0) {
+  HeatSettings result;
   result.mass = mass;
   result.filter_radius = filter_radius;
   result.drain = 0.7;

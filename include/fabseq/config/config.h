@@ -36,10 +36,7 @@ struct Config : ModelSettings {
   Json effective;
 
   /// Whether |grad t| is defined, and with it all that depends on thickness.
-  bool has_time_gradient() const {
-    return sequence.type != SequenceType::file &&
-           !(sequence.type == SequenceType::direct && sequence.location == DesignLocation::elements);
-  }
+  bool has_time_gradient() const { return sequence.facts.gradient_obstacle.empty(); }
 };
 
 /// Validates `document` (the parsed config with -set and flat options applied) against the sections of keys

@@ -3,6 +3,7 @@
 /// How the pseudo-time is cut into layers.
 #pragma once
 
+#include "fabseq/base/json.h"
 #include "fabseq/part/pieces.h"
 
 #include <optional>
@@ -57,5 +58,9 @@ Section<ProjectionSettings> projection_keys();
 /// What "auto" stands for, once the plate is known: equal steps between the sub-parts, print directions along
 /// the plate's normal; bounds of the angles for each angle of each sub-part.
 void complete_layers(MultiPlanarSettings& layers, const BuildPlate& plate, int dimension);
+/// Checks relations between the keys of both sections, once complete_layers() is done. `config`: the
+/// completed config, whose values the messages show. Throws InputError. Not collective.
+void check_layers(const LayerSettings& layers, const ProjectionSettings& projection, const Json& config,
+                  int dimension);
 
 }  // namespace fabseq

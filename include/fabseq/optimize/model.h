@@ -13,9 +13,8 @@
 #include "fabseq/part/part.h"
 #include "fabseq/part/supports.h"
 #include "fabseq/responses/response.h"
-#include "fabseq/sequence/design_support.h"
 #include "fabseq/sequence/sequence.h"
-#include "fabseq/sequence/start_region.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <map>
 #include <memory>
@@ -46,8 +45,13 @@ class Model {
   Grid<Dim>& grid;
   Part<Dim>& part;
   Supports<Dim> supports;
-  std::optional<StartRegion> start;   ///< of a direct sequence
-  DesignSupport<Dim> design_support;  ///< where the sequence has variables
+
+ private:
+  SequencePlaces<Dim> places_;
+
+ public:
+  const std::optional<StartRegion>& start;   ///< of sequences that begin in a region
+  const DesignSupport<Dim>& design_support;  ///< where the sequence has variables
   std::map<std::string, NodeSet> node_sets;
   std::unique_ptr<const LayerModel<Dim>> layers;    ///< of the design
   std::unique_ptr<const LayerModel<Dim>> baseline;  ///< of the planar sequence it is compared with

@@ -10,6 +10,9 @@
 
 namespace fabseq {
 
+template <class Settings>
+class Section;
+
 struct OptimizerSettings {
   int max_iterations = 400;
   double change_tolerance = 0.0;
@@ -25,7 +28,7 @@ struct OptimizerSettings {
   int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one
 };
 
-/// Section "optimizer".
+/// Section "optimizer". Its texts name all kinds of sequences that are registered.
 Section<OptimizerSettings> optimizer_keys();
 /// Sets the move limits: as given, or what suits the sequence.
 void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence);

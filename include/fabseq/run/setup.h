@@ -3,6 +3,7 @@
 
 #include "fabseq/config/config.h"
 #include "fabseq/optimize/model.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
 #include <vector>
@@ -20,7 +21,7 @@ class Setup : public Model<Dim> {
   const Config& config;
 
   /// Whether layers are steps, not smooth: where that is asked for, and planar ones.
-  bool binary() const { return config.projection.binary || config.sequence.type == SequenceType::planar; }
+  bool binary() const { return config.projection.binary || config.sequence.kind->binary; }
   /// The effective config with what "auto" stands for, so that it stays the same when other things change.
   /// Not collective.
   Json document() const;

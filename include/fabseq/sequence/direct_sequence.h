@@ -7,8 +7,16 @@
 #include "fabseq/sequence/start_region.h"
 
 #include <memory>
+#include <optional>
 
 namespace fabseq {
+
+/// Settings of a direct sequence (docs/formulation.md 2.3).
+struct DirectSettings {
+  DesignLocation location = DesignLocation::elements;  ///< where the pseudo-time lives
+  std::optional<Shape> start;                          ///< where the pseudo-time is 0; none: on the plate
+  double filter_radius = 0.0;                          ///< length unit; 0: no filter
+};
 
 /// A sequence whose design is the pseudo-time itself (docs/formulation.md 2.3), on elements or on nodes as
 /// `support` says. On elements, t_e is the design, and 0 in the start region; its gradient is not defined. On

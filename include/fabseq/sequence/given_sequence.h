@@ -4,10 +4,22 @@
 #include "fabseq/sequence/sequence.h"
 
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace fabseq {
+
+/// Settings of a planar sequence (docs/formulation.md 3.3).
+struct PlanarSettings {
+  std::vector<double> direction;  ///< build direction; empty: the plate's normal
+};
+
+/// Settings of a sequence from a file (docs/formulation.md 3.1).
+struct FileSettings {
+  std::string file;              ///< absolute path of an HDF5 file
+  std::string dataset = "time";  ///< its dataset, axes [z][y][x]
+};
 
 /// A sequence without design variables (docs/formulation.md 3.3, 3.1): its pseudo-time never changes.
 template <int Dim>

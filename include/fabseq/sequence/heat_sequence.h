@@ -7,15 +7,32 @@
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/averaging_filter.h"
 #include "fabseq/sequence/sequence.h"
-#include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/heat_solver.h"
 #include "fabseq/solve/solver_settings.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace fabseq {
+
+/// Scale on which the optimizer moves the diffusivity.
+enum class VariableScale { log, linear };
+/// Mass matrix of the drain; automatic: lumped where the temperature would otherwise leave its range.
+enum class MassRule { automatic, consistent, lumped };
+
+/// Settings of a heat sequence (docs/formulation.md 2.1, 2.2).
+struct HeatSettings {
+  VariableScale scale = VariableScale::log;
+  MassRule mass = MassRule::automatic;
+  std::optional<double> initial;                ///< uniform diffusivity; none: from the distance to the plate
+  double drain = 1.0;                           ///< alpha times the square of the characteristic length
+  std::optional<double> characteristic_length;  ///< length unit; none: the part's longest edge
+  /// Bounds of the diffusivity in the part, and the diffusivity outside.
+  double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
+  double filter_radius = 0.0;  ///< length unit; 0: no filter
+};
 
 /// The model that all heat solves of a part share (docs/formulation.md 2.1). The whole box conducts, the void
 /// included. The temperature is prescribed at the nodes of the part on the plate and at all nodes of the
@@ -23,7 +40,7 @@ namespace fabseq {
 template <int Dim>
 struct HeatModel {
   /// Keeps no reference to the part. Not collective.
-  HeatModel(const Part<Dim>& part, const SequenceSettings& settings);
+  HeatModel(const Part<Dim>& part, const HeatSettings& settings);
 
   ElementMatrices<Dim> element;
   double reaction;      ///< alpha, diffusivity / length^2
@@ -53,7 +70,7 @@ class HeatSequence : public Sequence<Dim> {
   /// the temperature and sends it to the others, so that all have the same bits. update() is collective on
   /// `across`, too; in pull_back() each group acts on its own.
   /// \param lanes most rows that are solved side by side
-  HeatSequence(const Part<Dim>& part, const SequenceSettings& settings, double target_gradient,
+  HeatSequence(const Part<Dim>& part, const HeatSettings& settings, double target_gradient,
                std::unique_ptr<const HeatModel<Dim>> model, std::unique_ptr<HeatSolver<Dim>> solver,
                MPI_Comm across = MPI_COMM_SELF, int lanes = HeatSolver<Dim>::widest);
 
@@ -76,7 +93,7 @@ class HeatSequence : public Sequence<Dim> {
   void derive_time();
 
   const Part<Dim>& part_;
-  SequenceSettings settings_;
+  HeatSettings settings_;
   double target_gradient_;
   std::unique_ptr<const HeatModel<Dim>> model_;
   std::unique_ptr<HeatSolver<Dim>> solver_;

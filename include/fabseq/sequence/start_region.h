@@ -2,11 +2,15 @@
 #pragma once
 
 #include "fabseq/part/part.h"
-#include "fabseq/sequence/sequence_settings.h"
+#include "fabseq/part/shape.h"
 
+#include <optional>
 #include <vector>
 
 namespace fabseq {
+
+/// Where the variables of a direct sequence are.
+enum class DesignLocation { elements, nodes };
 
 /// This rank's share of the start region of a direct sequence (docs/formulation.md 2.3). The pseudo-time is 0
 /// in the region and free in the rest of the part.
@@ -26,6 +30,7 @@ struct StartRegion {
 /// Collective on the grid's communicator. Throws InputError if the shape meets nothing of the part or holds
 /// all of it, or if some of the part cannot be reached from it.
 template <int Dim>
-StartRegion make_start_region(const Part<Dim>& part, const SequenceSettings& settings);
+StartRegion make_start_region(const Part<Dim>& part, DesignLocation location,
+                              const std::optional<Shape>& shape);
 
 }  // namespace fabseq
