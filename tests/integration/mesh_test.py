@@ -137,6 +137,18 @@ class FillTest(MeshTest):
         one, three = (self.density(self.simulate(bar(), ranks=ranks)) for ranks in (1, 3))
         np.testing.assert_array_equal(one, three)
 
+    def test_elements_without_the_meshs_volume(self):
+        """Elements of 3 in a bar of 10: four rows or three, 20 % too much or 10 % too little."""
+        config = bar(least_elements=0)
+        config["domain"]["element"] = 3
+        run = self.run_config(2, config, "-task", "check")
+        self.assert_done(run)
+        (warning,) = [line for line in run.messages() if "volume" in line]
+        self.assertRegex(warning, r"^warning: /domain: the part's elements have (0|1)\.\d+ times the volume of the mesh")
+        config["domain"] = {"size": [30, 20, 10], "origin": LOW.tolist()[:2] + [0], "elements": [12, 8, 4]}
+        run = self.run_config(1, config, "-task", "check")
+        self.assertIn("have 0.5 times the volume of the mesh", run.stderr)
+
     def test_a_mesh_that_is_open(self):
         self.write_stl("bar.stl", box_triangles(LOW, HIGH)[:-2])
         run = self.run_config(2, bar(), "-task", "simulate")
@@ -160,7 +172,8 @@ class CheckTest(MeshTest):
         config["constraints"] = [{"type": "layer_thickness", "target": 2.0}]
         run = self.run_config(2, config, "-task", "check")
         self.assert_done(run)
-        for words in ("mesh: 12 triangles, volume 12000; its elements have 1.0000 times as much", "placed in [5,-30,0] to [65,-10,10]", "volume 12000",
+        for words in ("mesh: 12 triangles, volume 12000; its elements have 1.0000 times as much",
+                      "placed in [5,-30,0] to [65,-10,10]", "volume 12000",
                       "thinnest wall: 4 elements", "elements per layer: 0.8", "by default 60", "plate contact: 192 elements"):
             self.assertIn(words, run.stdout)
         for words in ("become ragged", "no sequence satisfies", "/sequence/characteristic_length"):
