@@ -39,7 +39,7 @@ StageCost cost_of_layers(const RunSize& size, SolverPath /*path*/, int groups, i
   return {.held = size.part_elements * size.layers * 16.0 * groups};
 }
 
-const RegisteredStage<LayerStage> layer_stage{"layers", {"time"}, {"layers"}, cost_of_layers};
+const RegisteredStage<LayerStage> layer_stage{{"layers", {"time"}, {"layers"}}, cost_of_layers};
 
 }  // namespace
 

@@ -68,8 +68,8 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
 }
 
-const RegisteredStage<ProcessStage> process_stage{
-    "process", {"layers", "strains"}, {"process"}, cost_of_process};
+const RegisteredStage<ProcessStage> process_stage{{"process", {"layers", "strains"}, {"process"}},
+                                                  cost_of_process};
 
 }  // namespace
 

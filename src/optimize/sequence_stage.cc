@@ -23,7 +23,7 @@ StageCost cost_of_sequence(const RunSize& size, SolverPath path, int groups, int
           .work = forward_work};
 }
 
-const RegisteredStage<SequenceStage> sequence_stage{"sequence", {"design"}, {"time"}, cost_of_sequence};
+const RegisteredStage<SequenceStage> sequence_stage{{"sequence", {"design"}, {"time"}}, cost_of_sequence};
 
 }  // namespace
 

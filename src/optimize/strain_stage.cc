@@ -42,7 +42,7 @@ class StrainStage : public Stage<Dim> {
 
 StageCost no_cost(const RunSize&, SolverPath, int, int) { return {}; }
 
-const RegisteredStage<StrainStage> strain_stage{"strain", {"time", "layers"}, {"strains"}, no_cost};
+const RegisteredStage<StrainStage> strain_stage{{"strain", {"time", "layers"}, {"strains"}}, no_cost};
 
 }  // namespace
 

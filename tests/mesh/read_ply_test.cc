@@ -7,6 +7,8 @@
 #include "support/mesh_files.h"
 #include "support/meshes.h"
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <fstream>
 
 namespace fabseq {
@@ -85,9 +87,7 @@ TEST_F(ReadPlyTest, BinaryInBothOrders) {
 
 /// The lowest byte of the first coordinate is one.
 TEST_F(ReadPlyTest, BinaryDataThatBeginWithALineFeed) {
-  float first = 0.0F;
-  const std::uint32_t pattern = 0x3f80000a;
-  std::memcpy(&first, &pattern, sizeof first);
+  const auto first = std::bit_cast<float>(std::uint32_t{0x3f80000a});
   const TriangleMesh shifted = box_mesh({first, 2, 3}, {2, 4, 7});
   expect_equal(read(binary_ply<float>(shifted, false, "float")), shifted);
 }

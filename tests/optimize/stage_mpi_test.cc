@@ -64,7 +64,7 @@ class FactorStage : public Stage<Dim> {
 };
 
 StageCost no_cost(const RunSize&, SolverPath, int, int) { return {.seconds = 1e9}; }
-const RegisteredStage<FactorStage> factor_stage{"factors", {"layers", "strains"}, {"strains"}, no_cost};
+const RegisteredStage<FactorStage> factor_stage{{"factors", {"layers", "strains"}, {"strains"}}, no_cost};
 
 TEST(StageTest, OrderFollowsFromResults) {
   std::vector<std::string> names;

@@ -32,10 +32,10 @@ class ScaledSequence : public Sequence<Dim> {
 
   bool has_design() const override { return true; }
   std::size_t variables() const override { return context_.support.size(); }
-  DesignSpace space() const override { return {settings_.lower, settings_.upper}; }
+  DesignSpace space() const override { return {{{settings_.lower, settings_.upper}}}; }
   std::vector<double> initial_design() const override {
     std::vector<double> result;
-    for (const double time : start_) result.push_back(space().from_unit(time));
+    for (const double time : start_) result.push_back(space().of(0).from_unit(time));
     return result;
   }
   const PseudoTime<Dim>& update(std::span<const double> design) override {

@@ -92,11 +92,17 @@ struct StageCost {
   double seconds = 0.0;  ///< per design iteration, all ranks busy
 };
 
-/// A type of stage. Names of results: design, time, layers, strains, process, and what new stages make.
-class StageType {
+/// What is known of a type of stage. Names of results: design, time, layers, strains, process, and what new
+/// stages make.
+struct StageTraits {
+  std::string name;
+  std::vector<std::string> reads, makes;
+};
+
+/// A type of stage.
+class StageType : public StageTraits {
  public:
-  StageType(std::string name_, std::vector<std::string> reads_, std::vector<std::string> makes_)
-      : name(std::move(name_)), reads(std::move(reads_)), makes(std::move(makes_)) {}
+  explicit StageType(StageTraits traits) : StageTraits(std::move(traits)) {}
   StageType(const StageType&) = delete;
   StageType& operator=(const StageType&) = delete;
   virtual ~StageType() = default;
@@ -105,9 +111,6 @@ class StageType {
   virtual std::unique_ptr<Stage<2>> make(StageContext<2>& context) const = 0;
   virtual std::unique_ptr<Stage<3>> make(StageContext<3>& context) const = 0;
   virtual StageCost cost(const RunSize& size, SolverPath path, int groups, int lanes) const = 0;
-
-  const std::string name;
-  const std::vector<std::string> reads, makes;
 };
 
 /// All types, each behind those whose results it reads. One that reads what it makes changes it: it comes
@@ -122,13 +125,12 @@ std::vector<std::unique_ptr<Stage<Dim>>> make_stages(StageContext<Dim> context);
 /// Registers a stage. The stage's source defines one object of this type.
 ///   - Kind<Dim>: the stage, with a static function make(StageContext<Dim>&), or a constructor with this
 ///     argument;
-///   - cost: what it costs.
+///   - cost_of: what it costs.
 template <template <int> class Kind>
 class RegisteredStage : public StageType {
  public:
   using Cost = StageCost (*)(const RunSize& size, SolverPath path, int groups, int lanes);
-  RegisteredStage(std::string name, std::vector<std::string> reads, std::vector<std::string> makes, Cost cost)
-      : StageType(std::move(name), std::move(reads), std::move(makes)), cost_(cost) {
+  RegisteredStage(StageTraits traits, Cost cost_of) : StageType(std::move(traits)), cost_(cost_of) {
     register_stage(this);
   }
 
