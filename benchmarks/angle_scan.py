@@ -21,7 +21,6 @@ import numpy as np
 import program_run
 from program_run import ROOT
 
-import drawing  # noqa: F401 (before matplotlib)
 import matplotlib.pyplot as plt
 
 HALVINGS = 26

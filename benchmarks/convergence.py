@@ -10,7 +10,6 @@ import sys
 
 import program_run
 
-import drawing  # noqa: F401 (before matplotlib)
 import matplotlib.pyplot as plt
 
 CASES = ["normal", "quiet", "wavy_sharp", "column_2", "sheets", "walls"]

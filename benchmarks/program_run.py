@@ -12,12 +12,12 @@ import time
 
 import numpy as np
 
-sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "scripts", "use"))
 
-import command_line
+from fabseq_tools.run import command_line
 # Also for the scripts.
-from command_line import PROGRAM, ROOT, RunError, parser_of, run_command, run_script, write_json, write_rows  # noqa: F401
-from read_run import read_fields, read_history, read_json  # noqa: F401
+from fabseq_tools.run.command_line import RunError, parser_of, run_command, run_script, write_json, write_rows  # noqa: F401
+from fabseq_tools.run.places import PROGRAM, ROOT  # noqa: F401
+from fabseq_tools.run.read_run import read_fields, read_history, read_json  # noqa: F401
 
 # Exit status of a run that was asked to stop.
 STOPPED = 4
@@ -174,7 +174,6 @@ def write_results(options, record, rows=(), draw=None):
 @contextlib.contextmanager
 def figure(path, title, columns=1, **options):
     """Axes of a picture that is written in the end."""
-    import drawing  # noqa: F401 (before matplotlib)
     import matplotlib.pyplot as plt
 
     whole, axes = plt.subplots(1, columns, **options)

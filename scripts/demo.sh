@@ -9,7 +9,7 @@ allow_more_ranks_than_cores # a machine with a single core runs it, too
 
 bash scripts/setup.sh
 mpirun -np 2 build/release/fabseq -config configs/demo.json -output demo -overwrite
-/usr/bin/python3 scripts/use/overview.py demo --table || {
+scripts/fabseq-tools overview demo --table || {
   echo "demo.sh: the picture could not be drawn; all results are in demo/ (summary.json, result.xdmf)" >&2
   exit 1
 }

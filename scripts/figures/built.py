@@ -16,9 +16,11 @@ deposition model.
 import os
 import sys
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_script
-from read_run import Run, duration, read_json
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import RunError, parse, parser_of, run_script
+from fabseq_tools.run.places import PROGRAM, ROOT
+from fabseq_tools.run.read_run import Run, read_json
+from fabseq_tools.run.words import duration
 from reproduce import Cases, run
 
 HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model",

@@ -3,7 +3,8 @@
 
 import math
 
-from read_run import Run, duration, read_json
+from fabseq_tools.run.read_run import Run, read_json
+from fabseq_tools.run.words import duration
 
 # Of a row; all are texts, empty where there is nothing to say. `cut_into`: of how many layers the figures
 # are, if the pseudo-time was cut again. A factor is how many times less than planar layers the sequence

@@ -17,7 +17,7 @@ import os
 import re
 import textwrap
 
-from command_line import RunError
+from fabseq_tools.run.command_line import RunError
 from case_figures import COLUMNS, LENGTHS, TARGETS, factor, number
 
 OVERVIEW = re.compile(r"<!-- (cases) -->\n(.*?)<!-- end of cases -->", re.DOTALL)

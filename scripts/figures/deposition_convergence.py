@@ -13,13 +13,14 @@ edge and of the whole part, both of binary layers.
 import json
 import os
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import PROGRAM, ROOT, parse, parser_of, run_command, run_script  # before any package
-from drawing import OPTIMIZED, PLANAR, save, tidy
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import parse, parser_of, run_command, run_script
+from fabseq_tools.run.places import PROGRAM, ROOT
+from fabseq_tools.plot.drawing import OPTIMIZED, PLANAR, save, tidy
 
 import matplotlib.pyplot as plt
 
-from read_run import read_json
+from fabseq_tools.run.read_run import read_json
 
 CONFIG = os.path.join(ROOT, "configs", "v_shape_coarse.json")
 MODELS = "follow", "nominal"

@@ -12,8 +12,7 @@ the STL file (binary) the axis of the foot is at x = y = 0, and the three bodies
 
 import argparse
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-import command_line  # noqa: F401 (before any package)
+import needs_packages  # noqa: F401 (before any package)
 
 import h5py
 import numpy as np

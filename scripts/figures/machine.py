@@ -11,13 +11,14 @@ that the optimizer kept. A length is the root of the first distortion. Local thi
 the target, between its 1st and its 99th percentile, and the range of all of it.
 """
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import run_script  # before any package
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import run_script
 
 import numpy as np
 
 from built import print_cases
-from read_run import Run, duration
+from fabseq_tools.run.read_run import Run
+from fabseq_tools.run.words import duration
 
 HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length",
         "constraints", "time")

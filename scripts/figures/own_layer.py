@@ -14,12 +14,16 @@ displacement, flatness and shape.
 import json
 import os
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import PROGRAM, RunError, parse, parser_of, run_command, run_script  # before any package
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import RunError, parse, parser_of, run_command, run_script
+from fabseq_tools.run.places import PROGRAM
 
 import numpy as np
 
-from read_run import Run, node_positions, read_fields, rigid_motions
+from fabseq_tools.geometry.grid import node_positions
+from fabseq_tools.geometry.node_sets import nodes_of_set
+from fabseq_tools.geometry.rigid_motions import rigid_motions
+from fabseq_tools.run.read_run import Run, read_fields
 
 
 def main():
@@ -37,7 +41,7 @@ def main():
         node_set = run.config["node_sets"][run.distortion_config["nodes"]]
         if node_set.get("samples") or node_set.get("within"):
             raise RunError(f"{directory}: its node set has samples or what is within a distance")
-        nodes = run.nodes_of_set(node_set)
+        nodes = nodes_of_set(run, node_set)
         sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", os.path.join(directory, "result.h5")]}
         for sequence, words in sequences.items():
             motions = motions_of(simulated(arguments, directory, sequence, words), nodes,

@@ -10,7 +10,7 @@
 configs/published/cases.json holds the cases: a config each, and the keys of it that differ, or another case
 that it is like, and the keys that differ from it. A case goes to OUTPUT/CASE; one that was interrupted goes
 on where it was, one that is done is only looked at again. Then the geometric thickness of its layers is
-measured (scripts/use/geometric_thickness.py), and its pseudo-time is cut into other numbers of layers where
+measured (scripts/fabseq-tools thickness), and its pseudo-time is cut into other numbers of layers where
 the case asks for that. Its rows in docs/results/cases/cases.csv are written, and from that table
 docs/results.md and the pages beside the table. A page that shows a picture of the case gets a new one;
 --picture adds one.
@@ -24,13 +24,14 @@ import shlex
 import shutil
 import sys
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import PROGRAM, ROOT, RunError, parse, parser_of, run_command, run_script  # before any package
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import RunError, parse, parser_of, run_command, run_script
+from fabseq_tools.run.places import PROGRAM, ROOT
 
-import geometric_thickness
 from case_figures import rows_of
 from case_pages import Pages
-from read_run import Run, read_json
+from fabseq_tools.geometry import geometric_thickness
+from fabseq_tools.run.read_run import Run, read_json
 
 
 def main():

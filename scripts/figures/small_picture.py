@@ -4,22 +4,22 @@
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as in
-scripts/use/overview.py. The picture has as many colours and pixels as fit into the bytes. Without a display
-the script draws in memory (virtual_display.py).
+Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as by `fabseq-tools
+overview`. The picture has as many colours and pixels as fit into the bytes. Without a display it is drawn in
+memory.
 """
 
 import io
 
-import scripts_use  # noqa: F401 (before modules of that folder)
-from command_line import parser_of, run_script  # before any package
+import needs_packages  # noqa: F401 (before any package)
+from fabseq_tools.run.command_line import parser_of, run_script
 
 import numpy as np
 from PIL import Image
 
-import overview
-from read_run import Run
-from virtual_display import ensure_display
+from fabseq_tools.plot import overview
+from fabseq_tools.run.read_run import Run
+from fabseq_tools.plot.virtual_display import ensure_display
 
 COLOURS = (64, 32, 16)
 GAP = 12  # pixels of the drawn pictures between two of them

@@ -5,7 +5,7 @@
 #
 #   scripts/slurm/scaling.sh CONFIG OUTPUT "1 2 4 8 16" [OPTION OF FABSEQ]...
 #
-# Runs go to OUTPUT/ranks_00001 and so on, table and figure to OUTPUT/scaling.csv and .png (scripts/use/scaling.py). Each job has
+# Runs go to OUTPUT/ranks_00001 and so on, table and figure to OUTPUT/scaling.csv and .png (scripts/fabseq-tools scaling). Each job has
 # its nodes to itself. Options of sbatch come from its environment variables, as SBATCH_PARTITION, SBATCH_ACCOUNT or
 # SBATCH_TIMELIMIT; FABSEQ_LAUNCH as in job.sh.
 set -euo pipefail
@@ -24,7 +24,7 @@ for count in $ranks; do
     "$here/run.sh" "$config" "${runs[-1]}" -max_iterations 12 -output_every 0 -checkpoint_every 0 "$@")")
   echo "job ${jobs[-1]}: $count ranks"
 done
-gather=$(printf '%q ' /usr/bin/python3 "$FABSEQ_ROOT/scripts/use/scaling.py" "${runs[@]}" --table "$output/scaling.csv" --picture "$output/scaling.png")
+gather=$(printf '%q ' /usr/bin/python3 "$FABSEQ_ROOT/scripts/fabseq-tools" scaling "${runs[@]}" --table "$output/scaling.csv" --picture "$output/scaling.png")
 job=$(sbatch --parsable --ntasks=1 --job-name=scaling --output="$output/scaling.log" --dependency="afterok$(printf ':%s' "${jobs[@]}")" \
   --kill-on-invalid-dep=yes --wrap="$gather")
 echo "job $job: table and figure"

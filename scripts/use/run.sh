@@ -5,7 +5,7 @@
 #
 #   scripts/use/run.sh [-np RANKS] -config FILE.json [OPTION OF FABSEQ]...     RANKS: as many as there are cores
 #
-# FABSEQ_PROGRAM names the program; default: build/release/fabseq of the repository.
+# FABSEQ_PROGRAM names the program; default: build/release/fabseq of the repository, or the installed one.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 unset OMPI_MCA_odls_base_sigkill_timeout # set for batch jobs; after each error mpirun would wait twice as long
@@ -18,4 +18,6 @@ if [[ ${1:-} == -np ]]; then
 fi
 (($# > 0)) || { echo "usage: scripts/use/run.sh [-np RANKS] -config FILE.json [OPTION OF FABSEQ]..." >&2; exit 2; }
 
-launch_stoppable run.sh mpirun -np "$ranks" "${FABSEQ_PROGRAM:-$root/build/release/fabseq}" "$@" </dev/null
+program=$root/fabseq # a link, where this script is installed
+[[ -x $program ]] || program=$root/build/release/fabseq
+launch_stoppable run.sh mpirun -np "$ranks" "${FABSEQ_PROGRAM:-$program}" "$@" </dev/null

@@ -7,7 +7,7 @@
 #
 # e.g. configs/l_shape.json configs/studies/alpha_study.csv output/alpha. Tables are those of
 # scripts/slurm/study.sh: the first column is the name of the run, which goes to OUTPUT/NAME; the others are keys
-# of the config with their values. Afterwards scripts/use/compare.py OUTPUT/* gathers the results.
+# of the config with their values. Afterwards scripts/fabseq-tools compare OUTPUT/* gathers the results.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -41,4 +41,4 @@ if ((${#failed[@]})); then
   echo "study.sh: not done, with their exit status: ${failed[*]}" >&2
   exit 1
 fi
-echo "== all $count runs are done; scripts/use/compare.py $output/* compares them"
+echo "== all $count runs are done; scripts/fabseq-tools compare $output/* compares them"

@@ -1,8 +1,37 @@
 # SPDX-License-Identifier: MIT
-# What `cmake --install` leaves: the program, its manual page, the configs, and the library as a CMake package.
+# What `cmake --install` leaves: the program, its manual page, the configs, the tools, and the library as a CMake package.
 install(TARGETS fabseq RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES docs/fabseq.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(DIRECTORY configs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fabseq/configs)
+
+# The tools and what starts runs lie as in the source tree. Their entry is a link among the programs, and they find the
+# program by a link of theirs.
+set(FABSEQ_DATA ${CMAKE_INSTALL_DATADIR}/fabseq)
+install(DIRECTORY scripts/fabseq_tools DESTINATION ${FABSEQ_DATA}/scripts
+        PATTERN __pycache__ EXCLUDE
+        PATTERN node_modules EXCLUDE
+        PATTERN src EXCLUDE
+        PATTERN build.sh EXCLUDE
+        PATTERN "package*.json" EXCLUDE
+        PATTERN .npmrc EXCLUDE)
+install(PROGRAMS scripts/fabseq-tools DESTINATION ${FABSEQ_DATA}/scripts)
+install(FILES scripts/environment.sh scripts/launch.sh DESTINATION ${FABSEQ_DATA}/scripts)
+install(PROGRAMS scripts/use/run.sh DESTINATION ${FABSEQ_DATA}/scripts/use)
+function(fabseq_install_link target link)
+  cmake_path(ABSOLUTE_PATH target BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} NORMALIZE)
+  cmake_path(ABSOLUTE_PATH link BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} NORMALIZE OUTPUT_VARIABLE at)
+  cmake_path(GET at PARENT_PATH folder)
+  cmake_path(GET at FILENAME name)
+  cmake_path(RELATIVE_PATH target BASE_DIRECTORY ${folder})
+  cmake_path(GET link PARENT_PATH folder)
+  set(made ${PROJECT_BINARY_DIR}/package/links/${link})
+  cmake_path(GET made PARENT_PATH made_in)
+  file(MAKE_DIRECTORY ${made_in})
+  file(CREATE_LINK ${target} ${made} SYMBOLIC)
+  install(FILES ${made} DESTINATION ${folder})
+endfunction()
+fabseq_install_link(${FABSEQ_DATA}/scripts/fabseq-tools ${CMAKE_INSTALL_BINDIR}/fabseq-tools)
+fabseq_install_link(${CMAKE_INSTALL_BINDIR}/fabseq ${FABSEQ_DATA}/fabseq)
 if(FABSEQ_SANITIZE)
   return() # whoever links the library would have to be instrumented, too
 endif()

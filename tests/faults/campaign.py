@@ -31,12 +31,8 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
-
-# pylint: disable=wrong-import-position
-from fault_run import FaultRuns  # noqa: E402
-from run_fabseq import STOPPED, NoSmallDisk, Result, build_preload, must_run, small_disk  # noqa: E402
+from fault_run import FaultRuns
+from run_fabseq import STOPPED, NoSmallDisk, Result, build_preload, must_run, small_disk
 
 COLUMNS = ("fault", "injected", "reported", "not noticed", "survived", "iterations lost, at most", "seconds")
 

@@ -32,16 +32,12 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(os.path.dirname(HERE), "integration")]
-
-# pylint: disable=wrong-import-position
-from config_mutations import LEGAL, TEXT, TREE, dumps  # noqa: E402
-from config_schema import read_keys  # noqa: E402
-from option_mutations import FILE, FOLDER, OPTIONS, RUN, TASKS, of_a_run  # noqa: E402
-from run_fabseq import DONE, PROGRAM, ROOT, Process, Result  # noqa: E402
-from run_outcome import ENDED_BY_US, Judge, difference, value_of  # noqa: E402
-from shrunken_configs import shrunken_configs  # noqa: E402
+from config_mutations import LEGAL, TEXT, TREE, dumps
+from config_schema import read_keys
+from option_mutations import FILE, FOLDER, OPTIONS, RUN, TASKS, of_a_run
+from run_fabseq import DONE, PROGRAM, ROOT, Process, Result
+from run_outcome import ENDED_BY_US, Judge, difference, value_of
+from shrunken_configs import shrunken_configs
 
 SHORT_SEED, SHORT_CASES = 1, 40
 PATIENCE, LAST_PATIENCE = 10, 50  # seconds

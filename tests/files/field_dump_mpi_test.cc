@@ -180,7 +180,7 @@ void expect_paraview_agrees() {
   // A clean environment: pvpython would take the launcher's variables for its own.
   const std::string command =
       "env -i PATH=\"$PATH\" HOME=\"${HOME:-/tmp}\" " FABSEQ_TEST_DATA
-      "/../../scripts/use/virtual_display.py pvpython " FABSEQ_TEST_DATA "/../scripts/read_xdmf.py " +
+      "/../../scripts/fabseq-tools virtual-display pvpython " FABSEQ_TEST_DATA "/../scripts/read_xdmf.py " +
       scratch.file("dump.xdmf") + " " + scratch.file("result.xdmf") + " > " + scratch.file("log") + " 2>&1";
   const int status = std::system(command.c_str());
   EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 0) << file_text(scratch.file("log"));

@@ -4,14 +4,12 @@
 import csv
 import json
 import os
-import sys
 
 import run_fabseq
 from run_fabseq import DONE, PROGRAM, ROOT, FabseqTest, only_release, run_command
 from small_parts import hook_3d
 
-sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
-from pictures import drawn  # noqa: E402
+from pictures import drawn
 
 
 @only_release

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Decks of scripts/use/export_calculix.py, solved by ccx: its displacements are those of the program."""
+"""Decks of fabseq-tools calculix, solved by ccx: its displacements are those of the program."""
 
 import os
 import re
@@ -16,11 +16,11 @@ from multi_planar_test import tee_2d
 from run_fabseq import ENVIRONMENT, FabseqTest, ROOT
 from small_parts import hook_3d, part_density, plate_2d, post_on_substrate, write_voxels
 
-SCRIPTS = os.path.join(ROOT, "scripts", "use")
+TOOLS = os.path.join(ROOT, "scripts", "fabseq-tools")
 
 
-def run_script(name, *arguments):
-    return subprocess.run([sys.executable, os.path.join(SCRIPTS, name), *map(str, arguments)], capture_output=True, text=True,
+def run_tool(command, *arguments):
+    return subprocess.run([sys.executable, TOOLS, command, *map(str, arguments)], capture_output=True, text=True,
                           check=False, env={**ENVIRONMENT, **os.environ})
 
 
@@ -41,7 +41,7 @@ class CalculixTest(FabseqTest):
     def solve(self, run, layer):
         """Writes the decks and solves them."""
         folder = run.path("calculix")
-        exported = run_script("export_calculix.py", run.output, "--layer", layer)
+        exported = run_tool("calculix", run.output, "--layer", layer)
         self.assertEqual(exported.returncode, 0, exported.stderr)
         for path in exported.stdout.split():
             if not os.path.exists(path[:-3] + "dat"):
@@ -50,7 +50,7 @@ class CalculixTest(FabseqTest):
         return folder
 
     def expect_same(self, run, path):
-        compared = run_script("compare_calculix.py", run.output, path)
+        compared = run_tool("compare-calculix", run.output, path)
         self.assertEqual(compared.returncode, 0, compared.stdout + compared.stderr)
 
     def check(self, config, layers, finished=True):
@@ -75,7 +75,7 @@ class CalculixTest(FabseqTest):
         config["name"] = "hängt"  # ccx reads ASCII
         run, folder = self.check(config, (1, 3))
         other = shutil.copy(os.path.join(folder, "layer_0003.dat"), os.path.join(folder, "layer_0002.dat"))
-        refused = run_script("compare_calculix.py", run.output, other)
+        refused = run_tool("compare-calculix", run.output, other)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("exceeds 1e-05", refused.stderr)
 
@@ -125,16 +125,16 @@ class CalculixTest(FabseqTest):
         self.assert_done(run)
         for words, message in ((("--layer", 9), "--layer: found 9; allowed: a layer from 1 to 4"),
                                (("--layer", 0), "--layer: found 0; allowed")):
-            refused = run_script("export_calculix.py", run.output, *words)
+            refused = run_tool("calculix", run.output, *words)
             self.assertEqual(refused.returncode, 1)
             self.assertIn(message, refused.stderr)
         self.assertFalse(os.path.exists(run.path("calculix")))
         for name, message in (("layer_0002.dat", "simulate with -binary"), ("finished.dat", "simulate with -set layers.count=1"),
                               ("other.dat", "allowed: layer_ and a number")):
-            refused = run_script("compare_calculix.py", run.output, name)
+            refused = run_tool("compare-calculix", run.output, name)
             self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (1, 1), refused.stderr)
             self.assertIn(message, refused.stderr)
-        self.assertEqual(run_script("export_calculix.py", self.directory).returncode, 1)
+        self.assertEqual(run_tool("calculix", self.directory).returncode, 1)
 
 
 if __name__ == "__main__":

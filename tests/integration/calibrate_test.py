@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/calibrate.py finds the factors that synthetic measurements were made with."""
+"""fabseq-tools calibrate finds the factors that synthetic measurements were made with."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from read_outputs import read_result
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import plate_2d, post_on_substrate
 
-SCRIPT = os.path.join(ROOT, "scripts", "use", "calibrate.py")
+TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "calibrate"
 
 
 class CalibrateTest(FabseqTest):
@@ -45,7 +45,7 @@ class CalibrateTest(FabseqTest):
         return path
 
     def calibrate(self, config, measured, *options):
-        command = [sys.executable, SCRIPT, self.write_config(config), measured, "--program", PROGRAM, "--output",
+        command = [sys.executable, *TOOL, self.write_config(config), measured, "--program", PROGRAM, "--output",
                    os.path.join(self.directory, "calibrated"), *options, "--", "-tolerance", "1e-10"]
         return subprocess.run(command, capture_output=True, text=True, cwd=self.directory, check=False,
                               env={**ENVIRONMENT, **os.environ})
@@ -174,7 +174,7 @@ end_header""")
                 file.write(text)
             run = self.calibrate(config, path)
             self.assertEqual(run.returncode, 1)
-            self.assertTrue(run.stderr.startswith("calibrate.py: "), run.stderr)
+            self.assertTrue(run.stderr.startswith("fabseq-tools calibrate: "), run.stderr)
             for word in words:
                 self.assertIn(word, run.stderr)
 

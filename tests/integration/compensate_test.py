@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/compensate.py moves a part against its displacement: what remains falls."""
+"""fabseq-tools compensate moves a part against its displacement: what remains falls."""
 
 import csv
 import json
@@ -9,6 +9,9 @@ import sys
 
 import h5py
 import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOGeometry import vtkSTLReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 import run_fabseq
 from mesh_test import HIGH, LOW, bar, box_triangles, stl_text
@@ -16,12 +19,7 @@ from read_outputs import read_result
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import hook_3d, plate_2d, post_on_substrate
 
-sys.path.insert(0, os.path.join(ROOT, "scripts", "use"))
-from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: E402
-from vtkmodules.vtkIOGeometry import vtkSTLReader  # noqa: E402
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader  # noqa: E402
-
-SCRIPT = os.path.join(ROOT, "scripts", "use", "compensate.py")
+TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "compensate"
 
 
 class CompensateTest(FabseqTest):
@@ -36,7 +34,7 @@ class CompensateTest(FabseqTest):
         return run
 
     def script(self, *words):
-        return subprocess.run([sys.executable, SCRIPT, *map(str, words)], capture_output=True, text=True, cwd=self.directory,
+        return subprocess.run([sys.executable, *TOOL, *map(str, words)], capture_output=True, text=True, cwd=self.directory,
                               check=False, env={**ENVIRONMENT, **os.environ, "FABSEQ_PROGRAM": PROGRAM})
 
     def compensate(self, run, *words):
@@ -159,7 +157,7 @@ class CompensateTest(FabseqTest):
                                 ([straight, "--program", "nothing"], "nothing: no such program")):
             done = self.script(*words)
             self.assertEqual(done.returncode, 1, done.stderr)
-            self.assertTrue(done.stderr.startswith("compensate.py: "), done.stderr)
+            self.assertTrue(done.stderr.startswith("fabseq-tools compensate: "), done.stderr)
             self.assertIn(expected, done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 

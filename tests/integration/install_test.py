@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""`cmake --install` to another place: the program and the configs there work by themselves, and docs/example
-builds against the library."""
+"""`cmake --install` to another place: the program, the tools and the configs there work by themselves, and
+docs/example builds against the library."""
 
 import os
 import re
+from unittest import mock
 
 import run_fabseq
 from run_fabseq import DONE, FabseqTest, ROOT
@@ -35,6 +36,24 @@ class InstallTest(FabseqTest):
         self.assertIn("elements", self.run_command(program, "-config", os.path.join(configs, "voxel_part.json"), "-task",
                                                    "check"))
         self.assertTrue(os.path.exists(os.path.join(prefix, "share", "man", "man1", "fabseq.1")))
+
+    def test_installed_tools(self):
+        """They find each other and the program, without the source tree and without its environment."""
+        prefix = self.install()
+        tools, scripts = os.path.join(prefix, "bin", "fabseq-tools"), os.path.join(prefix, "share", "fabseq", "scripts")
+        self.assertRegex(self.run_command(tools, "--help"), r"(?m)^  overview +[A-Z]")
+        for name in ("src", "package.json", "build.sh", "node_modules"):  # what the report's page is made from
+            self.assertFalse(os.path.exists(os.path.join(scripts, "fabseq_tools", "report", "page", name)), name)
+        with mock.patch.dict(os.environ):
+            os.environ.pop("FABSEQ_PROGRAM", None)
+            part = os.path.join(prefix, "share", "fabseq", "configs", "gradient_box.json")
+            self.run_command(os.path.join(scripts, "use", "run.sh"), "-np", "2", "-config", part, "-task", "simulate",
+                             "-elements", "4,4,4", "-binary", "-output", "box")
+            self.run_command(tools, "overview", "box", "--table")
+            self.run_command(tools, "report", "box")
+            self.run_command(tools, "compensate", "box", "--iterations", "1")
+        for name in ("overview.png", "report.html", "compensated/compensated.stl"):
+            self.assertTrue(os.path.exists(os.path.join(self.directory, "box", name)), name)
 
     @run_fabseq.only_release
     def test_a_program_of_ones_own(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/orient.py compares a part in several orientations."""
+"""fabseq-tools orient compares a part in several orientations."""
 
 import csv
 import json
@@ -12,13 +12,11 @@ import numpy as np
 
 import run_fabseq
 from mesh_test import box_triangles, stl_text
+from pictures import drawn
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 
-sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
-from pictures import drawn  # noqa: E402
-
 UP = np.array([0.0, 0, 7])  # of the drawing's origin, from which the plate takes the part down
-SCRIPT = os.path.join(ROOT, "scripts", "use", "orient.py")
+TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "orient"
 
 
 def angle():
@@ -66,7 +64,7 @@ class OrientTest(FabseqTest):
 
     def orient(self, config, *options):
         text = "// a comment\n" + json.dumps(config)
-        command = [sys.executable, SCRIPT, self.write_config(text), "--program", PROGRAM, "--output", self.path(""), *options]
+        command = [sys.executable, *TOOL, self.write_config(text), "--program", PROGRAM, "--output", self.path(""), *options]
         return subprocess.run(command, capture_output=True, text=True, cwd=self.directory, check=False,
                               env={**ENVIRONMENT, **os.environ})
 
@@ -174,7 +172,7 @@ class OrientTest(FabseqTest):
                                        (angle(), ["--turn", "w 90"], "found w 90"), ({}, [], "domain is missing")):
             run = self.orient(config, *options)
             self.assertEqual(run.returncode, 1)
-            self.assertTrue(run.stderr.startswith("orient.py: "), run.stderr)
+            self.assertTrue(run.stderr.startswith("fabseq-tools orient: "), run.stderr)
             self.assertIn(words, run.stderr)
             self.assertEqual(len(run.stderr.splitlines()), 1)
 

@@ -204,7 +204,8 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
     def read_with_paraview(self, path):
         saved = os.path.join(self.directory, "arrays.npz")
         script = os.path.join(run_fabseq.HERE, "read_arrays.py")
-        command = [os.path.join(run_fabseq.ROOT, "scripts", "use", "virtual_display.py"), "pvpython", script, path, saved]
+        tools = os.path.join(run_fabseq.ROOT, "scripts", "fabseq-tools")
+        command = [tools, "virtual-display", "pvpython", script, path, saved]
         status, stdout, stderr = run_fabseq.run_command(command, self.directory, 300)
         self.assertEqual(status, 0, stdout + stderr)
         with np.load(saved) as arrays:

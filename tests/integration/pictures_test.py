@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""scripts/use/overview.py on results of the program, and the made-up results of tests/scripts held against
+"""fabseq-tools overview on results of the program, and the made-up results of tests/scripts held against
 them."""
 
 import json
 import os
 import subprocess
-import sys
 
 import h5py
 import numpy as np
 
+import fake_results
 import run_fabseq
+from pictures import drawn
 from run_fabseq import FabseqTest, ROOT
 from small_parts import hook_3d, plate_2d
-
-sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
-import fake_results  # noqa: E402
-from pictures import drawn  # noqa: E402
 
 
 def kind(value):
@@ -52,7 +49,7 @@ class PicturesTest(FabseqTest):
     def test_overview(self):
         for config in (plate_2d(), hook_3d()):
             run = self.optimized(config)
-            done = subprocess.run([os.path.join(ROOT, "scripts", "use", "overview.py"), run.output, "--table"],
+            done = subprocess.run([os.path.join(ROOT, "scripts", "fabseq-tools"), "overview", run.output, "--table"],
                                   capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertGreater(min(drawn(run.path("overview.png"), 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)

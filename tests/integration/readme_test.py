@@ -4,13 +4,10 @@
 import os
 import re
 import subprocess
-import sys
 
 import run_fabseq
+from pictures import drawn
 from run_fabseq import DONE, FabseqTest, ROOT, only_release
-
-sys.path.insert(0, os.path.join(ROOT, "tests", "scripts"))
-from pictures import drawn  # noqa: E402
 
 with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
     README = readme.read()

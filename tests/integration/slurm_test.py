@@ -257,7 +257,7 @@ even,1,"{""beta"": 12, ""interval"": 5}",300
         self.check_compare(output)
 
     def check_compare(self, output):
-        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "use", "compare.py"),
+        done = subprocess.run(["/usr/bin/python3", os.path.join(ROOT, "scripts", "fabseq-tools"), "compare",
                                os.path.join(output, "even"), os.path.join(output, "uneven")], cwd=self.directory,
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: MIT
 """scripts/dev/check_include_graph.py on small made-up projects, and on this one."""
 
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/dev"))
 import check_include_graph
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 class IncludeGraph(unittest.TestCase):

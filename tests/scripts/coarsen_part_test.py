@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/coarsen_part.py."""
+"""fabseq-tools coarsen."""
 
 import subprocess
 import tempfile
@@ -20,7 +20,7 @@ class CoarsenPart(unittest.TestCase):
         self.fine, self.coarse = (Path(folder.name) / name for name in ("fine.h5", "coarse.h5"))
 
     def coarsen(self, *arguments, fine=None):
-        return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/coarsen_part.py", fine or self.fine, self.coarse,
+        return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/fabseq-tools", "coarsen", fine or self.fine, self.coarse,
                                *map(str, arguments)], capture_output=True, text=True, check=False)
 
     def density(self):

@@ -1,21 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/compare.py, scaling.py and study_table.py on made-up results."""
+"""fabseq-tools compare, scaling and what draws, and study_table.py, on made-up results."""
 
 import csv
 import json
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(Path(__file__).parent))
 import fake_results
 from pictures import drawn
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 class ScriptTest(unittest.TestCase):
@@ -23,6 +22,9 @@ class ScriptTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
+
+    def run_tool(self, *words):
+        return self.run_script("fabseq-tools", *words)
 
     def run_script(self, script, *arguments):
         return subprocess.run(["/usr/bin/python3", PROJECT / "scripts" / script, *map(str, arguments)], cwd=self.folder,
@@ -54,16 +56,16 @@ class Pictures(ScriptTest):
         for name in ("defaults_absent", "defaults_quiet", "beta_late_absent"):
             self.write_run(f"study/{name}")
         (self.folder / "study" / "stopped_quiet").mkdir()
-        done = self.run_script("use/plot_settings.py", "study", "--picture", "s.png")
+        done = self.run_tool("plot-settings", "study", "--picture", "s.png")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("stopped_quiet", done.stderr)
         self.assert_drawn("s.png", 1, 2)
-        done = self.run_script("use/plot_settings.py", "nothing")
+        done = self.run_tool("plot-settings", "nothing")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
 
     def test_history_over_seconds(self):
         runs = [self.write_run("a"), self.write_run("b")]
-        done = self.run_script("use/plot_history.py", *runs, "--seconds", "--picture", "h.png")
+        done = self.run_tool("plot-history", *runs, "--seconds", "--picture", "h.png")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assert_drawn("h.png", 2, 2)
 
@@ -74,7 +76,7 @@ class Compare(ScriptTest):
         layers = [{"volume": 1.0, "thickness": 0.2, "cv": 0.3}, {"volume": 3.0, "thickness": 0.1, "cv": 0.1},
                   {"volume": 0.0, "thickness": None, "cv": None}]
         self.change(runs[1] / "summary.json", lambda summary: summary["binary"].update(layers=layers))
-        done = self.run_script("use/compare.py", *runs)
+        done = self.run_tool("compare", *runs)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         first, second = self.table("compare.csv")
         self.assertEqual(list(first)[:3], ["run", "objective.layer_uniformity.weight", "status"])
@@ -89,21 +91,21 @@ class Compare(ScriptTest):
     def test_a_run_that_is_not_done(self):
         runs = [self.write_run("stopped"), self.write_run("done")]
         self.change(runs[0] / "summary.json", lambda summary: (summary.pop("optimized"), summary.update(status="stopped")))
-        done = self.run_script("use/compare.py", *runs, "--table", "t.csv", "--picture", "p.png")
+        done = self.run_tool("compare", *runs, "--table", "t.csv", "--picture", "p.png")
         self.assertEqual(done.returncode, 0)
         self.assertIn("stopped: holds no finished optimization (status: stopped)", done.stderr)
         rows = self.table("t.csv")
         self.assertEqual([(row["status"], row["optimized/objective_0"]) for row in rows],
                          [("stopped", ""), ("iteration_limit", "0.00045")])
-        done = self.run_script("use/compare.py", runs[0], self.folder / "nothing")
+        done = self.run_tool("compare", runs[0], self.folder / "nothing")
         self.assertEqual(done.returncode, 1)
         self.assertIn("nothing/config.json is missing", done.stderr)
 
     def test_several_keys(self):
         runs = [self.write_run("a", 0.1, layers={"count": 3}), self.write_run("b", 1, layers={"count": 5})]
-        self.assertEqual(self.run_script("use/compare.py", *runs).returncode, 0)
-        self.assertEqual(self.run_script("use/compare.py", *runs, "--against", "layers.count").returncode, 0)
-        done = self.run_script("use/compare.py", *runs, "--against", "material.young")
+        self.assertEqual(self.run_tool("compare", *runs).returncode, 0)
+        self.assertEqual(self.run_tool("compare", *runs, "--against", "layers.count").returncode, 0)
+        done = self.run_tool("compare", *runs, "--against", "material.young")
         self.assertEqual(done.returncode, 1)
         self.assertIn("they do in: objective.layer_uniformity.weight, layers.count", done.stderr)
 
@@ -126,7 +128,7 @@ class Scaling(ScriptTest):
         serial = 0.1
         times = {4: 8.0, 16: 8.0 * (serial + (1 - serial) / 4)}
         runs = [self.write_times(f"r{ranks}", ranks, seconds) for ranks, seconds in reversed(times.items())]
-        done = self.run_script("use/scaling.py", *runs)
+        done = self.run_tool("scaling", *runs)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         first, second = self.table("scaling.csv")
         self.assertEqual((first["ranks"], first["speed_up"], first["efficiency"], first["karp_flatt"]), ("4", "1.0", "1.0", ""))
@@ -143,7 +145,7 @@ class Scaling(ScriptTest):
         for others, words in (([self.write_times("again", 1, 1.0)], "same number of ranks"),
                               ([self.write_times("other", 2, 1.0, layers=3)], "different configs"),
                               (["--warm_up", 6], "no iteration after the first 6")):
-            done = self.run_script("use/scaling.py", one, *others)
+            done = self.run_tool("scaling", one, *others)
             self.assertEqual(done.returncode, 1)
             self.assertIn(words, done.stderr)
 

@@ -1,32 +1,29 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/export_layers.py on layers with known areas and volumes, and tetrahedra that are cut."""
+"""fabseq-tools layers on layers with known areas and volumes, and tetrahedra that are cut."""
 
 import json
 import math
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
-
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-sys.path.insert(0, str(Path(__file__).parent))
-import export_layers
-import mesh_inside
-import tetrahedra
-from fake_results import element_centres, node_coordinates
-from layer_bodies import LayeredPart
-from layered_results import write_layers
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkTriangleFilter
 from vtkmodules.vtkFiltersSources import vtkCylinderSource, vtkSphereSource
 from vtkmodules.vtkIOGeometry import vtkSTLReader, vtkSTLWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+from fabseq_tools.geometry import export_layers, mesh_inside, tetrahedra
+from fabseq_tools.geometry.layer_bodies import LayeredPart
+
+from fake_results import element_centres, node_coordinates
+from layered_results import write_layers
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 def read(path):
@@ -239,7 +236,7 @@ class ExportLayersTest(unittest.TestCase):
     def test_program(self):
         counts, size = (4, 4, 4), (1.0, 1.0, 1.0)
         write_layers(self.run_directory, size, np.ones(counts, bool), 3, 1.0 - node_coordinates(counts, size)[2])
-        command = ["/usr/bin/python3", PROJECT / "scripts/use/export_layers.py", self.run_directory, "--format", "stl"]
+        command = ["/usr/bin/python3", PROJECT / "scripts/fabseq-tools", "layers", self.run_directory, "--format", "stl"]
         done = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         self.assertIn("3 layers, 2 interfaces", done)
         with open(os.path.join(self.run_directory, "layers", "layers.json"), encoding="utf-8") as file:

@@ -1,13 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/export_paths.py and import_paths.py on parts whose paths have known lengths."""
+"""fabseq-tools paths and import-paths on parts whose paths have known lengths."""
 
 import csv
 import json
 import math
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -15,21 +14,19 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-sys.path.insert(0, str(Path(__file__).parent))
-import import_paths
-import path_order
-from command_line import RunError
+from fabseq_tools.geometry.layer_bodies import LayeredPart
+from fabseq_tools.paths import import_paths, order as path_order
+from fabseq_tools.paths.layer_paths import Line
+from fabseq_tools.paths.torch_paths import all_passes, summary
+from fabseq_tools.run.command_line import RunError
+
 from fake_results import element_centres, node_coordinates
-from layer_bodies import LayeredPart
-from layer_paths import Line
 from layered_results import write_layers
-from nearest_points import nearest
-from torch_paths import all_passes, summary
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 UP = np.array([0.0, 0.0, 1.0])
-SCRIPTS = PROJECT / "scripts/use"
+TOOLS = PROJECT / "scripts/fabseq-tools"
 
 
 class PathsTest(unittest.TestCase):
@@ -98,16 +95,8 @@ class PathsTest(unittest.TestCase):
         ring = Line(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]]), "outline", True)
         np.testing.assert_array_equal(path_order.ordered([ring], np.array([2.0, 2, 0]), 1.0)[0].points[[0, -1]], [[1, 1, 0]] * 2)
 
-    def test_nearest(self):
-        random = np.random.default_rng(1)
-        points, places = random.random((300, 3)), random.random((200, 3))
-        expected = np.linalg.norm(points[None] - places[:, None], axis=2)
-        found, distance = nearest(points, places)
-        np.testing.assert_array_equal(found, expected.argmin(axis=1))
-        np.testing.assert_allclose(distance, expected.min(axis=1))
-
-    def call(self, script, *arguments):
-        return subprocess.run(["/usr/bin/python3", SCRIPTS / script, *arguments], capture_output=True, text=True, check=False)
+    def call(self, command, *arguments):
+        return subprocess.run(["/usr/bin/python3", TOOLS, command, *arguments], capture_output=True, text=True, check=False)
 
     def test_files_and_the_way_back(self):
         """Files of a part that its mesh file has in inches and lying, and the sequence read from them."""
@@ -118,7 +107,7 @@ class PathsTest(unittest.TestCase):
         height = node_coordinates(counts, size)[2] / size[2]
         number = np.ceil(element_centres(counts, size)[2] / size[2] * 4 - 1e-9)
         write_layers(self.run_directory, size, np.ones(counts[::-1], bool), 4, 1.0 - height, config=config, layer=number)
-        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--turn", "0")
+        done = self.call("paths", self.run_directory, "--no-picture", "--turn", "0")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("4 starts", done.stdout)
         folder = Path(self.run_directory) / "paths"
@@ -135,7 +124,7 @@ class PathsTest(unittest.TestCase):
             if table == "plain.csv":  # position and layer are enough
                 (folder / table).write_text("x,y,z,layer\n" + "".join(
                     f"{row['x']},{row['y']},{row['z']},{10 * int(row['layer'])}\n" for row in rows), encoding="utf-8")
-            done = self.call("import_paths.py", folder / table, self.run_directory)
+            done = self.call("import-paths", folder / table, self.run_directory)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn('"count": 4', done.stdout)
             with h5py.File(folder / (table.rpartition(".")[0] + "_sequence.h5")) as file:
@@ -157,7 +146,7 @@ class PathsTest(unittest.TestCase):
     def exported(self, frame):
         """Positions of waypoints and of IRBCAM's targets at them, axes, and the JSON files."""
         folder = Path(self.run_directory) / frame
-        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--bead-width", "4", "--frame", frame, "--output",
+        done = self.call("paths", self.run_directory, "--no-picture", "--bead-width", "4", "--frame", frame, "--output",
                          folder)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         files = {name: json.loads((folder / f"{name}.json").read_text())
@@ -206,7 +195,7 @@ class PathsTest(unittest.TestCase):
             self.assertEqual({key: content[key] for key in expected}, expected)
 
     def assert_way_back(self, path, number, *options):
-        done = self.call("import_paths.py", path, self.run_directory, *options)
+        done = self.call("import-paths", path, self.run_directory, *options)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         with h5py.File(str(path).rpartition(".")[0] + "_sequence.h5") as file:
             self.assertGreaterEqual((file["layer"][()] == number).mean(), 0.99)
@@ -222,19 +211,19 @@ class PathsTest(unittest.TestCase):
         alone.write_bytes((folder / "paths.csv").read_bytes())
         self.assert_way_back(alone, number, "--frame", "plate")
         for options in ((), ("--frame", "drawing")):
-            done = self.call("import_paths.py", alone, self.run_directory, *options)
+            done = self.call("import-paths", alone, self.run_directory, *options)
             self.assertEqual(done.returncode, 1)
             self.assertIn("waypoints lie outside of the config's box, which goes from [7,-30,0] to [47,-10,8]", done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1)
         (folder / "alone.json").write_text('{"another": "file"}')
-        self.assertIn("lie outside", self.call("import_paths.py", alone, self.run_directory).stderr)
-        done = self.call("import_paths.py", folder / "alone.json", self.run_directory)
+        self.assertIn("lie outside", self.call("import-paths", alone, self.run_directory).stderr)
+        done = self.call("import-paths", folder / "alone.json", self.run_directory)
         self.assertIn("has no columns and waypoints; allowed", done.stderr)
 
     def test_a_unit_that_nobody_knows(self):
         """IRBCAM wants millimetres: no file is better than one in furlongs."""
         self.drawn(1.0, "furlong")
-        done = self.call("export_paths.py", self.run_directory, "--no-picture", "--bead-width", "4")
+        done = self.call("paths", self.run_directory, "--no-picture", "--bead-width", "4")
         self.assertEqual(done.returncode, 0)
         self.assertIn("warning: domain.unit: found furlong; allowed for paths_irbcam", done.stderr)
         names = {path.name for path in (Path(self.run_directory) / "paths").iterdir()}
@@ -245,9 +234,9 @@ class PathsTest(unittest.TestCase):
         folder = Path(self.box(config={"layers": {"type": "curved", "count": "auto"}}))
         table = folder / "order.csv"
         table.write_text("x,y,z,order\n0.5,0.5,0.05,1\n1.5,0.5,0.15,2\n", encoding="utf-8")
-        self.assertIn("order_sequence.h5 -layers 2 -binary", self.call("import_paths.py", table, folder).stdout)
+        self.assertIn("order_sequence.h5 -layers 2 -binary", self.call("import-paths", table, folder).stdout)
         (folder / "summary.json").unlink()
-        self.assertIn("order_sequence.h5 -layers NUMBER -binary", self.call("import_paths.py", table, folder).stdout)
+        self.assertIn("order_sequence.h5 -layers NUMBER -binary", self.call("import-paths", table, folder).stdout)
 
     def check_programs(self, folder, rows):
         """Print points of COMPAS Slicer, and targets of IRBCAM."""
@@ -270,19 +259,19 @@ class PathsTest(unittest.TestCase):
         self.box()
         for options, words in ((["--bead-width", "0.001"], "--bead-width: found 0.001; allowed: 0.0125 to 2"),
                                (["--bead-width", "0.1", "--outlines", "0"], "--outlines: found 0; allowed: 1 to 100")):
-            done = self.call("export_paths.py", self.run_directory, "--no-picture", *options)
+            done = self.call("paths", self.run_directory, "--no-picture", *options)
             self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
         table = Path(self.run_directory) / "table.csv"
         for text, words in (("x,y,z\n0,0,0\n", "neither a column layer nor order"), ("x,y,layer\n0,0,1\n", "names no column z"),
                             ("x,y,z,layer\n0,0,a,1\n", "point 1, column z: 'a' is no number")):
             table.write_text(text, encoding="utf-8")
-            done = self.call("import_paths.py", table, self.run_directory)
+            done = self.call("import-paths", table, self.run_directory)
             self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
         with self.assertRaisesRegex(RunError, "allowed: the config.json of a run"):
             import_paths.checked_config({"domain": {"element": 5}, "part": {"mesh": {}}}, "part.json")
 
     def test_picture(self):
-        done = self.call("export_paths.py", self.box(), "--bead-width", "0.2")
+        done = self.call("paths", self.box(), "--bead-width", "0.2")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater((Path(self.run_directory) / "paths" / "paths.png").stat().st_size, 10_000)
 

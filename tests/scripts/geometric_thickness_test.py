@@ -1,10 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/geometric_thickness.py on pseudo-times whose layers have a known thickness."""
+"""fabseq-tools thickness on pseudo-times whose layers have a known thickness."""
 
 import json
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,11 +11,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-sys.path.insert(0, str(Path(__file__).parent))
-import geometric_thickness
+from fabseq_tools.geometry import geometric_thickness
+
 from fake_results import element_centres, node_coordinates
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
 def write_result(directory, size, built, time, count, target=None, nodes=None, nodes_as="temperature", time_points=None,
@@ -138,7 +137,7 @@ class GeometricThicknessTest(unittest.TestCase):
 
     def test_program(self):
         write_result(self.directory, (1.0, 1.0), np.ones((8, 8), bool), element_centres((8, 8), (1.0, 1.0))[1], 4)
-        command = ["/usr/bin/python3", PROJECT / "scripts/use/geometric_thickness.py", self.directory, "--points", "50"]
+        command = ["/usr/bin/python3", PROJECT / "scripts/fabseq-tools", "thickness", self.directory, "--points", "50"]
         first = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         self.assertIn("no target", first)
         with open(Path(self.directory) / "geometric_thickness.json", encoding="utf-8") as file:
@@ -146,7 +145,7 @@ class GeometricThicknessTest(unittest.TestCase):
         self.assertEqual(record["points"], 50)
         self.assertAlmostEqual(record["inner"]["mean"], 0.25)
         self.assertEqual(subprocess.run(command, capture_output=True, text=True, check=True).stdout, first)  # fixed seed
-        refused = subprocess.run([*command[:2], self.directory + "/no"], capture_output=True, text=True, check=False)
+        refused = subprocess.run([*command[:3], self.directory + "/no"], capture_output=True, text=True, check=False)
         self.assertEqual(refused.returncode, 1)
         self.assertIn("is missing", refused.stderr)
 

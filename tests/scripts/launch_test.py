@@ -6,16 +6,15 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
+from run_fabseq import BAD_INPUT, DONE, ENVIRONMENT, PROGRAM, STOPPED
+from small_parts import plate_2d
+from terminal import CONTROL_C, Terminal
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, os.path.join(ROOT, "tests", "integration"))
-from run_fabseq import BAD_INPUT, DONE, ENVIRONMENT, PROGRAM, STOPPED  # noqa: E402
-from small_parts import plate_2d  # noqa: E402
-from terminal import CONTROL_C, Terminal  # noqa: E402
 
 PATIENCE = 60
 AT_ONCE = 20  # seconds, on a machine with other things to do; three on an idle one

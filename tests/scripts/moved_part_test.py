@@ -1,23 +1,22 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/moved_part.py: the pseudo-time moves with the part, displacements are those of its nodes."""
+"""Parts whose geometry moves: the pseudo-time moves with the part, displacements are those of its nodes."""
 
 import os
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-sys.path.insert(0, str(Path(__file__).parent))
-import surface_files
+from fabseq_tools.geometry import surface_files
+from fabseq_tools.geometry.moved_part import MovedPart
+from fabseq_tools.geometry.vtk_data import poly_data
+
 from fake_results import element_centres, node_coordinates
 from layered_results import write_layers
-from moved_part import MovedPart
-from vtk_data import poly_data
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 SIZE, COUNTS = (3.0, 2.0, 2.4), (12, 8, 12)
 SLOPE = np.array([0.1, -0.05, 0.3])

@@ -1,11 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/overview.py, read_run.py and render_part.py on made-up results."""
+"""fabseq-tools overview and render on made-up results."""
 
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -14,27 +13,27 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-sys.path.insert(0, str(Path(__file__).parent))
+from fabseq_tools.geometry.node_sets import measured_nodes
+from fabseq_tools.plot import overview, render_part
+from fabseq_tools.plot.overview_pictures import FAILING
+from fabseq_tools.run.check_words import failing_elements
+from fabseq_tools.run.read_run import Run
+
 import fake_results
-import overview
-import render_part
-from check_words import failing_elements
-from overview_pictures import FAILING
 from pictures import coloured, drawn
-from read_run import Run
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 
-def run(script, *arguments, **environment):
-    return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use" / script, *map(str, arguments)], capture_output=True,
-                          text=True, env={**os.environ, **environment})
+def run(command, *arguments, **environment):
+    words = [PROJECT / "scripts/fabseq-tools", command, *map(str, arguments)]
+    return subprocess.run(["/usr/bin/python3", *words], capture_output=True, text=True, env={**os.environ, **environment})
 
 
 def overview_of(folder, name):
     """Draws a run and returns the picture's path."""
     picture = os.path.join(folder, name + ".png")
-    done = run("overview.py", folder, picture)
+    done = run("overview", folder, picture)
     assert done.returncode == 0, done.stderr
     return picture
 
@@ -59,7 +58,7 @@ class Pictures(unittest.TestCase):
 
     def test_overview_draws_solid_and_flat_parts(self):
         for directory in (self.solid, self.flat):
-            done = run("overview.py", directory)
+            done = run("overview", directory)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertNotIn("cannot be rendered", done.stderr)
             self.assert_overview(directory / "overview.png")
@@ -74,7 +73,7 @@ class Pictures(unittest.TestCase):
                     with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
                         del file["release_displacement"]
                     fake_results.change(folder, "summary.json", lambda summary: summary.pop("released"))
-                done = run("overview.py", folder)
+                done = run("overview", folder)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertGreater(min(coloured(Path(folder) / "overview.png", 0.2, 0.5, 3 if release else 2)), 0.08)
                 words = " ".join(overview.simulation_sentences(Run(folder, simulations=True)))
@@ -122,13 +121,13 @@ class Pictures(unittest.TestCase):
 
     def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:
-            done = run("overview.py", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")
+            done = run("overview", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")
             self.assertEqual(done.returncode, 1)
-            self.assertIn("overview.py: needs a display, or Xvfb", done.stderr)
+            self.assertIn("fabseq-tools overview: needs a display, or Xvfb", done.stderr)
 
     def test_a_directory_without_a_run_is_refused(self):
         with tempfile.TemporaryDirectory() as empty:
-            done = run("overview.py", empty)
+            done = run("overview", empty)
             self.assertEqual(done.returncode, 1)
             self.assertIn("config.json is missing", done.stderr)
             self.assertNotIn("Traceback", done.stderr)
@@ -148,13 +147,13 @@ class Pictures(unittest.TestCase):
             history.write_text("".join(json.dumps({**line, "worst_constraint": None}) + "\n" for line in lines), encoding="utf-8")
             with h5py.File(os.path.join(folder, "result.h5")) as file:
                 used = len(np.unique(file["layer"][:]))
-            done = run("overview.py", folder, "--table")
+            done = run("overview", folder, "--table")
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertRegex(done.stdout, rf"layers used +\d+ +{used - 1} +{used - 1}\n")
 
     def test_render_part_draws_a_layer_picture(self):
         picture = Path(self.folder.name) / "part.png"
-        done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/render_part.py",
+        done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/fabseq-tools", "render",
                                self.solid / "result.h5", picture, "--pixels", "400"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(coloured(picture)[0], 0.05)
@@ -206,7 +205,7 @@ class Figures(unittest.TestCase):
             config.update(node_sets={"edge": edge}, objective=[
                           {"type": "distortion", "measure": "displacement", "nodes": "edge"}])
             path.write_text(json.dumps(config), encoding="utf-8")
-            self.assertEqual(list(Run(folder).measured_nodes()), [18 + 2, 18 + 5])
+            self.assertEqual(list(measured_nodes(Run(folder))), [18 + 2, 18 + 5])
 
 
 if __name__ == "__main__":

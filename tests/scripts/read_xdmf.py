@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Opens XDMF files with ParaView's default reader and checks what arrives.
 
-usage: scripts/use/virtual_display.py pvpython read_xdmf.py FILE.xdmf [FILE.xdmf ...]
+usage: fabseq-tools virtual-display pvpython read_xdmf.py FILE.xdmf [FILE.xdmf ...]
 
 All files must hold the same grid and the same arrays, value by value. An array `node_position` must equal the
 coordinates of ParaView's own points, an array `cell_position` those of its cell centres (2D: x and y): so

@@ -1,12 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/report.py on made-up results: what its page says, and what a browser shows of it."""
+"""fabseq-tools report on made-up results: what its page says, and what a browser shows of it."""
 
 import hashlib
 import json
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from html.parser import HTMLParser
@@ -17,16 +16,17 @@ import h5py
 import numpy as np
 from matplotlib import image
 
-PROJECT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(Path(__file__).parent), str(PROJECT / "scripts/use"), str(PROJECT / "tests/integration")]
+from fabseq_tools.geometry.grid import nodes_of
+from fabseq_tools.report import report as report_page
+from fabseq_tools.report import views as report_views
+from fabseq_tools.report.report import ReportRun
+from fabseq_tools.run.command_line import RunError
+
 import browser
 import fake_results
-import report as report_page
-import report_views
-from command_line import RunError
-from read_run import nodes_of
-from report import ReportRun
 from run_fabseq import Runner
+
+PROJECT = Path(__file__).resolve().parents[2]
 
 SIZE = (2.0, 1.0, 2.0)
 MODELS = ("nominal", "follow")
@@ -65,8 +65,8 @@ def write_run(directory, density, size, noise=0.0):
 
 
 def report(*arguments):
-    return subprocess.run(["/usr/bin/python3", PROJECT / "scripts/use/report.py", *map(str, arguments)], capture_output=True,
-                          text=True, check=False)
+    words = [PROJECT / "scripts/fabseq-tools", "report", *map(str, arguments)]
+    return subprocess.run(["/usr/bin/python3", *words], capture_output=True, text=True, check=False)
 
 
 class Page(HTMLParser):
@@ -264,14 +264,14 @@ class Contents(Report):
             self.assertRegex(page.text, r"Arm, as built: displaced by \S+ mm root mean square, \S+ mm at most\.")
 
     def test_bundle_is_of_these_sources(self):
-        folder = PROJECT / "scripts/use/report"
+        folder = PROJECT / "scripts/fabseq_tools/report/page"
         names = sorted([*(f"src/{path.name}" for path in (folder / "src").glob("*.js")), "package-lock.json"])
         expected = hashlib.sha256(b"".join((folder / name).read_bytes() for name in names)).hexdigest()
-        self.assertIn(expected, report_page.bundle().splitlines()[0], "scripts/use/report/build.sh has to make the bundle again")
+        self.assertIn(expected, report_page.bundle().splitlines()[0], f"{folder}/build.sh has to make the bundle again")
         self.assertNotIn("resolved", (folder / "package-lock.json").read_text(encoding="utf-8"))
 
     def test_damaged_bundle(self):
-        packed = (PROJECT / "scripts/use/report/bundle.js.xz").read_bytes()
+        packed = (PROJECT / "scripts/fabseq_tools/report/page/bundle.js.xz").read_bytes()
         middle = len(packed) // 2
         turned = packed[:middle] + bytes([packed[middle] ^ 1]) + packed[middle + 1:]
         for damaged in (turned, packed[:middle]):

@@ -5,15 +5,14 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
+from run_fabseq import DONE, ENVIRONMENT, PROGRAM, STOPPED
+from small_parts import plate_2d
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, os.path.join(ROOT, "tests", "integration"))
-from run_fabseq import DONE, ENVIRONMENT, PROGRAM, STOPPED  # noqa: E402
-from small_parts import plate_2d  # noqa: E402
 
 SCRIPT = os.path.join(ROOT, "scripts", "use", "run.sh")
 PATIENCE = 60

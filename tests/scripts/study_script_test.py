@@ -4,14 +4,13 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 
+from run_fabseq import ENVIRONMENT, PROGRAM
+from small_parts import plate_2d
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, os.path.join(ROOT, "tests", "integration"))
-from run_fabseq import ENVIRONMENT, PROGRAM  # noqa: E402
-from small_parts import plate_2d  # noqa: E402
 
 SCRIPT = os.path.join(ROOT, "scripts", "use", "study.sh")
 

@@ -1,21 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/turned_config.py: what stays of a config whose part is turned, and what is said of the rest."""
+"""Turned configs: what stays of a config whose part is turned, and what is said of the rest."""
 
 import copy
-import sys
 import unittest
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
 
+from fabseq_tools.orientation import turned_config
+from fabseq_tools.orientation.turned_config import TurnedConfig, with_absolute_files
+from fabseq_tools.orientation.turned_shapes import Motion
+from fabseq_tools.run.command_line import RunError
+
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-import turned_config
-from command_line import RunError
-from turned_config import TurnedConfig, with_absolute_files
-from turned_shapes import Motion
 
 CONFIG = {"domain": {"element": 2}, "part": {"mesh": {"file": "part.stl"}}, "material": {"file": "/else/steel.json"},
           "node_sets": {"top": {"box": {"min": [0, 0, 4], "max": [2, 2, 4]}},

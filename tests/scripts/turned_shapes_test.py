@@ -1,17 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""scripts/use/turned_shapes.py: a shape that is turned holds the points that are turned."""
+"""Turned shapes: a shape that is turned holds the points that are turned."""
 
-import sys
 import unittest
 from pathlib import Path
 
 import numpy as np
 
+from fabseq_tools.geometry.node_sets import contains
+from fabseq_tools.orientation.turned_shapes import CannotTurn, Motion
+
 PROJECT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(PROJECT / "scripts/use"))
-from read_run import contains
-from turned_shapes import CannotTurn, Motion
 
 TURNS = [["x", 90]], [["y", -90], ["z", 180]], [["z", 270], ["x", 180]], [["x", 20], ["y", -35], ["z", 110]], [["z", 45]]
 BOX = {"box": {"min": [1, 2, -3], "max": [4, 7, 5]}}

@@ -7,16 +7,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts/use/virtual_display.py"
+TOOL = Path(__file__).resolve().parents[2] / "scripts/fabseq-tools", "virtual-display"
 
 
 def start(*command, **environment):
-    return subprocess.Popen([SCRIPT, *command], env={**os.environ, **environment}, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    return subprocess.Popen([*TOOL, *command], env={**os.environ, **environment}, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True)
 
 
 def server_of(process):
-    """Process number of the server that `process`, a virtual_display.py, has started."""
+    """Process number of the server that `process`, fabseq-tools virtual-display, has started."""
     for child in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split():
         if Path(f"/proc/{child}/comm").read_text().strip() == "Xvfb":
             return child
@@ -62,7 +62,7 @@ class VirtualDisplay(unittest.TestCase):
         self.assertIn("no-such-program: No such file or directory", missing.communicate(timeout=60)[1])
         self.assertEqual(missing.returncode, 1)
         with tempfile.TemporaryDirectory() as empty:
-            process = subprocess.run([sys.executable, SCRIPT, "pvpython"], env={"PATH": empty}, capture_output=True, text=True)
+            process = subprocess.run([sys.executable, *TOOL, "pvpython"], env={"PATH": empty}, capture_output=True, text=True)
         self.assertEqual((process.returncode, process.stderr),
                          (1, "pvpython: needs a display, or Xvfb, which scripts/setup.sh installs\n"))
 

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The strain of a material from measured parts."""

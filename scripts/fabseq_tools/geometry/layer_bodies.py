@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+"""The layers of a finished run as bodies in tetrahedra, cut off at the part's surface."""
+
+import dataclasses
+import itertools
+import os
+
+import h5py
+import numpy as np
+
+from fabseq_tools.geometry.grid import element_edges
+from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_nodes
+from fabseq_tools.geometry.part_body import body_of
+from fabseq_tools.geometry.slopes import node_slopes
+from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.read_run import Run
+
+GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
+BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
+SNAPPED = 1e-3  # of a layer: points of the body so near to an interface lie on it
+
+
+@dataclasses.dataclass
+class Layer:
+    """Layer `number` lies where `values` of the body's points are between `lower` and `upper`, which are
+    times, or for multi-planar layers heights along `direction`."""
+
+    number: int
+    lower: float
+    upper: float
+    direction: np.ndarray | None = None
+    subpart: int | None = None
+
+    def values(self, body):
+        return body.fields["time"] if self.direction is None else body.fields["place"] @ self.direction
+
+    def slope(self, body, points):
+        return body.fields["slope"][points] if self.direction is None else np.tile(self.direction, (len(points), 1))
+
+
+class LayeredPart:
+    """`body`: Tetrahedra whose labels are numbers of layers, from 1, in the config's coordinates; `layers`:
+    those that are not empty, by number; `source`: what the body is cut off at; `origin`: where times come
+    from."""
+
+    def __init__(self, directory, of="optimized", finer=None):
+        run = Run(directory, with_fields=False, simulations=True)
+        self.config, self.name = run.config, run.name
+        if len(self.config["domain"]["size"]) == 2:
+            raise RunError(f"{directory}: is a run in two dimensions; allowed: a run in three")
+        blocks = [run.summary[name] for name in BLOCKS[of] if name in run.summary]
+        if not blocks or of != "optimized" and "simulated" in run.summary:
+            raise RunError(f"{directory}: has no {of} sequence; allowed here: "
+                           + ", ".join(name for name in BLOCKS if any(block in run.summary for block in BLOCKS[name])))
+        multi_planar = of == "optimized" and self.config["layers"].get("type") == "multi_planar"
+        path = os.path.join(directory, "result.h5")
+        try:
+            with h5py.File(path, "r") as file:
+                self.read(file, GROUPS[of], len(blocks[0]["layers"]), finer)
+                self.label(self.planes(file, blocks[0]["layers"]) if multi_planar else
+                           [Layer(number, lower, upper) for number, (lower, upper) in
+                            enumerate(itertools.pairwise(layer_times(file, len(blocks[0]["layers"]), GROUPS[of])), start=1)])
+        except (OSError, KeyError) as error:
+            raise RunError(f"{path} cannot be read: {error}") from error
+
+    def read(self, file, group, count, finer):
+        density = file[group + "density"][()] if group + "density" in file else file["density"][()]
+        time, self.origin = nodal_time(file, self.config, group)
+        slopes = node_slopes(time, element_edges(self.config)[::-1])
+        slope = np.stack([times_of_nodes(component, density > 0) for component in slopes[::-1]], axis=-1)
+        self.body, self.source = body_of(self.config, density, {"time": time, "slope": slope}, finer)
+        self.body.fields["place"] = self.body.points - self.config["domain"].get("origin", np.zeros(3))
+        self.elements_volume = density.sum() * np.prod(element_edges(self.config))
+
+    def planes(self, file, table):
+        """Multi-planar layers, by sub-part and slab."""
+        if "angles" not in file or any("slab" not in row for row in table):
+            raise RunError("result.h5 and summary.json do not tell directions and slabs of the multi-planar layers")
+        elevation, azimuth = np.moveaxis(file["angles"][()], -1, 0)
+        across = np.cos(elevation)
+        directions = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)], axis=1)
+        width = self.config["layers"]["thickness"]
+        return [Layer(number, (row["slab"] - 1) * width, row["slab"] * width, directions[row["subpart"] - 1], row["subpart"])
+                for number, row in enumerate(table, start=1)]
+
+    def label(self, layers):
+        """Cuts the body between the layers."""
+        body = self.body
+        groups = [list(rows) for _, rows in itertools.groupby(layers, key=lambda layer: layer.subpart)]
+        body.label[:] = layers[0].number
+        if len(groups) > 1:
+            stamps = self.config["layers"]["timestamps"]
+            stamps = np.arange(1, len(groups)) / len(groups) if stamps == "auto" else stamps
+            for stamp, rows in zip(stamps, groups[1:]):
+                self.cut(rows[0], body.fields["time"] - stamp, SNAPPED / len(layers), body.label > 0)
+        for rows in groups:
+            for before, layer in itertools.pairwise(rows):
+                self.cut(layer, layer.values(body) - before.upper, SNAPPED * (layer.upper - layer.lower),
+                         body.label == before.number)
+        self.layers = {layer.number: layer for layer in layers if (body.label == layer.number).any()}
+
+    def cut(self, layer, values, snapped, chosen):
+        """Gives what lies where values of the points are positive to a layer."""
+        before = self.body.label.copy()
+        numbers = np.unique(before[chosen])
+        values[np.abs(values) < snapped] = 0.0
+        values, _ = self.body.cut(values, chosen)
+        beyond = self.body.side(values) & np.isin(self.body.label, numbers)
+        self.body.label[beyond] = layer.number
+
+    def thickness(self, layer, points):
+        """Local thickness of a layer and its build direction at points of the body."""
+        slope = layer.slope(self.body, points)
+        length = np.linalg.norm(slope, axis=1)
+        safe = np.where(length > 0, length, 1.0)
+        return np.where(length > 0, (layer.upper - layer.lower) / safe, np.nan), slope / safe[:, None]

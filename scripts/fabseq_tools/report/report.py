@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: MIT
+"""Writes a page about one or several runs for any browser: figures, curves, the part in 3D.
+
+    fabseq-tools report OUTPUT_DIR... [-o PAGE.html]
+
+The page of one run goes to OUTPUT_DIR/report.html, that of several to report_compare.html in the first of
+them. It is one file that loads nothing else and works without a server. Of a run of `-task optimize` or
+`simulate` it shows what the files hold; of one that is going on, was stopped or has failed, settings and
+curves.
+"""
+
+import json
+import lzma
+import os
+from html import escape
+from string import Template
+
+from fabseq_tools.report.charts import charts_of
+from fabseq_tools.report.tables import comparison, constraints, facts_table, results, sensitivity
+from fabseq_tools.report.torch_paths import SUMMARY as PATHS, paths
+from fabseq_tools.report.views import packed_scene, views_of
+from fabseq_tools.report.words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
+from fabseq_tools.run.check_words import check_sentences
+from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.read_run import Run, read_fields, read_history, read_json
+from fabseq_tools.run.settings import NOT_COMPARED, flat
+
+COMMAND = "report"
+
+PARTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
+
+
+class ReportRun(Run):
+    """Whatever an output directory holds: only config.json must be there. `sensitivity` and `paths` may be
+    None."""
+
+    def __init__(self, directory):
+        def optional(name, read, otherwise):
+            return read(directory, name) if os.path.exists(os.path.join(directory, name)) else otherwise
+
+        self.take(read_json(directory, "config.json"), optional("summary.json", read_json, {}),
+                  optional("history.jsonl", lambda folder, _: read_history(folder), []),
+                  optional("result.h5", lambda folder, name: read_fields(os.path.join(folder, name)), {}))
+        self.sensitivity = optional("sensitivity.json", read_json, None)
+        self.paths = optional(PATHS, read_json, None)
+        self.label = os.path.basename(os.path.abspath(directory))
+        self.settings = settings_of(self.config)
+
+
+def settings_of(config):
+    """Values by path as of -set; lists of numbers in one piece."""
+    settings = {}
+    for key, value in flat({key: value for key, value in config.items() if key not in NOT_COMPARED}):
+        names = key.split(".")
+        whole = next((position for position in range(len(names)) if all(map(str.isdigit, names[position:]))), len(names))
+        settings.setdefault(".".join(names[:whole]), []).append(value)
+    return {key: values[0] if len(values) == 1 else values for key, values in settings.items()}
+
+
+def page_of(runs):
+    """The page as text."""
+    shown = [(run, views_of(run, view_labels(run, runs)) if "density" in run.fields else []) for run in runs]
+    scene, factors = packed_scene(shown)
+    data = {"unit": unit_of(runs[0]), "charts": charts_of(runs), "scene": scene}
+    title = f"{run_name(runs[0])}: report" if len(runs) == 1 else "Comparison of runs"
+    return Template(read("page.html")).substitute(
+        title=escape(title), style=read("page.css"), body=body_of(runs, notes_of(runs, scene, factors)),
+        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), script=bundle())
+
+
+def view_labels(run, runs):
+    """Which states are shown in 3D: all of one run; of several the result of each."""
+    if len(runs) > 1:
+        return {state: run.label for state in ("binary", "simulated") if state in run.summary}
+    return states_of(runs[0]) | ({"binary": "optimized"} if "binary" in runs[0].summary else {})
+
+
+def bundle():
+    """The page's script, of a packed file whose checksum is compared as it is unpacked."""
+    path = os.path.join(PARTS, "bundle.js.xz")
+    try:
+        with lzma.open(path, "rt", encoding="utf-8") as file:
+            return file.read()
+    except (lzma.LZMAError, EOFError) as error:
+        raise RunError(f"{path} is damaged: {error}") from error
+
+
+def read(name):
+    with open(os.path.join(PARTS, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def body_of(runs, notes):
+    """The sections of the page; charts and views are drawn into theirs by the script."""
+    run, several = runs[0], len(runs) > 1
+    lines = [f"<h1>{escape('Comparison of runs' if several else run_name(run))}</h1>"]
+    for each in runs:
+        label = f"<b>{escape(each.label)}</b>: " if several else ""
+        lines.append(f'<p class="headline">{label}{escape(headline(each))}</p>')
+        lines += [f'<p class="worst">{escape(words)}</p>' for words in (worst_case(each), *check_sentences(each)) if words]
+    if not several:
+        lines.append(f'<p class="note">{escape(summary_line(run))}</p>')
+    views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
+    sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
+                ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
+                ("Constraints", "" if several else constraints(run)),
+                ("Torch paths", "" if several else paths(run)), ("Curves", '<section id="charts"></section>'),
+                ("What was run", facts_table(runs))]
+    return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
+
+
+def notes_of(runs, scene, factors):
+    """What the views cannot show, and why."""
+    notes = []
+    if not scene["views"]:
+        return ["There is no result.h5 with times and displacements to show."]
+    if max(factors) > 1:
+        notes.append(f"Drawn on a coarser grid, with blocks of {max(factors)} elements an edge, so that the page stays small.")
+    if "displacement" in scene["fields"]:
+        models = {model_of(run) for run in runs}
+        model = f"{models.pop()} deposition" if len(models) == 1 else "each run's own model of deposition"
+        released = any("released" in view for view in scene["views"])
+        place = "on its plate, or of the released part where this is chosen" if released else "on its plate"
+        notes.append(f"Displacements are those of the finished part {place} ({model}, binary layers where the file has "
+                     "them), also while the slider shows the part half built.")
+        if not released and any(term.get("after_release") for run in runs for term in run.config.get("objective", [])):
+            notes.append("The objective measures the part after its release, which result.h5 does not hold.")
+    return notes
+
+
+def main(words):
+    parser = parser_of(__doc__, COMMAND)
+    parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIR")
+    parser.add_argument("-o", "--output", metavar="PAGE.html", help="where to write the page")
+    arguments = parser.parse_args(words)
+    name = "report_compare.html" if len(arguments.directories) > 1 else "report.html"
+    path = arguments.output or os.path.join(arguments.directories[0], name)
+    page = page_of([ReportRun(directory) for directory in arguments.directories])
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(page)
+    print(path)

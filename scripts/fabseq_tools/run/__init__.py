@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""What a run leaves, how it is started, and figures in words; knows no geometry."""

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: MIT
+"""What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
+overview."""
+
+import numpy as np
+
+from fabseq_tools.run.words import number, quantity
+
+LARGEST_TILT = 180.0  # degrees
+USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
+
+
+def hanging(run, state):
+    """How many elements begin in the air; None where the file does not tell."""
+    return run.summary.get(state, {}).get("checks", {}).get("hanging", {}).get("elements")
+
+
+def torch(run, state, check):
+    """What the check of that name, `blocked` or `tilt`, has found; empty without a torch."""
+    return run.summary.get(state, {}).get("checks", {}).get(check) or {}
+
+
+def failing_elements(run, group):
+    """Elements of the layers of that prefix in result.h5 that begin in the air, that the torch does not reach
+    or at which it would tilt by more than its limit."""
+    limits = {"hanging": 0.0, "blocked": 0.0, "tilt": run.config.get("tool", {}).get("max_tilt", LARGEST_TILT)}
+    found = [run.fields[group + name] > limit for name, limit in limits.items() if group + name in run.fields]
+    return np.any(found, axis=0) if found else np.zeros(run.fields["density"].shape, bool)
+
+
+def check_sentences(run):
+    """Sentences on elements that begin in the air or that the torch does not reach, on its tilt, and on
+    stress beyond the yield stress."""
+    return [sentence for sentence in (planar_words(run), hanging_words(run), reach_words(run), tilt_words(run),
+                                      stress_words(run)) if sentence]
+
+
+def planar_words(run):
+    reasons = [words for words in (in_the_air(run, "baseline"), out_of_reach(run, "baseline")) if words]
+    if not reasons:
+        return ""
+    return f"The planar layers cannot be built as they are: {'; '.join(reasons)}. So a comparison with them flatters."
+
+
+def hanging_words(run):
+    """Of the layers that the run is about: how many begin in the air, or none where that is news."""
+    state = result_of(run)
+    if hanging(run, state):
+        return f"{in_the_air(run, state)}{', in the optimized layers' * (state == 'binary')}."
+    if hanging(run, state) == 0 and (state == "simulated" or hanging(run, "baseline")):
+        return f"No element{' of the optimized layers' * (state == 'binary')} begins in the air."
+    return ""
+
+
+def in_the_air(run, state):
+    """How many elements begin in the air, and where; nothing if none does."""
+    if not hanging(run, state):
+        return ""
+    count, place = hanging(run, state), near(run, run.summary[state]["checks"]["hanging"].get("at"))
+    return f"{count:,} element{'s begin' if count > 1 else ' begins'} in the air{f', the first {place}' * bool(place)}"
+
+
+def near(run, at):
+    return f"near [{', '.join(f'{x:.6g}' for x in at)}]{f' {run.unit}' * bool(run.unit)}" if at else ""
+
+
+def reach_words(run):
+    """Of the layers that the run is about, where there is a torch."""
+    state = result_of(run)
+    count = torch(run, state, "blocked").get("elements")
+    if count:
+        return f"{out_of_reach(run, state)}{', in the optimized layers' * (state == 'binary')}."
+    return f"The torch reaches all elements{' of the optimized layers' * (state == 'binary')}." if count == 0 else ""
+
+
+def out_of_reach(run, state):
+    """How many elements the torch does not reach, and where it is worst; nothing if it reaches all."""
+    found = torch(run, state, "blocked")
+    if not found.get("elements"):
+        return ""
+    many, place = found["elements"] > 1, near(run, found.get("at"))
+    return (f"{found['elements']:,} element{'s are' if many else ' is'} out of the torch's reach, {'the worst ' * many}by "
+            f"{quantity(found['deepest'], run.unit)}{f' {place}' * bool(place)}")
+
+
+def tilt_words(run):
+    state = result_of(run)
+    found = torch(run, state, "tilt")
+    if not found.get("beyond"):
+        return ""
+    return (f"The torch would tilt by more than {most_tilt(run)}, by {found['largest']:.3g} degrees at most, in "
+            f"{percent(found['share'])} of the part{', with the optimized layers' * (state == 'binary')}.")
+
+
+def most_tilt(run=None):
+    """With the figure, where the run has one."""
+    limit = run.config.get("tool", {}).get("max_tilt") if run else None
+    return "its limit" if limit is None else f"{limit:g} degrees"
+
+
+def stress_words(run):
+    share, with_planar = (run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
+                          for state in (result_of(run), "baseline"))
+    if share is None:
+        return ""
+    limit = yield_words(run)
+    if share == 0:
+        return f"The residual stress is nowhere above {limit}."
+    planar = f" (with planar layers in {percent(with_planar)})" if with_planar is not None else ""
+    return f"The residual stress is above {limit} in {percent(share)} of the part{planar}, where a linear model overstates it."
+
+
+def yield_words(run=None):
+    """With the figure, where the run has one."""
+    stress = run.config.get("material", {}).get("yield_stress", "none") if run else "none"
+    return "the yield stress" if stress == "none" else f"the yield stress {stress:g}"
+
+
+def result_of(run):
+    """The state that the run is about."""
+    return "simulated" if "simulated" in run.summary else "binary"
+
+
+def percent(share):
+    """A share as percents; never 0 or 100 where it is not."""
+    value = 100 * share
+    return "less than 0.1 %" if 0 < value < 0.05 else "more than 99.9 %" if 99.95 <= value < 100 else f"{value:.1f} %"
+
+
+def thickness_limits(run):
+    """Between which local thicknesses a layer can be deposited; None without a target."""
+    constraint = run.thickness_constraint()
+    factors = run.config.get("tool", {}).get("thickness", USUAL_RANGE)
+    return [factor * constraint["target"] for factor in factors] if constraint else None
+
+
+def check_figures(run=None):
+    """Rows of a table by heading, "" for the first ones: for each row's words a function from a state's block
+    to its value, and one from the value to text or None."""
+    limits = run and thickness_limits(run)
+    span = " to ".join(map(number, limits)) if limits else "its range"
+    limit = yield_words(run)
+    thickness = ("checks", "local_thickness")
+    return {"": {"local thickness, least": (inner(*thickness, "least"), None),
+                 "local thickness, largest": (inner(*thickness, "largest"), None),
+                 f"local thickness outside {span}, share of the part": (inner(*thickness, "share_outside"), percent)},
+            "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
+                         "build time, hours": (inner("build_hours"), None),
+                         "wire, kg": (inner("wire_mass"), None)},
+            "Torch": {"elements out of its reach": (inner("checks", "blocked", "elements"), None),
+                      "their share of the part": (inner("checks", "blocked", "share"), percent),
+                      "deepest collision": (inner("checks", "blocked", "deepest"), None),
+                      "largest tilt, degrees": (inner("checks", "tilt", "largest"), None),
+                      f"tilted by more than {most_tilt(run)}, share of the part": (inner("checks", "tilt", "share"), percent)},
+            "Residual stress": {"largest equivalent stress": (largest_stress, None),
+                                "the same after the release": (inner("released", "residual_stress", "von_mises"), None),
+                                f"share of the part above {limit}": (inner("stress", "share_beyond_yield"), percent)}}
+
+
+def inner(*names):
+    """The function that takes what lies that deep in nested dictionaries; None where something is missing."""
+    def value(block):
+        for name in names:
+            block = (block or {}).get(name)
+        return block
+
+    return value
+
+
+def largest_stress(block):
+    return (block.get("stress") or block.get("residual_stress") or {}).get("von_mises")

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""What all commands share: words of the command line, mistakes, and the files that they write."""
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+
+from fabseq_tools.run.places import ENVIRONMENT, NAME
+
+
+class RunError(Exception):
+    """What a script cannot go on with, and why."""
+
+
+def parser_of(text, command=None, **more):
+    """A parser of the words behind a command, or of a script's, which prints a docstring as it stands."""
+    if command:
+        more["prog"] = f"{NAME} {command}"
+    return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+
+
+def parse(parser, words=None):
+    """The options among the words, which are the script's own by default, and as `rest` those of the program,
+    which stand behind --."""
+    words = sys.argv[1:] if words is None else words
+    end = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:end])
+    options.rest = words[end + 1:]
+    return options
+
+
+def run_script(main, command=None):
+    """Ends the command, or the script, with one line and status 1 where something is missing or cannot be
+    used."""
+    try:
+        main()
+    except (RunError, OSError) as error:
+        sys.exit(f"{f'{NAME} {command}' if command else os.path.basename(sys.argv[0])}: {error}")
+
+
+def warn(command, text):
+    print(f"{NAME} {command}: warning: {text}", file=sys.stderr)
+
+
+def run_command(command, capture=True, statuses=(0,), **more):
+    """Runs a command in the environment of all scripts, where there may be more ranks than cores. Raises
+    RunError if it ends with another exit status than these."""
+    command = list(map(str, command))
+    in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
+    result = subprocess.run(["bash", "-c", in_environment, ENVIRONMENT, *command],
+                            capture_output=capture, text=True, check=False, **more)
+    if result.returncode not in statuses:
+        raise RunError(f"status {result.returncode}: {' '.join(command)}\n{(result.stderr or '').strip()}".strip())
+    return result
+
+
+def run_program(arguments, path, task, *options):
+    """What the program prints of a task, with the ranks of the script and the options behind its --. Raises
+    RunError with the program's own line if it refuses or fails."""
+    ranks = ["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []
+    try:
+        return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options]).stdout
+    except RunError as error:
+        raise RunError(reason_of(error)) from error
+
+
+def reason_of(error):
+    """The program's own line among those of mpirun, or else the last that says something."""
+    lines = [line for line in str(error).splitlines() if line.strip("- ")]
+    return next((line.removeprefix("fabseq: ") for line in lines if line.startswith("fabseq: ")), lines[-1])
+
+
+def write_json(path, content):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(content, file, indent=1)
+        file.write("\n")
+
+
+def write_rows(path, rows, columns=None):
+    """A table (CSV); its columns are those of the first row unless given."""
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns or list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)

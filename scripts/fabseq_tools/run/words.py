@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: MIT
+"""Figures in words, as reports, pictures and tables show them."""
+
+
+def duration(seconds):
+    if seconds < 120:
+        return f"{seconds:.0f} s" if seconds >= 1 else f"{seconds:.1g} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+def factor(value):
+    """As many digits as mean something: 1.3, 41, 1,060."""
+    return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
+
+
+def number(value):
+    """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
+    if value == 0 or 1e-2 <= abs(value) < 1e4:
+        return f"{value:.3g}"
+    mantissa, exponent = f"{value:.2e}".split("e")
+    return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def quantity(value, unit):
+    """A number with its unit, where it has one."""
+    return f"{number(value)} {unit}".rstrip()

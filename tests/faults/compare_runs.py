@@ -1,0 +1,1 @@
+../integration/compare_runs.py

@@ -1,0 +1,1 @@
+../integration/run_fabseq.py

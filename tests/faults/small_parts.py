@@ -1,0 +1,1 @@
+../integration/small_parts.py

@@ -1,0 +1,1 @@
+../scripts/fake_results.py

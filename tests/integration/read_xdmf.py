@@ -1,0 +1,1 @@
+../scripts/read_xdmf.py
