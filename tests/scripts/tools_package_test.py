@@ -95,7 +95,7 @@ class Commands(unittest.TestCase):
         done = run(TOOLS, "--help")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(re.findall(r"^  ([a-z-]+) +[A-Z]", done.stdout, re.MULTILINE), list(entry.find_commands()))
-        again = run("-m", "fabseq_tools", "--help", cwd=PROJECT)
+        again = run("-m", "fabseq_tools", "--help", cwd=PROJECT / "scripts")
         self.assertEqual(again.stdout, done.stdout)
 
     def test_mistakes(self):
@@ -104,7 +104,7 @@ class Commands(unittest.TestCase):
         self.assertEqual(done.stderr, "fabseq-tools: overveiw: no such command; near: overview; fabseq-tools --help lists all\n")
         done = run(TOOLS)
         self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1))
-        done = run("-m", "fabseq_tools", "compare-calculix", cwd=PROJECT)
+        done = run("-m", "fabseq_tools", "compare-calculix", cwd=PROJECT / "scripts")
         self.assertEqual(done.returncode, 2)
         self.assertIn("usage: fabseq-tools compare-calculix [-h]", done.stderr)
 
