@@ -91,7 +91,8 @@ TYPED_TEST(FactorStageTest, GradientsAgreeWithDifferences) {
        R"({"type": "multi_planar", "subparts": 2, "timestamps": [0.5], "thickness": 0.5, "angles": )" +
            angles + R"(, "angle_bounds": )" + bounds + R"(, "sharpness": {"time": 8, "slab": 8}})"},
       {"objective", R"([{"type": "distortion", "nodes": "tip"}])"},
-      {"constraints", "[]"}};
+      {"constraints", "[]"},
+      {"projection", R"({"beta": "auto"})"}};
   for (const Settings& settings : {Settings{}, Settings{{"material.inherent_strain", turning}},
                                    test::operator+(multi_planar, {{"material.inherent_strain", turning}})}) {
     test::PipelineCase<Dim> pipeline(settings);

@@ -132,7 +132,7 @@ TEST(SequenceKindTest, ConfigRefusesWhatDoesNotFit) {
   EXPECT_EQ(plane_error("sequence", type + R"(, "limits": [0, 3]})"),
             "/sequence/limits: found [0,3]; allowed: bounds whose product with factor is at most 1");
   EXPECT_EQ(plane_error("sequence", R"({"type": "scald"})"),
-            "/sequence/type: found \"scald\", did you mean \"scaled\"?; allowed: heat, direct, planar, file, "
+            "/sequence/type: found \"scald\"; allowed: heat, direct, planar, file, "
             "scaled");
   EXPECT_EQ(solid_error("sequence", type + "}"),
             "/objective/1/type: found \"layer_uniformity\" with sequence type \"scaled\", for which the "
