@@ -15,7 +15,7 @@ from .predict import CASES, run_parts, run_predict
 
 
 def parse_arguments():
-    parser = program_run.parser_of(documentation, prog="python3 -m benchmarks.scaling")
+    parser = program_run.parser_of(documentation, prog="PYTHONPATH=scripts python3 -m benchmarks.scaling")
     commands = parser.add_subparsers(dest="command", required=True)
     checks = commands.add_parser("check", help="counts of small runs beside the model's")
     program_run.add_program_option(checks)

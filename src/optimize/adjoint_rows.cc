@@ -9,6 +9,18 @@
 
 namespace fabseq {
 
+namespace {
+
+template <int Dim>
+std::vector<AdjointRow<Dim>*> rows_with(std::deque<AdjointRow<Dim>>& rows, bool AdjointRow<Dim>::*property) {
+  std::vector<AdjointRow<Dim>*> result;
+  for (AdjointRow<Dim>& row : rows)
+    if (row.*property) result.push_back(&row);
+  return result;
+}
+
+}  // namespace
+
 template <int Dim>
 AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Responses<Dim> responses,
                               const PipelineState<Dim>& state, const Layers& layers,
@@ -33,18 +45,12 @@ AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Respon
 
 template <int Dim>
 std::vector<AdjointRow<Dim>*> AdjointRows<Dim>::shared() {
-  std::vector<AdjointRow<Dim>*> result;
-  for (AdjointRow<Dim>& row : rows_)
-    if (row.shared) result.push_back(&row);
-  return result;
+  return rows_with(rows_, &AdjointRow<Dim>::shared);
 }
 
 template <int Dim>
 std::vector<AdjointRow<Dim>*> AdjointRows<Dim>::own() {
-  std::vector<AdjointRow<Dim>*> result;
-  for (AdjointRow<Dim>& row : rows_)
-    if (row.own) result.push_back(&row);
-  return result;
+  return rows_with(rows_, &AdjointRow<Dim>::own);
 }
 
 /// Other groups than the owner keep what leads to the process alone.

@@ -119,7 +119,8 @@ class BenchmarkScriptTest(FabseqTest):
 class ScalingModelTest(FabseqTest):
     def run_model(self, *arguments):
         plan = os.path.join(os.path.dirname(PROGRAM), "benchmarks", "scaling_plan")
-        command = ["/usr/bin/python3", "-m", "benchmarks.scaling", *map(str, arguments), "--plan", plan]
+        command = ["env", "PYTHONPATH=scripts", "/usr/bin/python3", "-m", "benchmarks.scaling", *map(str, arguments), "--plan",
+                   plan]
         status, stdout, stderr = run_command(command, ROOT, 300)
         self.assertEqual(status, DONE, stdout + stderr)
         return stdout
