@@ -4,7 +4,7 @@
 A model of what a design iteration computes and sends: checked by counting, and used to predict strong
 scaling. In the root of the repository:
 
-    export PYTHONPATH=scripts                                             in the root of the repository
+    export PYTHONPATH=scripts
     /usr/bin/python3 -m benchmarks.scaling check --splits 1x4 2x4 1x16   counts of small runs and the model's
     /usr/bin/python3 -m benchmarks.scaling predict                       time over cores, by the model
     /usr/bin/python3 -m benchmarks.scaling parts --splits 1x1 4x16       what an iteration's time is made of
