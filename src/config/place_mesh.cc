@@ -58,27 +58,31 @@ Domain<3> box_around(const PlacedMesh& mesh, const BuildPlate& plate, const Poin
 
 /// Of the boxes with as few elements as possible along each axis across the plate's normal, and with one
 /// more, the one whose elements have nearest to the mesh's volume. In the smallest box, the outer elements
-/// are always half full at least, so that they would always be built.
+/// are always half full at least, so that they would always be built. Where it ends at the mesh, it stays.
 Domain<3> box_of_nearest_volume(MPI_Comm comm, const PlacedMesh& mesh, const MeshFile& description,
                                 const BuildPlate& plate, const Point<3>& element, const Point<3>& margin) {
   constexpr double better = 1e-6;  // by this share of the volume at least
-  Domain<3> best = box_around(mesh, plate, element, margin, {});
-  const double count = static_cast<double>(best.elements[0]) * best.elements[1] * best.elements[2];
-  if (!description.fill || count > most_elements) return best;
+  const Domain<3> smallest = box_around(mesh, plate, element, margin, {});
+  const double count =
+      static_cast<double>(smallest.elements[0]) * smallest.elements[1] * smallest.elements[2];
+  if (!description.fill || count > most_elements) return smallest;
+  const auto most_more = [&](int axis) {
+    const double elements = (mesh.lower()[axis] - smallest.origin[axis]) / element[axis];
+    return axis == plate.axis || std::abs(elements - std::round(elements)) < rounding ? 0 : 1;
+  };
   const double volume_of_element = element[0] * element[1] * element[2];
+  const IndexBox<3> choices{{0, 0, 0}, {1 + most_more(0), 1 + most_more(1), 1 + most_more(2)}};
+  Domain<3> best = smallest;
   double least = HUGE_VAL;
-  for (const Index<2>& across : {Index<2>{0, 0}, {0, 1}, {1, 0}, {1, 1}}) {
-    Index<3> more{};
-    more[(plate.axis + 1) % 3] = across[0];
-    more[(plate.axis + 2) % 3] = across[1];
+  choices.for_each([&](const Index<3>& more, std::int64_t) {
     const Domain<3> box = box_around(mesh, plate, element, margin, more);
     const double volume =
         volume_of_element * static_cast<double>(mesh.count_filled(comm, box, *description.fill));
     const double error = std::abs(volume / mesh.volume() - 1.0);
-    if (error >= least - better) continue;
+    if (error >= least - better) return;
     least = error;
     best = box;
-  }
+  });
   return best;
 }
 

@@ -37,7 +37,10 @@ def write_3mf(path, triangles):
     schemas = "http://schemas.microsoft.com/3dmanufacturing"
     package = "http://schemas.openxmlformats.org/package/2006"
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("[Content_Types].xml", f'<Types xmlns="{package}/content-types"/>')
+        archive.writestr("[Content_Types].xml", f'<Types xmlns="{package}/content-types">'
+                         '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+                         '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>'
+                         '</Types>')
         archive.writestr("_rels/.rels", f'<Relationships xmlns="{package}/relationships"><Relationship Id="rel0" '
                          f'Target="/3D/3dmodel.model" Type="{schemas}/2013/01/3dmodel"/></Relationships>')
         archive.writestr("3D/3dmodel.model",
