@@ -66,14 +66,19 @@ std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const Pip
                                              const std::vector<GradientRow>& rows) {
   AdjointRows<Dim> adjoints(model_, timer_, responses, state, *results_.cut, rows, layer_variables_);
   const std::vector<AdjointRow<Dim>*> shared = adjoints.shared();
-  model_.groups.run([&] {
-    for (AdjointRow<Dim>* row : shared) adjoints.add_explicit(*row);
-  });
+  {
+    const auto scope = timer_.enter(Phase::responses);
+    model_.groups.run([&] {
+      for (AdjointRow<Dim>* row : shared) adjoints.add_explicit(*row);
+    });
+  }
   pull_back(state, shared, /*of_owner=*/false);
   {
     const auto scope = timer_.enter(Phase::layers);
     adjoints.sum_at_owners();
   }
+  // What the groups send each other of the sequence's adjoints counts for it.
+  const auto scope = timer_.enter(Phase::heat);
   pull_back_own(state, adjoints);
   if (!state.time.temperature.empty()) adjoint_iterations_ = adjoints.iterations();
   return adjoints.gradients(sequence_->sequence().variables());
