@@ -40,7 +40,7 @@ void keep_stl_and_obj(Assimp::Importer& importer) {
     Assimp::BaseImporter* loader = importer.GetImporter(i);
     std::set<std::string> extensions;
     loader->GetExtensionList(extensions);
-    if (extensions.count("stl") != 0 || extensions.count("obj") != 0) continue;
+    if (extensions.contains("stl") || extensions.contains("obj")) continue;
     if (importer.UnregisterLoader(loader) == aiReturn_SUCCESS) delete loader;
   }
 }

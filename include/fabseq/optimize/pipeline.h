@@ -75,7 +75,7 @@ class Pipeline {
  private:
   /// Takes rows back through the stages, last to first: those of the owner, or all others.
   void pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner);
-  void pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& rows);
+  void pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& adjoints);
 
   const Model<Dim>& model_;
   PhaseTimer& timer_;

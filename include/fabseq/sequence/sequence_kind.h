@@ -97,10 +97,10 @@ void register_kind(const SequenceKind* kind);
 ///   - a type Settings, which its keys are bound to;
 ///   - static Section<Settings> keys(), with the path "sequence";
 ///   - static SequenceFacts facts(const Settings&);
-///   - template <int Dim> static std::unique_ptr<Sequence<Dim>> make(const Settings&,
-///     const SequenceContext<Dim>&);
-///   - if it has a design: template <int Dim> static SequencePlaces<Dim> places(const Settings&,
-///     const Part<Dim>&);
+///   - static make(const Settings&, const SequenceContext<Dim>&), a template of Dim, which returns the
+///     Sequence<Dim> as a std::unique_ptr;
+///   - if it has a design: static places(const Settings&, const Part<Dim>&), a template of Dim, which returns
+///     SequencePlaces<Dim>;
 ///   - if there are rules: static void check(const Settings&, const Json& keys), where `keys` is the
 ///   completed
 ///     config object. It throws InputError.
