@@ -101,9 +101,8 @@ void register_kind(const SequenceKind* kind);
 ///     Sequence<Dim> as a std::unique_ptr;
 ///   - if it has a design: static places(const Settings&, const Part<Dim>&), a template of Dim, which returns
 ///     SequencePlaces<Dim>;
-///   - if there are rules: static void check(const Settings&, const Json& keys), where `keys` is the
-///   completed
-///     config object. It throws InputError.
+///   - if there are rules: static void check(const Settings&, const Json& keys) of a completed config object,
+///     which throws InputError.
 template <class Kind>
 class RegisteredSequence : public SequenceKind {
  public:
