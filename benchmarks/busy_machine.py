@@ -23,8 +23,8 @@ WAITING = ["spin", "yield"]
 
 @contextlib.contextmanager
 def busy_processes(count):
-    """So many of them, each on a core as far as there are cores, within a with statement. Each has a session of
-    its own, as another user's has: Linux shares cores out by sessions first."""
+    """So many of them, on a core each as far as there are, within a with statement. Each has a session of
+    its own, as another user's has, since Linux shares cores out by sessions first."""
     processes = [subprocess.Popen([sys.executable, "-c", "while True: pass"], start_new_session=True) for _ in range(count)]
     try:
         yield
