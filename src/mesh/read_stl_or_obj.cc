@@ -9,7 +9,6 @@
 #include <assimp/config.h>
 #include <assimp/scene.h>
 #include <filesystem>
-#include <memory>
 #include <set>
 #include <utility>
 

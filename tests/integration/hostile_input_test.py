@@ -134,13 +134,6 @@ class LockTest(HostileInputTest):
                           self.directory)
         return process
 
-    def wait_for_history(self, process, output):
-        end = time.monotonic() + 120
-        while not os.path.exists(os.path.join(output, "history.jsonl")):
-            self.assertIsNone(process.process.poll(), "the run has ended by itself")
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.02)
-
     def test_a_second_run(self):
         output = os.path.join(self.directory, "one")
         with self.start(output, "-checkpoint_every", "1") as process:

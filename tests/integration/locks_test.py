@@ -4,7 +4,6 @@ and told where that cannot be known."""
 
 import os
 import signal
-import time
 
 import run_fabseq
 from run_fabseq import BAD_INPUT, PROGRAM, STOPPED, FabseqTest, Process, Result, distinct
@@ -23,13 +22,6 @@ class LocksTest(FabseqTest):
         command = ["mpirun", "-np", str(ranks), "-x", f"LD_PRELOAD={self.library}", PROGRAM, "-config",
                    self.write_config(plate_2d()), "-output", output, *LONG, *arguments]
         return Process(command, self.directory, {"NO_LOCKS": lacking})
-
-    def wait_for_history(self, process, output):
-        end = time.monotonic() + 120
-        while not os.path.exists(os.path.join(output, "history.jsonl")):
-            self.assertIsNone(process.process.poll(), "the run has ended by itself")
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.02)
 
     def second_run(self, lacking, output):
         """A run that goes on in the directory for one iteration, if it may."""

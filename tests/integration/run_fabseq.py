@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from compare_runs import assert_same_run
@@ -234,6 +235,14 @@ class FabseqTest(unittest.TestCase):
         self.assertIn(f"continues after iteration {half} of", resumed.stdout)
         assert_same_run(self, resumed, expected, ranks)
         shutil.rmtree(output)
+
+    def wait_for_history(self, process, output):
+        """Waits until a run that goes on (a Process) has completed an iteration."""
+        end = time.monotonic() + 120
+        while not os.path.exists(os.path.join(output, "history.jsonl")):
+            self.assertIsNone(process.process.poll(), "the run has ended by itself")
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
 
     def run_config(self, ranks, config, *arguments, **options):
         """As run_program, of a config (a dict, text, or a path)."""
