@@ -3,11 +3,11 @@
 /// Layer systems of drawn parts, for the benchmarks of the lane engine.
 #pragma once
 
+#include "cg/lane_cg.h"
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/grid/grid.h"
-#include "fabseq/lanes/lane_array.h"
-#include "fabseq/lanes/lane_cg.h"
-#include "fabseq/lanes/lane_hierarchy.h"
+#include "kernels/lane_array.h"
+#include "multigrid/lane_hierarchy.h"
 
 #include <array>
 #include <functional>

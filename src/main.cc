@@ -18,8 +18,8 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/run/optimization.h"
-#include "fabseq/run/tasks.h"
+#include "fabseq/tasks/optimization.h"
+#include "fabseq/tasks/tasks.h"
 
 #include <exception>
 

@@ -4,7 +4,8 @@
 # Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be
 # left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank
 # where cases need it that take long, and both where they do not.
-set(FABSEQ_DECOMPOSED parallel grid part files lanes machine solve sequence)
+set(FABSEQ_ENGINE kernels ranks multigrid islands cg)
+set(FABSEQ_DECOMPOSED parallel grid part files ${FABSEQ_ENGINE} machine solve sequence)
 set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test)  # the middle of three ranks has a neighbour on either side
 set(FABSEQ_ALONE lane_cg_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
@@ -61,7 +62,7 @@ endfunction()
 
 # What to run after which kind of change: LABEL=REGEX of MODULE/NAME.
 set(FABSEQ_LABELS
-    "kernels=^(lanes|fem)/"
+    "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install)"

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "fabseq/fem/parity.h"
-#include "fabseq/lanes/lane_mesh.h"
-#include "fabseq/lanes/lane_problem.h"
+#include "kernels/lane_mesh.h"
+#include "kernels/lane_problem.h"
 
 namespace benchmarks {
 

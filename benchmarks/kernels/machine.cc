@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/lanes/lane_array.h"
-#include "fabseq/lanes/lanes.h"
+#include "kernels/lane_array.h"
+#include "kernels/lanes.h"
+#include "kernels/measure.h"
 
 #include <mpi.h>
 
-#include "kernels/measure.h"
 #include <algorithm>
 #include <array>
 

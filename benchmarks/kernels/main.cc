@@ -10,11 +10,11 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
-#include "fabseq/lanes/lanes.h"
+#include "kernels/lanes.h"
+#include "kernels/measure.h"
 
 #include <petscsys.h>
 
-#include "kernels/measure.h"
 #include <cstdio>
 #include <string>
 #include <vector>

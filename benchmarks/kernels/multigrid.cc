@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/lanes/band_cholesky.h"
-#include "fabseq/lanes/flush_to_zero.h"
-#include "fabseq/lanes/lane_multigrid_impl.h"
-
+#include "kernels/flush_to_zero.h"
 #include "kernels/measure.h"
 #include "lane_case.h"
+#include "multigrid/band_cholesky.h"
+#include "multigrid/lane_multigrid_impl.h"
 
 namespace benchmarks {
 

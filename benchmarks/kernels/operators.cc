@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/grid/grid.h"
-#include "fabseq/lanes/lane_array.h"
-#include "fabseq/lanes/lane_sweep.h"
-
+#include "kernels/lane_array.h"
+#include "kernels/lane_sweep.h"
 #include "kernels/measure.h"
+
 #include <cmath>
 #include <string>
 #include <vector>

@@ -3,7 +3,7 @@
 /// Counts of multigrid levels on any number of ranks, for the scaling model (plan.cc).
 #pragma once
 
-#include "fabseq/lanes/lane_hierarchy.h"
+#include "multigrid/lane_hierarchy.h"
 
 #include <nlohmann/json.hpp>
 

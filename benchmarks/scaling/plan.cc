@@ -12,17 +12,17 @@
 /// [first, lanes].
 #include "fabseq/base/session.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/lanes/lane_multigrid.h"
+#include "fabseq/config/setup.h"
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/process/elastic_model.h"
-#include "fabseq/run/setup.h"
-#include "fabseq/sequence/heat_sequence.h"
-#include "fabseq/solve/lane_heat.h"
+#include "kernels/kernel_cost.h"
+#include "multigrid/lane_multigrid.h"
+#include "scaling/levels.h"
+#include "sequence/heat_sequence.h"
+#include "solve/lane_heat.h"
 
 #include <nlohmann/json.hpp>
 
-#include "kernels/kernel_cost.h"
-#include "scaling/levels.h"
 #include <iostream>
 #include <vector>
 
@@ -61,8 +61,8 @@ Json systems(const Json& all_ranks, const Index<3>& box, const fabseq::ElementWe
 
 Json deal(const Json& question) {
   const std::vector<double> work = question["work"];
-  const auto dealt = fabseq::deal_out_layers(work, question["groups"], fabseq::HeatSolver<3>::widest,
-                                             fabseq::BlockSolver::lanes);
+  const auto dealt =
+      fabseq::deal_out_layers(work, question["groups"], fabseq::widest_block, fabseq::BlockSolver::lanes);
   Json result = Json::array();
   for (const auto& of_group : dealt.blocks) {
     result.push_back(Json::array());

@@ -9,8 +9,8 @@
 #include <fabseq/base/session.h>
 #include <fabseq/config/command_line.h>
 #include <fabseq/optimize/problem.h>
-#include <fabseq/run/optimization.h>
-#include <fabseq/run/tasks.h>
+#include <fabseq/tasks/optimization.h>
+#include <fabseq/tasks/starting_design.h>
 #include <numeric>
 #include <string>
 

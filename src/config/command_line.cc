@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/config/command_line.h"
 
+#include "config/config_keys.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/config/config_keys.h"
 
 #include <algorithm>
 #include <cctype>

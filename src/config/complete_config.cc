@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "config/config_keys.h"
 #include "fabseq/base/error.h"
-#include "fabseq/config/config_keys.h"
 #include "fabseq/keys/check_value.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/config/config.h"
 
-#include "fabseq/config/config_keys.h"
+#include "config/config_keys.h"
 #include "fabseq/responses/response_type.h"
 
 namespace fabseq {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/config_keys.h"
+#include "config/config_keys.h"
 
 #include "fabseq/part/part_settings.h"
 #include "fabseq/responses/response_type.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Makes a Config from the config file and the command line.
+#include "config/named_files.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
@@ -8,7 +9,6 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/named_files.h"
 #include "fabseq/config/reslicing.h"
 #include "fabseq/keys/config_key.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The table of config keys for users: -help and the reference in the manual.
+#include "config/config_keys.h"
 #include "fabseq/config/command_line.h"
-#include "fabseq/config/config_keys.h"
 
 #include <algorithm>
 #include <sstream>

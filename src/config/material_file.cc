@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "config/named_files.h"
 #include "fabseq/base/input_file.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/verdict.h"
-#include "fabseq/config/named_files.h"
 
 #include <filesystem>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/config/config_keys.h"
-#include "fabseq/config/named_files.h"
+#include "config/config_keys.h"
+#include "config/named_files.h"
 #include "fabseq/part/part_settings.h"
 
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "fabseq/base/mpi_struct.h"
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/verdict.h"
-#include "fabseq/files/xdmf.h"
+#include "files/xdmf.h"
 
 #include <mpi.h>
 

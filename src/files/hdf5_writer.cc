@@ -8,8 +8,8 @@
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/hdf5_attribute.h"
 #include "fabseq/files/seal.h"
-#include "fabseq/files/slab_gather.h"
-#include "fabseq/files/xdmf.h"
+#include "files/slab_gather.h"
+#include "files/xdmf.h"
 
 #include <algorithm>
 #include <bit>

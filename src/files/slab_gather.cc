@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/files/slab_gather.h"
+#include "files/slab_gather.h"
 
 #include "fabseq/base/mpi.h"
 

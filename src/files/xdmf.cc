@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/files/xdmf.h"
+#include "files/xdmf.h"
 
 #include "fabseq/base/formatted.h"
 

@@ -131,7 +131,7 @@ double heaviest_range(const std::vector<double>& weights, const std::vector<int>
 
 /// split_evenly() at multiples of 4 or 2 if there are enough elements, and of up to `most`, a power of two,
 /// if that makes the heaviest range no more than 2 % heavier. Ranks that begin at an element of a coarse grid
-/// hold what their elements lie in there, and need send nothing to get to that multigrid level
+/// hold what their elements lie in there, and need send nothing to get to that grid
 /// (docs/formulation.md 11.2).
 std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int parts, int most) {
   constexpr double worth = 1.02;
@@ -146,13 +146,13 @@ std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int p
   return starts;
 }
 
-/// Edge, in elements, of those of the coarsest level that all ranks hold; at least 4.
+/// Edge, in elements, of the largest blocks of which all ranks have enough; at least 4.
 template <int Dim>
 int largest_block(const std::vector<double>& weights, const Index<Dim>& processes) {
   double share = std::accumulate(weights.begin(), weights.end(), 0.0);
   for (const int count : processes) share /= count;
   int block = 4;
-  while (share >= static_cast<double>(least_level_elements) * std::pow(2 * block, Dim)) block *= 2;
+  while (share >= static_cast<double>(least_blocks) * std::pow(2 * block, Dim)) block *= 2;
   return block;
 }
 

@@ -3,8 +3,8 @@
 
 #include "fabseq/base/refusal.h"
 #include "fabseq/layers/curved_layers.h"
-#include "fabseq/layers/multi_planar_layers.h"
 #include "fabseq/sequence/geodesic_distance.h"
+#include "layers/multi_planar_layers.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/layers/multi_planar_layers.h"
+#include "layers/multi_planar_layers.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/layers/print_direction.h"
 #include "fabseq/layers/smooth_step.h"
+#include "layers/print_direction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/cut_elements.h"
+#include "mesh/cut_elements.h"
 
-#include "fabseq/mesh/vectors.h"
+#include "mesh/vectors.h"
 
 #include <algorithm>
 #include <array>

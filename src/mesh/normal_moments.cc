@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/normal_moments.h"
+#include "mesh/normal_moments.h"
 
-#include "fabseq/mesh/vectors.h"
+#include "mesh/vectors.h"
 
 namespace fabseq {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/open_fractions.h"
 
-#include "fabseq/mesh/cut_elements.h"
-#include "fabseq/mesh/vectors.h"
+#include "mesh/cut_elements.h"
+#include "mesh/vectors.h"
 
 #include <algorithm>
 #include <array>

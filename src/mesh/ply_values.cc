@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/ply_values.h"
+#include "mesh/ply_values.h"
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"

@@ -6,7 +6,7 @@
 #include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
-#include "fabseq/mesh/mesh_formats.h"
+#include "mesh/mesh_formats.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
 #include "fabseq/base/plain_numbers.h"
-#include "fabseq/mesh/mesh_formats.h"
-#include "fabseq/mesh/ply_values.h"
+#include "mesh/mesh_formats.h"
+#include "mesh/ply_values.h"
 
 #include <fstream>
 #include <iterator>

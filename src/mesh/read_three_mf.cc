@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
-#include "fabseq/mesh/mesh_formats.h"
+#include "mesh/mesh_formats.h"
 
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <algorithm>

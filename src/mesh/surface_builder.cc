@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/surface_builder.h"
+#include "mesh/surface_builder.h"
 
 #include "fabseq/base/error.h"
 

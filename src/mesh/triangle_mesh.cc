@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/triangle_mesh.h"
 
-#include "fabseq/mesh/vectors.h"
+#include "mesh/vectors.h"
 
 #include <algorithm>
 #include <limits>

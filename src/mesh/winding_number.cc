@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/winding_number.h"
 
-#include "fabseq/mesh/normal_moments.h"
-#include "fabseq/mesh/vectors.h"
+#include "mesh/normal_moments.h"
+#include "mesh/vectors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"  // -log_view counts what is sent here
-#include "fabseq/mma/mma_subproblem.h"
+#include "mma/mma_subproblem.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_variables.h"
+#include "mma/mma_variables.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_row_newton.h"
+#include "mma/mma_row_newton.h"
 
 #include "fabseq/base/blas.h"
 

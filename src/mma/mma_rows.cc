@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/blas.h"
-#include "fabseq/mma/mma_row_newton.h"
-#include "fabseq/mma/mma_subproblem.h"
+#include "mma/mma_row_newton.h"
+#include "mma/mma_subproblem.h"
 
 #include <algorithm>
 #include <cmath>

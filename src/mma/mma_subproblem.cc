@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mma/mma_subproblem.h"
+#include "mma/mma_subproblem.h"
 
 #include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"

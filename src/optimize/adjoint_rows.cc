@@ -21,6 +21,14 @@ std::vector<AdjointRow<Dim>*> rows_with(std::deque<AdjointRow<Dim>>& rows, bool 
 
 }  // namespace
 
+std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values) {
+  std::vector<GradientRow> rows;
+  for (std::size_t r = 0; r < values.size(); ++r)
+    for (std::size_t c = 0; c < values[r].size(); ++c)
+      rows.push_back({{static_cast<int>(r), static_cast<int>(c), 1.0}});
+  return rows;
+}
+
 template <int Dim>
 AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Responses<Dim> responses,
                               const PipelineState<Dim>& state, const Layers& layers,
@@ -33,8 +41,7 @@ AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Respon
     });
   }
   const std::vector<double> work(rows.size(), 1.0);  // one adjoint of the sequence per row
-  const LayerDeal deal =
-      deal_out_layers(work, model.groups.count(), HeatSolver<Dim>::widest, model.block_solver());
+  const LayerDeal deal = deal_out_layers(work, model.groups.count(), widest_block, model.block_solver());
   for (int group = 0; group < model.groups.count(); ++group)
     for (const LayerBlock& block : deal.blocks[group])
       for (int row = block.first; row < block.first + block.lanes; ++row) {

@@ -100,7 +100,7 @@ int likely_groups(const ModelSettings& settings, int ranks, double available) {
   least.nodes = 1.0;
   for (const int elements : settings.domain<Dim>().elements) least.nodes *= elements + 1.0;
   least.dimension = Dim;
-  least.layers = settings.layers.count.value_or(ranks * ProcessSimulation<Dim>::most_lanes);
+  least.layers = settings.layers.count.value_or(ranks * widest_block);
   least.ranks = ranks;
   return choose_automatically<Dim>(settings, least, available).groups;
 }

@@ -99,9 +99,9 @@ template <int Dim>
 void Pipeline<Dim>::pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& adjoints) {
   const std::vector<AdjointRow<Dim>*> own = adjoints.own();
   model_.groups.run([&] {
-    for (std::size_t first = 0; first < own.size(); first += HeatSolver<Dim>::widest) {
+    for (std::size_t first = 0; first < own.size(); first += widest_block) {
       const auto rows =
-          std::span(own).subspan(first, std::min<std::size_t>(own.size() - first, HeatSolver<Dim>::widest));
+          std::span(own).subspan(first, std::min<std::size_t>(own.size() - first, widest_block));
       std::vector<AdjointRow<Dim>*> not_shared;
       for (AdjointRow<Dim>* row : rows)
         if (!row->shared) not_shared.push_back(row);

@@ -2,9 +2,9 @@
 #include "fabseq/optimize/process_stage.h"
 
 #include "fabseq/optimize/run_cost.h"
-#include "fabseq/optimize/stages.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
+#include "fabseq/solve/solvers.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,6 +12,13 @@
 namespace fabseq {
 
 namespace {
+
+template <int Dim>
+std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model,
+                                                         const ElasticModel<Dim>& elastic, double tolerance) {
+  return make_elasticity_solver(model.settings.solver, model.grid, elastic.domain, elastic.element,
+                                elastic.material.poisson, tolerance, model.lanes);
+}
 
 /// Its name in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
@@ -64,7 +71,7 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
   return {
       .held = increments,
       .solving = bytes_of_systems(size, path, groups, lanes),
-      .work = deal_out_layers(equal, groups, ProcessSimulation<3>::most_lanes, block_solver(path)).longest,
+      .work = deal_out_layers(equal, groups, widest_block, block_solver(path)).longest,
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
 }
 
@@ -77,7 +84,7 @@ template <int Dim>
 ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
     : elastic_(context.model.part, context.model.supports, context.model.settings.material,
                context.model.settings.process),
-      simulation_(elastic_, make_elasticity_solver(context.model, elastic_, context.tolerance),
+      simulation_(elastic_, elasticity_solver(context.model, elastic_, context.tolerance),
                   context.model.groups, context.model.block_solver(), context.model.lanes) {
   const ModelSettings& settings = context.model.settings;
   if (any_measures_release(settings.objective) || any_measures_release(settings.constraints))

@@ -72,7 +72,7 @@ BlockSolver block_solver(SolverPath path) {
   return path == SolverPath::lanes ? BlockSolver::lanes : BlockSolver::one_by_one;
 }
 
-bool saves_memory(int lanes) { return lanes < ProcessSimulation<3>::most_lanes; }
+bool saves_memory(int lanes) { return lanes < widest_block; }
 
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
   // Gradients with two rows per layer are shared out. The baseline's report is there throughout, two others
@@ -92,14 +92,12 @@ double memory_estimate(const RunSize& size, SolverPath path, int groups, int lan
 }
 
 /// Fewer groups come before fewer lanes.
-int wanted_lanes(const SolverSettings& settings) {
-  return settings.lanes.value_or(ProcessSimulation<3>::most_lanes);
-}
+int wanted_lanes(const SolverSettings& settings) { return settings.lanes.value_or(widest_block); }
 
 int resolved_lanes(MPI_Comm world, const SolverSettings& settings, const RunSize& size, int groups) {
   if (settings.lanes) return *settings.lanes;
   const double available = usable_memory * static_cast<double>(available_memory_bytes(world));
-  int lanes = ProcessSimulation<3>::most_lanes;
+  int lanes = widest_block;
   while (lanes > 1 && memory_estimate(size, settings.path, groups, lanes) > available) lanes /= 2;
   return lanes;
 }
@@ -107,15 +105,13 @@ int resolved_lanes(MPI_Comm world, const SolverSettings& settings, const RunSize
 double relative_time_estimate(const RunSize& size, SolverPath path, int groups) {
   const int domain_ranks = size.ranks / groups;
   double work = 0.0;
-  for (const StageType* stage : stage_types())
-    work += stage->cost(size, path, groups, ProcessSimulation<3>::most_lanes).work;
+  for (const StageType* stage : stage_types()) work += stage->cost(size, path, groups, widest_block).work;
   return work * overhead(domain_ranks) / domain_ranks;
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
   double seconds = 0.0;
-  for (const StageType* stage : stage_types())
-    seconds += stage->cost(size, path, 1, ProcessSimulation<3>::most_lanes).seconds;
+  for (const StageType* stage : stage_types()) seconds += stage->cost(size, path, 1, widest_block).seconds;
   return seconds;
 }
 

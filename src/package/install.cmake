@@ -47,16 +47,10 @@ install(TARGETS fabseq_core fabseq_registered fabseq_usage EXPORT fabseq
         OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/fabseq)
 install(EXPORT fabseq NAMESPACE fabseq:: FILE fabseqTargets.cmake DESTINATION ${FABSEQ_PACKAGE_DIRECTORY})
 
-include(src/package/register_bytes.cmake)
-get_target_property(FABSEQ_ARCHITECTURE fabseq_usage INTERFACE_COMPILE_OPTIONS)
-if(NOT FABSEQ_ARCHITECTURE)
-  set(FABSEQ_ARCHITECTURE "")
-endif()
-fabseq_register_bytes(FABSEQ_REGISTER_BYTES ${FABSEQ_ARCHITECTURE})
 include(CMakePackageConfigHelpers)
 configure_package_config_file(src/package/fabseqConfig.cmake.in ${PROJECT_BINARY_DIR}/package/fabseqConfig.cmake
                               INSTALL_DESTINATION ${FABSEQ_PACKAGE_DIRECTORY})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/package/fabseqConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES src/package/register_bytes.cmake ${PROJECT_BINARY_DIR}/package/fabseqConfig.cmake
+install(FILES ${PROJECT_BINARY_DIR}/package/fabseqConfig.cmake
               ${PROJECT_BINARY_DIR}/package/fabseqConfigVersion.cmake
         DESTINATION ${FABSEQ_PACKAGE_DIRECTORY})

@@ -2,7 +2,7 @@
 #include "fabseq/process/layer_elements.h"
 
 #include "fabseq/base/log_event.h"
-#include "fabseq/lanes/element_energy.h"
+#include "kernels/element_energy.h"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +80,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
     for (int i = 0; i < element_unknowns<Dim>; ++i)
       unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? load_of_material[i] : 0.0);
     for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
-      const Lanes<Width> component = strain<Width>(chunk, e, c);
+      const Lanes<Width> component = strain<Lanes<Width>>(chunk, e, c);
       for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
     }
   };
@@ -148,19 +148,17 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
 }
 
 template <int Dim>
-template <int Width>
-Lanes<Width> LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
+template <class Result>
+Result LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
   const double of_element =
       chunk.factors[component] * (strains_.of_elements.empty()
                                       ? model_.common_strain[component]
                                       : strains_.of_elements[element * voigt_size<Dim> + component]);
-  if (strains_.of_layers.empty()) return Lanes<Width>::broadcast(of_element);
-  std::array<double, Width> of_layers;
-  for (int i = 0; i < Width; ++i)
-    of_layers[i] =
-        of_element *
-        strains_.of_layers[static_cast<std::size_t>(chunk.first_layer + i) * voigt_size<Dim> + component];
-  return Lanes<Width>::load(of_layers.data());
+  if (strains_.of_layers.empty()) return Result::broadcast(of_element);
+  std::array<double, sizeof(Result) / sizeof(double)> of_layers;
+  for (std::size_t i = 0; i < of_layers.size(); ++i)
+    of_layers[i] = of_element * strains_.of_layers[(chunk.first_layer + i) * voigt_size<Dim> + component];
+  return Result::load(of_layers.data());
 }
 
 /// With strain a_c eps_c theta_jc f_c for the unit loads f_c and factors a_c: lambda^T f_0 = sum_c a_c eps_c
@@ -194,7 +192,7 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
     }
     auto sum = Lanes<Width>::zero();
     for (int c = 0; c < components; ++c) {
-      sum += duals[c] * strain<Width>(chunk, e, c);
+      sum += duals[c] * strain<Lanes<Width>>(chunk, e, c);
       std::array<double, Width> dual{};
       (duals[c] * chunk.factors[c]).store(dual.data());
       for (int i = 0; i < Width; ++i) {

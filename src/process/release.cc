@@ -5,6 +5,7 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/solve/solvers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +85,11 @@ std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& support
   if (!RigidMotions<Dim>(grid, supports.holding).determined())
     return "the supports leave a rigid motion of the part free";
   return "";
+}
+
+ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
+  return {assembled_settings(settings, elasticity_tolerance({tolerance}), release_prefix), settings.path,
+          lane_cycle(settings)};
 }
 
 template <int Dim>

@@ -3,7 +3,7 @@
 #include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_measures.h"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Distortion measure `displacement` with a `norm`.
 #include "fabseq/base/mpi.h"
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_measures.h"
 
 #include <algorithm>
 #include <cmath>

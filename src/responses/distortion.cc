@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Objective and constraint: distortion (docs/formulation.md 5 and 7).
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_measures.h"
 
 #include <cmath>
 #include <utility>

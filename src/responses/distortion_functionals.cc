@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/distortion_functionals.h"
+#include "responses/distortion_functionals.h"
 
 #include "fabseq/base/mpi.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The keys of distortion terms, and what they allow of each other.
 #include "fabseq/base/error.h"
-#include "fabseq/responses/distortion.h"
+#include "responses/distortion.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Distortion measure `flatness`.
 #include "fabseq/base/mpi.h"
-#include "fabseq/responses/distortion_functionals.h"
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_functionals.h"
+#include "responses/distortion_measures.h"
 
 namespace fabseq {
 

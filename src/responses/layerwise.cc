@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Distortion measure `layerwise`.
 #include "fabseq/base/mpi.h"
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_measures.h"
 
 namespace fabseq {
 

@@ -3,7 +3,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/layer_statistics.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/responses/smooth_excess.h"
+#include "responses/smooth_excess.h"
 
 #include <algorithm>
 #include <array>

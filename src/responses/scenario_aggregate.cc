@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_measures.h"
 
 #include <algorithm>
 #include <utility>

@@ -3,8 +3,8 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/rigid_fit.h"
-#include "fabseq/responses/distortion_functionals.h"
-#include "fabseq/responses/distortion_measures.h"
+#include "responses/distortion_functionals.h"
+#include "responses/distortion_measures.h"
 
 #include <cmath>
 #include <functional>

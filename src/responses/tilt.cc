@@ -2,8 +2,8 @@
 /// Constraint: the build direction stays within the torch's largest tilt (docs/formulation.md 13.2).
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/responses/smooth_excess.h"
-#include "fabseq/responses/unit_gradient.h"
+#include "responses/smooth_excess.h"
+#include "responses/unit_gradient.h"
 
 #include <numbers>
 

@@ -5,8 +5,8 @@
 #include "fabseq/machine/least_rotation.h"
 #include "fabseq/machine/torch.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/responses/smooth_excess.h"
-#include "fabseq/responses/unit_gradient.h"
+#include "responses/smooth_excess.h"
+#include "responses/unit_gradient.h"
 
 #include <algorithm>
 

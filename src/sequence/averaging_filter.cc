@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/sequence/averaging_filter.h"
+#include "sequence/averaging_filter.h"
 
 #include <algorithm>
 #include <cmath>

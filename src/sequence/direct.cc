@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Sequences of type "direct" (docs/formulation.md 2.3).
 #include "fabseq/part/part_settings.h"
-#include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "sequence/direct_sequence.h"
 
 namespace fabseq {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/sequence/direct_sequence.h"
+#include "sequence/direct_sequence.h"
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/sequence/element_means.h"
-#include "fabseq/sequence/repeated_averaging.h"
+#include "sequence/element_means.h"
+#include "sequence/repeated_averaging.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Sequences of type "heat" (docs/formulation.md 2.1, 2.2).
 #include "fabseq/base/refusal.h"
-#include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "sequence/heat_sequence.h"
 
 namespace fabseq {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/sequence/heat_sequence.h"
+#include "sequence/heat_sequence.h"
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
-#include "fabseq/sequence/element_means.h"
 #include "fabseq/sequence/geodesic_distance.h"
+#include "sequence/element_means.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/solve/lane_elasticity.h"
+#include "solve/lane_elasticity.h"
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/log_event.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "solve/lane_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
-      solver_(hierarchy_, problem_, cycle.narrowing(lanes == widest)),
+      solver_(hierarchy_, problem_, cycle.narrowing(lanes == widest_block)),
       most_lanes_(lanes),
       numbers_(hierarchy_.element_numbers(domain)) {}
 
@@ -53,7 +54,7 @@ void LaneElasticity<Dim>::set_operators(int first_layer, int lanes, std::span<co
 template <int Dim>
 void LaneElasticity<Dim>::set_up(auto& solver, bool changed) {
   const auto layer = [&](int lane) { return first_layer_ + (lane < lanes_ ? lane : 0); };
-  typename LaneCg<LaneElasticityProblem<Dim>, widest>::Islands islands;
+  typename LaneCg<LaneElasticityProblem<Dim>, widest_block>::Islands islands;
   for (int lane = 0; !changed && lane < width_ && islands_.contains(layer(lane)); ++lane)
     islands.push_back(islands_[layer(lane)]);
   solver.set_up(islands);

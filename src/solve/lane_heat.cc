@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/solve/lane_heat.h"
+#include "solve/lane_heat.h"
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/log_event.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "solve/lane_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), 1),
-      solver_(hierarchy_, problem_, cycle().narrowing(lanes == widest)),
+      solver_(hierarchy_, problem_, cycle().narrowing(lanes == widest_block)),
       most_lanes_(lanes),
       numbers_(hierarchy_.element_numbers(domain)) {}
 

@@ -10,13 +10,13 @@
 #include "fabseq/config/command_line.h"
 #include "fabseq/grid/index_box.h"
 #include "fabseq/keys/config_key.h"
-#include "fabseq/run/gradient_check.h"
 #include "fabseq/solve/solve_report.h"
+#include "support/other_locale.h"
+#include "support/refusal.h"
+#include "tasks/gradient_check.h"
 
 #include <gtest/gtest.h>
 
-#include "support/other_locale.h"
-#include "support/refusal.h"
 #include <limits>
 #include <memory>
 #include <string>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/config/command_line.h"
 
-#include "fabseq/config/config_keys.h"
+#include "config/config_keys.h"
+#include "support/refusal.h"
 
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
 #include <set>
 
 namespace fabseq {

@@ -2,14 +2,14 @@
 #include "fabseq/config/config.h"
 
 #include "fabseq/responses/response_type.h"
-#include "fabseq/sequence/direct_sequence.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/sequence/heat_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "sequence/direct_sequence.h"
+#include "sequence/heat_sequence.h"
+#include "support/small_configs.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_configs.h"
 #include <cmath>
 #include <fstream>
 #include <sstream>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include "config/named_files.h"
 #include "fabseq/base/json.h"
-#include "fabseq/config/named_files.h"
 #include "fabseq/part/part_settings.h"
-
-#include <gtest/gtest.h>
-
 #include "support/io_support.h"
 #include "support/mesh_files.h"
 #include "support/meshes.h"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <fstream>
 #include <random>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/verdict.h"
 #include "fabseq/files/history.h"
-#include "fabseq/run/terminal.h"
-
+#include "fabseq/output/terminal.h"
 #include "support/io_support.h"
+
 #include <cstdio>
 
 namespace fabseq {

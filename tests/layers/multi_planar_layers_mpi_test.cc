@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Layers of sub-parts against the formulas as printed, their derivatives against differences
 /// (formulation 3.2).
-#include "fabseq/layers/multi_planar_layers.h"
+#include "layers/multi_planar_layers.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <cmath>
 #include <numbers>
 #include <string>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/cut_elements.h"
+#include "mesh/cut_elements.h"
+
+#include "support/meshes.h"
 
 #include <gtest/gtest.h>
 
-#include "support/meshes.h"
 #include <algorithm>
 #include <numeric>
 #include <random>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/mesh/mesh_formats.h"
-
-#include <gtest/gtest.h>
-
+#include "mesh/mesh_formats.h"
 #include "support/io_support.h"
 #include "support/mesh_files.h"
 #include "support/meshes.h"
+
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>

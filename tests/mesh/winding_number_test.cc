@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/winding_number.h"
 
-#include "fabseq/mesh/vectors.h"
+#include "mesh/vectors.h"
+#include "support/meshes.h"
 
 #include <gtest/gtest.h>
 
-#include "support/meshes.h"
 #include <algorithm>
 #include <cmath>
 #include <random>

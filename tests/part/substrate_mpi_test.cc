@@ -5,12 +5,12 @@
 #include "fabseq/part/supports.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/sequence/heat_sequence.h"
+#include "sequence/heat_sequence.h"
+#include "support/refusal.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
-#include "support/small_parts.h"
 #include <cmath>
 #include <vector>
 

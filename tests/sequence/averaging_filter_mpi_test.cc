@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// The averaging filter against a double loop over all elements, and against its own transpose
 /// (formulation 2.2).
-#include "fabseq/sequence/averaging_filter.h"
+#include "sequence/averaging_filter.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {

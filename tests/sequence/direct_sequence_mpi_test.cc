@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Direct sequences: values, and derivatives against differences (formulation 2.3).
-#include "fabseq/sequence/direct_sequence.h"
+#include "sequence/direct_sequence.h"
+#include "support/heat_case.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/heat_case.h"
-#include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// The heat-regularized pseudo-time: against exact solutions, against a dense matrix, and its adjoint against
 /// differences (formulation 2.1).
-#include "fabseq/sequence/heat_sequence.h"
-
-#include <gtest/gtest.h>
-
+#include "sequence/heat_sequence.h"
 #include "support/brute_force.h"
 #include "support/heat_case.h"
 #include "support/small_parts.h"
+
+#include <gtest/gtest.h>
+
 #include <vector>
 
 namespace fabseq {

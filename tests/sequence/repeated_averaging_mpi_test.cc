@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// Smoothing of direct designs (formulation 2.3).
 #include "fabseq/base/mpi.h"
-#include "fabseq/sequence/repeated_averaging.h"
 #include "fabseq/sequence/start_region.h"
+#include "sequence/repeated_averaging.h"
+#include "support/heat_case.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/heat_case.h"
-#include "support/small_parts.h"
 #include <algorithm>
 #include <vector>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// A kind of sequence that nothing but this file knows: config, refusals, defaults, design space, sequence
 /// and pipeline follow from its registration.
-#include "fabseq/config/config_keys.h"
-#include "fabseq/run/tasks.h"
+#include "config/config_keys.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "fabseq/tasks/starting_design.h"
+#include "support/pipeline_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/pipeline_case.h"
 #include <algorithm>
 #include <memory>
 #include <string>

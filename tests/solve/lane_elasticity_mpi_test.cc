@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// All layers of a batch at once, on 1 to 4 ranks, against factorizations of one layer after the other.
-#include "fabseq/solve/lane_elasticity.h"
+#include "solve/lane_elasticity.h"
+#include "support/layered_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/layered_case.h"
 #include <string>
 #include <vector>
 

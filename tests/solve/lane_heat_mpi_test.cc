@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Heat solves for several right-hand sides at once, against the reference path's factorization.
 #include "fabseq/base/error.h"
-#include "fabseq/solve/lane_heat.h"
+#include "solve/lane_heat.h"
+#include "support/heat_case.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/heat_case.h"
-#include "support/small_parts.h"
 #include <cmath>
 #include <string>
 #include <vector>
@@ -49,8 +49,8 @@ struct HeatCase {
   /// Blocks of up to 8 right-hand sides, half of them smooth.
   std::vector<LaneVector> loads(int count) const {
     std::vector<LaneVector> result;
-    for (int first = 0; first < count; first += HeatSolver<Dim>::widest) {
-      const int lanes = std::min(HeatSolver<Dim>::widest, count - first);
+    for (int first = 0; first < count; first += widest_block) {
+      const int lanes = std::min(widest_block, count - first);
       LaneVector& block = result.emplace_back(static_cast<int>(grid.owned_nodes().count()), 1, lanes);
       grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
         for (int lane = 0; lane < lanes; ++lane) {

@@ -3,11 +3,11 @@
 /// Heat sequences, their solvers, and derivatives to pull back through them.
 #pragma once
 
-#include "fabseq/sequence/heat_sequence.h"
-#include "fabseq/solve/lane_heat.h"
-#include "fabseq/solve/reference/reference_heat.h"
-
+#include "sequence/heat_sequence.h"
+#include "solve/lane_heat.h"
+#include "solve/reference/reference_heat.h"
 #include "support/small_parts.h"
+
 #include <memory>
 #include <utility>
 #include <vector>

@@ -4,10 +4,10 @@
 /// decades between neighbours.
 #pragma once
 
-#include "fabseq/lanes/lane_problem.h"
-
+#include "kernels/lane_problem.h"
 #include "support/brute_force.h"
 #include "support/masked_box.h"
+
 #include <vector>
 
 namespace fabseq::test {

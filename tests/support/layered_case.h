@@ -5,12 +5,12 @@
 #pragma once
 
 #include "fabseq/config/config.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/curved_layers.h"
-#include "fabseq/solve/lane_elasticity.h"
-
+#include "solve/lane_elasticity.h"
 #include "support/brute_force.h"
 #include "support/small_parts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -3,9 +3,9 @@
 /// Hierarchies of masked grids, and their levels as they must be.
 #pragma once
 
-#include "fabseq/lanes/lane_hierarchy.h"
-
+#include "multigrid/lane_hierarchy.h"
 #include "support/masked_grid.h"
+
 #include <vector>
 
 namespace fabseq::test {

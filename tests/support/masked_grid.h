@@ -5,10 +5,10 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/unknown_numbering.h"
-#include "fabseq/lanes/lane_array.h"
-#include "fabseq/lanes/lane_mesh.h"
-
+#include "kernels/lane_array.h"
+#include "kernels/lane_mesh.h"
 #include "support/masked_box.h"
+
 #include <algorithm>
 #include <functional>
 #include <vector>

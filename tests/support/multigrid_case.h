@@ -3,12 +3,12 @@
 /// Lane multigrids on masked grids.
 #pragma once
 
-#include "fabseq/lanes/lane_array.h"
-#include "fabseq/lanes/lane_multigrid.h"
-#include "fabseq/lanes/lane_multigrid_impl.h"
-
+#include "kernels/lane_array.h"
+#include "multigrid/lane_multigrid.h"
+#include "multigrid/lane_multigrid_impl.h"
 #include "support/lane_physics.h"
 #include "support/masked_grid.h"
+
 #include <array>
 #include <vector>
 

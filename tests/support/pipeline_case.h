@@ -3,12 +3,12 @@
 /// A small config of everything, its pipeline, and the stages' results on the whole grid.
 #pragma once
 
+#include "fabseq/config/setup.h"
 #include "fabseq/optimize/pipeline.h"
 #include "fabseq/optimize/problem.h"
-#include "fabseq/run/setup.h"
-
 #include "support/process_case.h"
 #include "support/small_configs.h"
+
 #include <string>
 #include <utility>
 #include <vector>

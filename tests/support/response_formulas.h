@@ -4,10 +4,10 @@
 #pragma once
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/responses/layer_statistics.h"
-
 #include "support/pipeline_case.h"
+
 #include <vector>
 
 namespace fabseq::test {

@@ -19,8 +19,9 @@ namespace fabseq {
 template <int Dim>
 using ElementWeights = std::function<std::vector<double>(const IndexBox<Dim>&)>;
 
-/// Half as many ranks hold a multigrid level if they would have fewer of its elements than this on average.
-inline constexpr std::int64_t least_level_elements = 400;
+/// Ranges begin at multiples of a power of two as long as ranks have on average at least this many blocks of
+/// so many elements along each axis: whoever joins elements to such blocks finds a block's on one rank.
+inline constexpr std::int64_t least_blocks = 400;
 
 /// A tensor product of index ranges: process p of axis a has the elements with range_starts[a][p] <= index[a]
 /// < range_starts[a][p + 1].

@@ -29,6 +29,9 @@ struct WeightedComponent {
 };
 using GradientRow = std::vector<WeightedComponent>;
 
+/// A row for every component of every response, in their order.
+std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& values);
+
 /// A row on its way back.
 template <int Dim>
 struct AdjointRow {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 

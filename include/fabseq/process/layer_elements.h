@@ -2,8 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/parity.h"
-#include "fabseq/lanes/lane_vector.h"
-#include "fabseq/lanes/lanes.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/strain_cases.h"
@@ -58,9 +57,9 @@ class LayerElements {
   void add_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* u,
                        const double* lambda, int lanes, DensityDerivatives& derivatives,
                        StrainField& d_strains) const;
-  /// Component c of the strain of an element in the layers of a chunk.
-  template <int Width>
-  Lanes<Width> strain(const Chunk& chunk, std::size_t element, int component) const;
+  /// A component of the strain of an element in the layers of a chunk, as Lanes<Width>.
+  template <class Result>
+  Result strain(const Chunk& chunk, std::size_t element, int component) const;
   /// lambda^T f_0 where strains are not the material's to `work`, [element][lane of the chunk], and their
   /// dJ/d(strain).
   template <int Width>

@@ -3,7 +3,7 @@
 /// What the adjoint of the process starts from and where it leads.
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/density_sink.h"
 #include "fabseq/process/elastic_model.h"
 

@@ -38,13 +38,10 @@ namespace fabseq {
 template <int Dim>
 class ProcessSimulation {
  public:
-  /// Layers solved side by side at most, unless memory is to be saved.
-  static constexpr int most_lanes = 8;
-
   /// `lanes`: layers solved side by side at most. `blocks`: how the solver goes through a block of layers.
   /// Model and groups must outlive the simulation.
   ProcessSimulation(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
-                    const LayerGroups& groups, BlockSolver blocks, int lanes = most_lanes);
+                    const LayerGroups& groups, BlockSolver blocks, int lanes = widest_block);
 
   /// From now on simulations end with the release from the supports. Throws InputError if there is none
   /// (release_obstacle()).

@@ -5,6 +5,7 @@
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/solve/lane_free_body.h"
 #include "fabseq/solve/reference/assembled_system.h"
+#include "fabseq/solve/solver_settings.h"
 
 #include <memory>
 #include <span>
@@ -24,6 +25,9 @@ struct ReleaseSolver {
   SolverPath path = SolverPath::reference;
   LaneCycle cycle = {};
 };
+
+/// The solver that a run asks for, to `tolerance`.
+ReleaseSolver release_solver(const SolverSettings& settings, double tolerance);
 
 /// The finished part cut from the plate, or from its clamps (docs/formulation.md 4.3): solves with its
 /// stiffness K_N, its supports free:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 

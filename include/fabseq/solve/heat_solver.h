@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/solve/solve_report.h"
 #include "fabseq/solve/solve_tolerance.h"
 
@@ -19,18 +19,15 @@ namespace fabseq {
 template <int Dim>
 class HeatSolver {
  public:
-  /// The most right-hand sides in a block.
-  static constexpr int widest = 8;
-
   virtual ~HeatSolver() = default;
 
   /// Makes K the operator of the solves that follow. `diffusivity` is kappa of each element of the domain, in
   /// its order; `reaction` is alpha, in units of kappa / length^2. Collective.
   virtual void set_operator(std::span<const double> diffusivity, double reaction) = 0;
 
-  /// Solves K x = b for every lane of each of `loads`, at most `widest` lanes a block, on the owned nodes;
-  /// values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns one
-  /// report per right-hand side, block by block. Collective; does not throw if one does not converge.
+  /// Solves K x = b for every lane of each of `loads`, at most `widest_block` lanes a block, on the owned
+  /// nodes; values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns
+  /// one report per right-hand side, block by block. Collective; does not throw if one does not converge.
   virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                          std::span<LaneVector> solutions) = 0;
 

@@ -2,12 +2,10 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
-#include "fabseq/lanes/free_motions.h"
-#include "fabseq/lanes/lane_cg.h"
-#include "fabseq/lanes/lane_layout.h"
+#include "fabseq/multigrid/lane_cycle.h"
 #include "fabseq/solve/solve_report.h"
 
-#include <optional>
+#include <memory>
 #include <span>
 
 namespace fabseq {
@@ -23,19 +21,15 @@ class LaneFreeBody {
   /// factor of each element. The grid must outlive the solver.
   LaneFreeBody(const Grid<Dim>& grid, const SystemDomain& domain, double poisson, const LaneCycle& cycle,
                std::span<const double> stiffness);
+  ~LaneFreeBody();
 
   /// Loads and displacements are [owned node][component]; 0 at nodes of no element. Does not throw if it does
   /// not converge. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
   SolveReport solve(std::span<const double> load, std::span<double> displacement, double tolerance);
 
  private:
-  using Problem = LaneElasticityProblem<Dim>;
-
-  Problem problem_;
-  LaneHierarchy<Dim> hierarchy_;
-  LaneLayout<Dim> layout_;
-  LaneCg<Problem, 1> solver_;
-  std::optional<FreeMotions<Dim>> motions_;  ///< made once the operator is known
+  struct Engine;
+  std::unique_ptr<Engine> engine_;  ///< as wide as the registers of this processor
 };
 
 }  // namespace fabseq

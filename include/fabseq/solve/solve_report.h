@@ -3,15 +3,11 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
-#include "fabseq/lanes/lane_outcome.h"
 
 #include <limits>
 #include <string>
 
 namespace fabseq {
-
-/// Iterations after which the lane solvers leave a system to the reference path.
-constexpr int lane_iterations = 300;
 
 /// How a solve ended.
 struct SolveReport {
@@ -26,14 +22,6 @@ inline void require_convergence(const SolveReport& report, const std::string& wh
   if (report.converged) return;
   throw NumericalError(what + formatted(" did not converge: %d iterations, residual %g (%s)",
                                         report.iterations, report.residual, report.reason.c_str()));
-}
-
-/// The report of a lane: what is no number has no residual, either.
-inline SolveReport report_of(const LaneOutcome& outcome) {
-  if (!outcome.finite)
-    return {outcome.iterations, std::numeric_limits<double>::quiet_NaN(), false, "not a number"};
-  return {outcome.iterations, outcome.residual, outcome.converged,
-          outcome.converged ? "" : "iteration limit"};
 }
 
 }  // namespace fabseq

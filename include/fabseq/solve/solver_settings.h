@@ -3,7 +3,7 @@
 /// Which solver, and how closely it solves.
 #pragma once
 
-#include "fabseq/lanes/solver_cycle.h"
+#include "fabseq/multigrid/lane_cycle.h"
 #include "fabseq/solve/solve_tolerance.h"
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/solve/reference/reference_heat.h"
+#include "solve/reference/reference_heat.h"
 
 namespace fabseq {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/fem/element_matrices.h"
-#include "fabseq/lanes/lane_vector.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/solve/elasticity_solver.h"
 #include "fabseq/solve/reference/assembled_system.h"
 

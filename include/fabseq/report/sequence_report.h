@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/files/field_set.h"
+#include "fabseq/optimize/problem.h"
+#include "fabseq/report/build_report.h"
+#include "fabseq/report/finished_shape.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// A layer's volume, thickness and its coefficient of variation.
+struct LayerNumbers {
+  double volume = 0.0, thickness = 0.0, variation = 0.0;
+  int sub_part = 0, slab = 0;  ///< of multi-planar layers, sub-parts from 1; 0: layers without sub-parts
+};
+
+/// What a deposition model (docs/formulation.md 4.6) makes of a sequence, before the release.
+struct DepositionNumbers : DisplacementSizes {
+  std::vector<NamedValue> distortions;  ///< values of the objective's terms of that type
+};
+struct BothDepositions {
+  DepositionNumbers own, other;  ///< the model that the sequence was made for, and the other one
+  DepositionModel own_model = DepositionModel::nominal;
+};
+
+/// What the scenarios of the strain make of a term of the objective, J each (docs/formulation.md 5.1).
+struct ScenarioNumbers {
+  std::string name;            ///< of the term
+  std::vector<double> values;  ///< of each scenario
+  double mean = 0.0, spread = 0.0, worst = 0.0;
+};
+
+/// What is reported of one evaluated sequence, be it optimized, binary, planar or the start. The same on all
+/// ranks.
+struct SequenceNumbers {
+  std::vector<NamedValue> responses;
+  std::vector<LayerNumbers> layers;
+  BothDepositions depositions;
+  std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
+  std::optional<FinishedShape> finished;   ///< where it was asked for
+  std::optional<BuildNumbers> build;       ///< where the shape was asked for
+
+  /// First objective term.
+  double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
+  /// Whether its root is a length.
+  bool first_is_distortion() const { return !responses.empty() && responses[0].type == "distortion"; }
+  /// Number of layers that hold more than a trace of the part's volume.
+  int used_layers() const;
+};
+
+/// Numbers and fields of a sequence, copied out of the pipeline.
+struct SequenceReport : SequenceNumbers {
+  std::vector<std::vector<double>> values;  ///< of each response
+  std::vector<double> time, layer;          ///< part fields
+  std::vector<double> temperature;          ///< on the owned nodes, or empty
+  std::vector<int> nodes;                   ///< ElasticModel::nodes: no others move
+  std::vector<double> displacement;         ///< [nodes][component]
+  BuildFields build_fields;                 ///< where the shape was asked for
+};
+
+/// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
+/// measured by beside the planar baseline, the binary layers of the design that the config starts from.
+struct FinalReports {
+  SequenceReport optimized, binary;
+  std::optional<SequenceReport> start;  ///< none if its solves failed
+  /// Planar, in as many layers as the binary ones that hold anything; none if the baseline has so many or if
+  /// its solves failed.
+  std::optional<SequenceNumbers> matched;
+  std::int64_t interior_minima = 0;
+};
+
+/// Adds time, layer, displacements and, where there are any, the other fields to a set, names prefixed. Part
+/// and report must outlive it.
+template <int Dim>
+void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
+                         const std::string& prefix);
+/// Adds the displacement and, where there is any, that of the release.
+template <int Dim>
+void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix);
+
+/// Reports the state of a pipeline's last run. `with_shape`: with the finished part, which takes a solve for
+/// the release. Collective.
+template <int Dim>
+SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                               const PipelineState<Dim>& state, bool with_shape = true);
+
+/// What both deposition models make of a pipeline's last run. Collective.
+template <int Dim>
+BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
+                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+
+}  // namespace fabseq

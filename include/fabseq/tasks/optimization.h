@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What an optimization does beside its iterations, which are in src/main.cc.
+#pragma once
+
+#include "fabseq/output/run_output.h"
+#include "fabseq/tasks/coarse_grid.h"
+
+#include <functional>
+#include <optional>
+
+namespace fabseq {
+
+/// An optimization on its own, such as that on the coarse grid.
+template <int Dim>
+using Optimize = std::function<void(const CommandLine&, const Setup<Dim>&, PhaseTimer&)>;
+
+/// The first iterations, on a grid of half the resolution if there is a coarse grid; returns the command line
+/// of the others, whose -design they come to. What ends them ends the run, which still leaves a summary.
+template <int Dim>
+CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
+                                 const CommandLine& command_line, const Setup<Dim>& setup,
+                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize);
+/// The state before the first iteration, or, with `restart`, between two of them. Terms that are scaled by
+/// their first values are scaled by those of the initial design, also after iterations on a coarse grid.
+template <int Dim>
+RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command_line,
+                             const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
+                             Pipeline<Dim>& pipeline);
+
+/// Reads the file of -design, if there is one, and forgets it: what is wrong with it is said before a run
+/// that is to be replaced is touched. Throws InputError.
+template <int Dim>
+void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
+
+/// The planar sequence that others are compared with.
+template <int Dim>
+SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer);
+/// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
+template <int Dim>
+std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration);
+/// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
+/// the table from being made is a warning: the results are there.
+template <int Dim>
+void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
+            RunOutput<Dim>& output, PhaseTimer& timer);
+
+}  // namespace fabseq

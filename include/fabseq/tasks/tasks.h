@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// The tasks beside the optimization itself (docs/reference.md). All are collective on the world.
+#pragma once
+
+#include "fabseq/base/phase_timer.h"
+#include "fabseq/config/command_line.h"
+#include "fabseq/config/setup.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// -task evaluate: values and gradients at one design; evaluation.json, gradients.h5.
+template <int Dim>
+void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task simulate: the process simulation of a sequence; result.h5, summary.json. If only the release fails,
+/// both are written without it before the NumericalError.
+template <int Dim>
+void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task sensitivity: what a sequence would do under stated changes; sensitivity.json, .csv and .svg.
+template <int Dim>
+void run_sensitivity(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task check_gradients: adjoints against central differences; gradient_check.csv, .json and .svg.
+template <int Dim>
+void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
+
+/// -task check: prints the part, the node sets and what a run will cost; writes nothing.
+template <int Dim>
+void run_check(const Setup<Dim>& setup);
+/// -task check -picture: writes DIR/check.svg, elements in the colours of the layers of the start design, the
+/// plate and the node sets. Collective. Throws OutputError.
+template <int Dim>
+void write_check_picture(const Setup<Dim>& setup, const CommandLine& command_line);
+
+}  // namespace fabseq

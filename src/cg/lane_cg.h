@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "cg/free_motions.h"
+#include "cg/lane_progress.h"
+#include "islands/island_modes.h"
+#include "kernels/lane_array.h"
+#include "multigrid/lane_multigrid.h"
+
+#include <memory>
+#include <vector>
+
+namespace fabseq {
+
+/// Flexible conjugate gradients in double precision with lane multigrid in single precision, every lane with
+/// scalars and a convergence test of its own. Rigid motions of stiff islands are solved for before the first
+/// step and after each cycle of the multigrid, in double precision: the preconditioner is M + Q (1 - K M)
+/// with Q = Z (Z^T K Z)^-1 Z^T. When half of the lanes or fewer are left, they go on in a solver half as
+/// wide (LaneCycle::narrows). Collective on the grid's communicator.
+template <class Problem, int Width>
+class LaneCg {
+ public:
+  using Operator = LaneOperator<Problem, Width>;
+  using Multigrid = LaneMultigrid<Problem, Width, float>;
+  using Scalars = LaneScalars<Width>;
+  using Half = LaneCg<Problem, std::max(1, Width / 2)>;
+
+  /// `hierarchy` and `problem` must outlive the solver.
+  LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
+
+  /// The solver for half as many lanes, made at first use.
+  Half& half();
+  /// K, whose coefficients are to be filled in. Takes the solver's memory, if it has none.
+  Operator& matrix() {
+    allocate();
+    return *matrix_;
+  }
+  /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
+  void give_back_memory();
+  /// What is known of the islands: kept, it saves looking for them in the very same systems again.
+  using Islands = typename IslandModes<Problem, Width>::Known;
+  /// Sets up the multigrid for the coefficients given to matrix(). `islands`: of these systems, or nothing;
+  /// they are looked for then, and set. Problems with one operator leave it as it is.
+  void set_up(Islands& islands);
+  void set_up() {
+    Islands unknown;
+    set_up(unknown);
+  }
+  /// For a body that nothing holds, Width 1: from now on iterates in the space without rigid motions. Loads
+  /// must balance themselves. `motions` must outlive the solver.
+  void keep_free_of(const FreeMotions<Problem::dim>& motions) { free_motions_ = &motions; }
+  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the
+  /// same again, for further right-hand sides of these systems.
+  void set_up_from_half(int count);
+  /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
+  /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
+  std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
+
+ private:
+  template <class, int>
+  friend class LaneCg;
+
+  using Progress = LaneProgress<Width>;
+  void allocate();
+  template <int Other>
+  void copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes);
+  static void multiply(LaneArray& vector, const Scalars& factors);
+  Scalars start(Progress& progress, LaneArray& load, LaneArray& solution, int lanes);
+  void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
+  void precondition(const LaneArray& residual);
+  void update_direction(const Scalars& beta, bool first);
+  Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
+  void balance(LaneArray& residual);
+  /// Whether free_motions_ can be given.
+  static constexpr bool may_be_free = Problem::own_operators && Width == 1;
+  bool narrow(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
+
+  LaneHierarchy<Problem::dim>& hierarchy_;
+  const Problem& problem_;
+  LaneCycle cycle_;
+  std::unique_ptr<Operator> matrix_;
+  std::unique_ptr<Multigrid> multigrid_;
+  std::array<bool, Width> positive_{};
+  LaneArray direction_, image_;
+  LaneValues<float> rounded_residual_, preconditioned_;
+  std::unique_ptr<IslandMap<Problem::dim>> island_map_;
+  IslandModes<Problem, Width> islands_;
+  const FreeMotions<Problem::dim>* free_motions_ = nullptr;
+  LaneArray corrected_, left_over_;              ///< of the rigid motions, if there are islands
+  LaneArray handed_residual_, handed_solution_;  ///< of the lanes that a wider solver left over
+  std::unique_ptr<Half> half_;                   ///< made at first use
+};
+
+/// Calls `use` with the narrowest solver for this many lanes, 1 to 8, and its width as template argument.
+template <class Problem, class Use>
+void with_narrowest(LaneCg<Problem, 8>& widest, int lanes, Use&& use) {
+  if (lanes > 4)
+    use.template operator()<8>(widest);
+  else if (lanes > 2)
+    use.template operator()<4>(widest.half());
+  else if (lanes > 1)
+    use.template operator()<2>(widest.half().half());
+  else
+    use.template operator()<1>(widest.half().half().half());
+}
+
+/// The solvers of all widths for a problem: instantiated by `template`, elsewhere by `extern template`, so
+/// that the widest does not bring the code of the others along.
+#define FABSEQ_EACH_LANE_CG(template_, Problem) \
+  template_ class LaneCg<Problem, 8>;           \
+  template_ class LaneCg<Problem, 4>;           \
+  template_ class LaneCg<Problem, 2>;           \
+  template_ class LaneCg<Problem, 1>
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneElasticityProblem<3>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<2>);
+FABSEQ_EACH_LANE_CG(extern template, LaneHeatProblem<3>);
+
+}  // namespace fabseq

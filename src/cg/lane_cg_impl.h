@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// Definitions of LaneCg, for the files that instantiate it.
+#pragma once
+
+#include "cg/lane_cg.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/stop.h"
+#include "kernels/flush_to_zero.h"
+#include "multigrid/lane_multigrid_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fabseq {
+
+template <class Problem, int Width>
+LaneCg<Problem, Width>::LaneCg(LaneHierarchy<Problem::dim>& hierarchy, const Problem& problem,
+                               const LaneCycle& cycle)
+    : hierarchy_(hierarchy), problem_(problem), cycle_(cycle) {}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::allocate() {
+  if (matrix_) return;
+  matrix_ = std::make_unique<Operator>(hierarchy_.level(0), problem_);
+  multigrid_ = std::make_unique<Multigrid>(hierarchy_, problem_, cycle_);
+  for (LaneArray* array : {&direction_, &image_}) array->resize(matrix_->size());
+  for (auto* array : {&rounded_residual_, &preconditioned_}) array->resize(matrix_->size());
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::give_back_memory() {
+  matrix_.reset();
+  multigrid_.reset();
+  half_.reset();
+  for (LaneArray* array :
+       {&direction_, &image_, &corrected_, &left_over_, &handed_residual_, &handed_solution_})
+    free_memory(*array);
+  for (auto* array : {&rounded_residual_, &preconditioned_}) free_memory(*array);
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up(Islands& islands) {
+  const LaneArray& coefficients = matrix_->coefficients();
+  multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
+  positive_ = multigrid_->set_up();
+  if constexpr (Problem::own_operators) {
+    if (!cycle_.islands || hierarchy_.count() == 1) return;
+    if (islands.empty()) {
+      if (!island_map_) island_map_ = std::make_unique<IslandMap<Problem::dim>>(matrix_->level());
+      islands_.set_up(*matrix_, island_map_->find(matrix_->coefficients(), Width));
+      islands = islands_.known();
+    } else {
+      islands_.take(islands);
+    }
+  }
+}
+
+template <class Problem, int Width>
+std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
+                                                       const LaneStop& stop) {
+  const FlushToZero flush_to_zero;
+  solution.assign(load.size(), 0.0);
+  Progress progress;
+  Scalars scales = start(progress, load, solution, lanes);
+  iterate(progress, load, solution, stop);
+  for (double& scale : scales) scale = 1.0 / scale;
+  multiply(solution, scales);
+  return {progress.outcome.begin(), progress.outcome.begin() + lanes};
+}
+
+/// Multiplies every lane by its factor.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::multiply(LaneArray& vector, const Scalars& factors) {
+  const auto all = Lanes<Width>::load(factors.data());
+  for (std::size_t i = 0; i < vector.size(); i += Width)
+    (Lanes<Width>::load(&vector[i]) * all).store(&vector[i]);
+}
+
+/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
+/// down to any tolerance, and solves for rigid motions of islands. Returns the scales.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
+                                                 int lanes) {
+  matrix_->clear_held(load.data());
+  Scalars squares = matrix_->dot(load.data(), load.data());
+  sum_in_place(matrix_->level().comm, squares);
+  Scalars scales;
+  for (int lane = 0; lane < Width; ++lane) {
+    const double size = std::sqrt(squares[lane]);
+    scales[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
+    if (lane >= lanes) continue;
+    progress.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
+    progress.outcome[lane].residual = 1.0;
+  }
+  multiply(load, scales);
+  if constexpr (Problem::own_operators) {
+    if (!islands_.empty()) {
+      islands_.add_correction(matrix_->level(), load.data(), solution.data());
+      matrix_->apply(solution.data(), image_.data());
+      for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
+      progress.length = matrix_->dot(solution.data(), solution.data());
+    }
+  }
+  std::copy(load.begin(), load.end(), rounded_residual_.begin());
+  return scales;
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, LaneArray& solution,
+                                     const LaneStop& stop) {
+  const MPI_Comm comm = matrix_->level().comm;
+  while (progress.any_active()) {
+    multigrid_->be_patient(progress.iteration >= cycle_.patience);
+    precondition(residual);
+    // The image is none before the first iteration: what it adds then is not used.
+    const auto products =
+        matrix_->dots(preconditioned_.data(), preconditioned_.data(), residual.data(), image_.data());
+    // A request to stop travels along: all ranks follow it in the same iteration.
+    const Scalars stops{stop_requested() ? 1.0 : 0.0};
+    std::array<Scalars, 5> sums{products[0], products[1], products[2], progress.length, stops};
+    sum_in_place(comm, std::span<double>(sums.front().data(), 4 * Width + 1));
+    const auto& [size, decrease, overlap, length, asked] = sums;
+    if (asked[0] > 0.0) throw_stopped(comm);
+    progress.judge(size, length, stop);
+    if (!progress.any_active() || progress.iteration == stop.max_iterations) break;
+    Scalars beta, alpha;
+    for (int lane = 0; lane < Width; ++lane) {
+      const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
+      beta[lane] = moves ? -overlap[lane] / progress.energy[lane] : 0.0;
+      progress.decrease[lane] = decrease[lane];
+    }
+    update_direction(beta, progress.iteration == 0);
+    progress.energy = matrix_->apply(direction_.data(), image_.data());
+    sum_in_place(comm, progress.energy);
+    for (int lane = 0; lane < Width; ++lane) {
+      const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
+      alpha[lane] = moves ? progress.decrease[lane] / progress.energy[lane] : 0.0;
+      progress.spectrum[lane].add(alpha[lane], beta[lane]);
+    }
+    progress.length = advance(alpha, residual, solution);
+    balance(residual);
+    ++progress.iteration;
+    progress.end_within_reach(alpha, stop);
+    if (narrow(progress, residual, solution, stop)) return;
+  }
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::precondition(const LaneArray& residual) {
+  multigrid_->apply(rounded_residual_.data(), preconditioned_.data());
+  if constexpr (may_be_free)
+    if (free_motions_ != nullptr) free_motions_->remove(preconditioned_);
+  if constexpr (Problem::own_operators) {
+    if (islands_.empty()) return;
+    corrected_.assign(preconditioned_.begin(), preconditioned_.end());
+    left_over_.resize(residual.size());
+    matrix_->apply(corrected_.data(), left_over_.data());
+    for (std::size_t i = 0; i < residual.size(); ++i) left_over_[i] = residual[i] - left_over_[i];
+    islands_.add_correction(matrix_->level(), left_over_.data(), preconditioned_.data());
+  }
+}
+
+/// direction = preconditioned residual + beta direction
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
+  using Value = Lanes<Width>;
+  const auto factor = Value::load(beta.data());
+  for (std::size_t i = 0; i < direction_.size(); i += Width) {
+    auto direction = Value::load(&preconditioned_[i]);
+    if (!first) direction += factor * Value::load(&direction_[i]);
+    direction.store(&direction_[i]);
+  }
+}
+
+/// solution += alpha direction, residual -= alpha image; this rank's part of |solution|^2.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::advance(const Scalars& alpha, LaneArray& residual,
+                                                   LaneArray& solution) {
+  using Value = Lanes<Width>;
+  constexpr std::size_t node_values = Operator::node_values;
+  const auto factor = Value::load(alpha.data());
+  auto squares = Value::zero();
+  std::size_t next = 0;
+  const auto advance_to = [&](std::size_t end, bool counted) {
+    for (; next < end; next += Width) {
+      const auto value = Value::load(&solution[next]) + factor * Value::load(&direction_[next]);
+      value.store(&solution[next]);
+      if (counted) squares += value * value;
+      const auto left = Value::load(&residual[next]) - factor * Value::load(&image_[next]);
+      left.store(&residual[next]);
+      left.store(&rounded_residual_[next]);
+    }
+  };
+  for (const auto& range : matrix_->level().counted) {
+    advance_to(range.begin * node_values, false);
+    advance_to(range.end * node_values, true);
+  }
+  advance_to(residual.size(), false);
+  Scalars result;
+  squares.store(result.data());
+  return result;
+}
+
+/// Resultants that rounding leaves would stay, and outweigh what is left of the residual in the end.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::balance(LaneArray& residual) {
+  if constexpr (may_be_free) {
+    if (free_motions_ == nullptr) return;
+    free_motions_->balance(residual);
+    std::copy(residual.begin(), residual.end(), rounded_residual_.begin());
+  }
+}
+
+template <class Problem, int Width>
+typename LaneCg<Problem, Width>::Half& LaneCg<Problem, Width>::half() {
+  if (!half_) half_ = std::make_unique<Half>(hierarchy_, problem_, cycle_);
+  return *half_;
+}
+
+/// Lane i becomes lane lanes[i] of another solver.
+template <class Problem, int Width>
+template <int Other>
+void LaneCg<Problem, Width>::copy_set_up(LaneCg<Problem, Other>& other, std::span<const int> lanes) {
+  allocate();
+  multigrid_->template select<Other>(*other.multigrid_, lanes);
+  matrix_->template select<Other>(*other.matrix_, lanes);
+  if constexpr (Problem::own_operators) islands_.template select<Other>(other.islands_, lanes);
+  for (int lane = 0; lane < Width; ++lane) positive_[lane] = other.positive_[selected(lanes, lane)];
+}
+
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::set_up_from_half(int count) {
+  if constexpr (Width > 1) {
+    std::array<int, Width> lanes{};
+    for (int i = 0; i < 2 * count; ++i) lanes[i] = i % count;
+    copy_set_up(half(), std::span<const int>(lanes.data(), 2 * count));
+  }
+}
+
+/// Lets the lanes that are left go on in a solver half as wide; false if there are too many, or is none.
+template <class Problem, int Width>
+bool LaneCg<Problem, Width>::narrow(Progress& progress, LaneArray& residual, LaneArray& solution,
+                                    const LaneStop& stop) {
+  if constexpr (Width == 1) {
+    return false;
+  } else {
+    if (!cycle_.narrows) return false;
+    constexpr int half_width = Width / 2;
+    std::array<int, half_width> left{};
+    int count = 0;
+    for (int lane = 0; lane < Width; ++lane) {
+      if (!progress.active[lane]) continue;
+      if (count == half_width) return false;
+      left[count++] = lane;
+    }
+    if (count == 0) return false;
+    const std::span<const int> lanes(left.data(), count);
+    half().copy_set_up(*this, lanes);
+    LaneProgress<half_width> narrower;
+    narrower.take(progress, lanes);
+    LaneArray& half_residual = half_->handed_residual_;
+    LaneArray& half_solution = half_->handed_solution_;
+    select_lanes(residual, Width, lanes, half_residual, half_width);
+    select_lanes(rounded_residual_, Width, lanes, half_->rounded_residual_, half_width);
+    select_lanes(solution, Width, lanes, half_solution, half_width);
+    select_lanes(direction_, Width, lanes, half_->direction_, half_width);
+    select_lanes(image_, Width, lanes, half_->image_, half_width);
+    half_->iterate(narrower, half_residual, half_solution, stop);
+    for (int i = 0; i < std::min(count, half_width); ++i) {
+      progress.outcome[lanes[i]] = narrower.outcome[i];
+      for (std::size_t at = 0; at < solution.size() / Width; ++at)
+        solution[at * Width + lanes[i]] = half_solution[at * half_width + i];
+    }
+    return true;
+  }
+}
+
+}  // namespace fabseq

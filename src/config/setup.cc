@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/config/setup.h"
+
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/memory.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/base/session.h"
+#include "fabseq/optimize/run_cost.h"
+#include "fabseq/part/wall_thickness.h"
+#include "fabseq/process/release.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/solve/reference/preconditioner.h"
+#include "fabseq/solve/solvers.h"
+
+namespace fabseq {
+
+template <int Dim>
+Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, config_), config(config_) {
+  // Refuses a grid whose lane blocks are too large for the indices before anything is written.
+  (void)this->grid.exchange(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
+  if (config.solver.path == SolverPath::reference)
+    require_solver_options({solver_prefixes.begin(), solver_prefixes.end()});
+  require_walls();
+  require_release();
+  warn_about_method();
+}
+
+/// Refuses meshes on a grid that is too coarse for their walls.
+template <int Dim>
+void Setup<Dim>::require_walls() const {
+  const auto* mesh = std::get_if<MeshFile>(&config.part.source);
+  if (mesh == nullptr || mesh->least_elements == 0.0) return;
+  const ThinWall<Dim> wall = thinnest_wall(this->part);
+  if (wall.elements >= mesh->least_elements) return;
+  refuse("/part/mesh",
+         formatted("%.2g elements across the wall at %s", wall.elements, to_text<Dim>(wall.at).c_str()),
+         formatted("%g or more (smaller domain.element, or part.mesh.least_elements)", mesh->least_elements));
+}
+
+/// Refuses terms after a release that there cannot be.
+template <int Dim>
+void Setup<Dim>::require_release() const {
+  const auto require_for = [&](const std::string& list, const std::vector<Term>& terms) {
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      if (!terms[i].type->facts(terms[i]).measures_release) continue;
+      const std::string reason = release_obstacle(this->grid, this->supports, config.process.void_model);
+      if (!reason.empty())
+        refuse("/" + list + "/" + std::to_string(i) + "/after_release", "true, but " + reason,
+               "false for this part");
+    }
+  };
+  require_for("objective", config.objective);
+  require_for("constraints", config.constraints);
+}
+
+/// The solvers themselves say nothing: there are many of them.
+template <int Dim>
+void Setup<Dim>::warn_about_method() const {
+  if (config.solver.method != ReferenceMethod::multigrid) return;
+  const std::string obstacle = coarsening_obstacle(this->grid);
+  if (!obstacle.empty())
+    warn("/solver/reference_method: multigrid halves the grid, which has " + obstacle +
+         "; gamg is taken in its place");
+}
+
+template <int Dim>
+Json Setup<Dim>::document() const {
+  Json document = config.effective;
+  if (find_member(document.at("layers"), "count") != nullptr)
+    document["layers"]["count"] = this->layers->count();
+  document["baseline"]["layers"] = this->baseline->count();
+  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
+    document["sequence"]["characteristic_length"] = this->characteristic_length;
+  return document;
+}
+
+template <int Dim>
+void Setup<Dim>::require_memory_of_layers() const {
+  const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
+  const RunSize size =
+      run_size<Dim>(config, this->part, this->node_sets, layer_count, size_of(this->world()));
+  const double bytes = layer_count * sizeof(double) *
+                       (2.0 * group_count * size.part_elements + (Dim + 1.0) / Dim * size.unknowns);
+  const LayerTraits& traits = this->layers->traits();
+  const bool planar = layer_count > traits.count;
+  require_memory(
+      this->world(), bytes,
+      (planar ? "/baseline/layers: " : traits.key + (traits.count_is_estimate ? ": about " : ": ")) +
+          std::to_string(layer_count) + " layers on " + to_text<Dim>(this->grid.domain().elements) +
+          " elements" + (group_count > 1 ? " in " + std::to_string(group_count) + " layer groups" : ""));
+}
+
+FABSEQ_INSTANTIATE_CLASS(Setup);
+
+}  // namespace fabseq

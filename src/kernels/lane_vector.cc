@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/kernels/lane_vector.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+void resize(LaneVector& vector, int nodes, int components, int lanes) {
+  if (vector.nodes != nodes || vector.components != components || vector.lanes != lanes)
+    vector = LaneVector(nodes, components, lanes);
+}
+
+void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some) {
+  resize(some, static_cast<int>(nodes.size()), all.components, all.lanes);
+  const std::ptrdiff_t block = static_cast<std::ptrdiff_t>(all.components) * all.lanes;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    std::copy_n(all.values.begin() + nodes[k] * block, block, some.values.begin() + k * block);
+}
+
+void spread(const LaneVector& some, std::span<const int> nodes, int count, LaneVector& all) {
+  resize(all, count, some.components, some.lanes);
+  const std::ptrdiff_t block = static_cast<std::ptrdiff_t>(some.components) * some.lanes;
+  auto to = all.values.begin();
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto place = all.values.begin() + nodes[k] * block;
+    std::fill(to, place, 0.0);
+    to = std::copy_n(some.values.begin() + k * block, block, place);
+  }
+  std::fill(to, all.values.end(), 0.0);
+}
+
+}  // namespace fabseq

@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: MIT
-#include "fabseq/lanes/lane_cg_impl.h"
-
-namespace fabseq {
-
-FABSEQ_EACH_LANE_CG(template, LaneHeatProblem<2>);
-FABSEQ_EACH_LANE_CG(template, LaneHeatProblem<3>);
-
-}  // namespace fabseq

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/output/records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+Json response_table(const std::vector<NamedValue>& responses) {
+  Json table = Json::array();
+  for (const auto& [name, type, value] : responses)
+    table.push_back(Json::object({{"name", name}, {"type", type}, {"value", value}}));
+  return table;
+}
+
+Json layer_table(const std::vector<LayerNumbers>& layers) {
+  Json table = Json::array();
+  for (const LayerNumbers& layer : layers) {
+    Json entry =
+        Json::object({{"volume", layer.volume}, {"thickness", layer.thickness}, {"cv", layer.variation}});
+    if (layer.sub_part > 0) {
+      entry["subpart"] = layer.sub_part;
+      entry["slab"] = layer.slab;
+    }
+    table.push_back(entry);
+  }
+  return table;
+}
+
+Json checks_record(const BuildNumbers& numbers) {
+  const auto place = [](const MarkedElements& marked) {
+    return marked.at.empty() ? Json() : Json(marked.at);
+  };
+  Json blocked, tilt, thickness;
+  if (const auto& marked = numbers.blocked)
+    blocked = Json::object({{"elements", marked->elements},
+                            {"share", marked->share},
+                            {"deepest", marked->largest},
+                            {"at", place(*marked)},
+                            {"per_layer", marked->per_layer}});
+  if (numbers.tilt)
+    tilt = Json::object({{"largest", numbers.tilt->largest},
+                         {"beyond", numbers.tilt->beyond.elements},
+                         {"share", numbers.tilt->beyond.share},
+                         {"at", place(numbers.tilt->beyond)},
+                         {"per_layer", numbers.tilt->beyond.per_layer}});
+  if (const auto& range = numbers.local_thickness) {
+    thickness =
+        Json::object({{"least", range->least}, {"largest", range->largest}, {"share_outside", Json()}});
+    if (const auto& outside = range->outside) {
+      thickness["share_outside"] = outside->share;
+      thickness["at"] = place(*outside);
+      thickness["per_layer"] = outside->per_layer;
+    }
+  }
+  const auto marks_record = [&](const MarkedElements& marked) {
+    return Json::object(
+        {{"elements", marked.elements}, {"at", place(marked)}, {"per_layer", marked.per_layer}});
+  };
+  return Json::object({{"blocked", blocked},
+                       {"tilt", tilt},
+                       {"local_thickness", thickness},
+                       {"hanging", marks_record(numbers.hanging)},
+                       {"interior_minima", marks_record(numbers.interior_minima)},
+                       {"interior_maxima", marks_record(numbers.interior_maxima)}});
+}
+
+void add_build(Json& record, const BuildNumbers& numbers) {
+  record["checks"] = checks_record(numbers);
+  if (numbers.wire) record["wire_mass"] = *numbers.wire;
+  if (numbers.hours) record["build_hours"] = *numbers.hours;
+  if (const auto& stress = numbers.stress)
+    record["stress"] =
+        Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", stress->share_beyond_yield}});
+}
+
+Json sizes_record(const DisplacementSizes& sizes) {
+  return Json::object(
+      {{"displacement", to_record(sizes.part)}, {"nodes", sizes.nodes ? to_record(*sizes.nodes) : Json()}});
+}
+
+Json deposition_record(const DepositionNumbers& numbers) {
+  Json terms = Json::array();
+  for (const auto& [name, type, value] : numbers.distortions)
+    terms.push_back(Json::object({{"name", name}, {"value", value}, {"length", std::sqrt(value)}}));
+  Json record = sizes_record(numbers);
+  record["distortion"] = terms;
+  return record;
+}
+
+Json to_record(const Deviation& deviation) {
+  Json record = sizes_record(deviation);
+  record["stock"] = Json::object({{"outward", deviation.outward}, {"inward", deviation.inward}});
+  return record;
+}
+
+Json finished_record(const FinishedShape& shape) {
+  Json record = Json::object({{"as_built", to_record(shape.as_built)},
+                              {"released", shape.released ? to_record(*shape.released) : Json()}});
+  if (!shape.failure.empty()) record["failure"] = shape.failure;
+  return record;
+}
+
+Json scenario_table(const std::vector<ScenarioNumbers>& scenarios) {
+  Json table = Json::array();
+  for (const auto& [name, values, mean, spread, worst] : scenarios)
+    table.push_back(Json::object(
+        {{"name", name}, {"values", values}, {"mean", mean}, {"spread", spread}, {"worst", worst}}));
+  return table;
+}
+
+/// Terms of an objective have one.
+std::vector<double> first_components(const std::vector<std::vector<double>>& values) {
+  std::vector<double> result;
+  for (const auto& value : values) result.push_back(value[0]);
+  return result;
+}
+
+bool has_functionals(const ProblemValues& values) {
+  return std::any_of(values.functionals.begin(), values.functionals.end(),
+                     [](const std::vector<double>& list) { return !list.empty(); });
+}
+
+Json optimizer_record(const MmaReport& mma) {
+  return Json::object({{"newton_steps", mma.newton_steps},
+                       {"residual", mma.kkt_residual},
+                       {"relaxation", mma.largest_violation}});
+}
+
+Json binary_record(const ProblemValues& values) {
+  return Json::object({{"objective", first_components(values.objective)},
+                       {"constraints", values.constraints},
+                       {"worst_constraint", values.worst_constraint}});
+}
+
+}  // namespace
+
+Json to_record(const DisplacementSize& size) {
+  return Json::object({{"max", size.largest}, {"rms", size.rms}});
+}
+
+void add_members(Json& record, const SequenceNumbers& numbers) {
+  record["responses"] = response_table(numbers.responses);
+  record["layers"] = layer_table(numbers.layers);
+  const auto& [own, other, own_model] = numbers.depositions;
+  const bool is_nominal = own_model == DepositionModel::nominal;
+  record["displacement"] = to_record(own.part);
+  record["deposition"] = Json::object({{"follow", deposition_record(is_nominal ? other : own)},
+                                       {"nominal", deposition_record(is_nominal ? own : other)}});
+  if (numbers.build) add_build(record, *numbers.build);
+  if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
+  if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
+}
+
+Json to_record(const SequenceNumbers& numbers) {
+  Json record = Json::object();
+  add_members(record, numbers);
+  return record;
+}
+
+Json to_record(const SolverIterations& iterations) {
+  return Json::object(
+      {{"primal", iterations.primal}, {"adjoint", iterations.adjoint}, {"heat", iterations.heat}});
+}
+
+Json to_record(const HistoryLine& line) {
+  const ProblemValues& values = line.iterate.values;
+  Json record = Json::object({{"iteration", line.iterate.iteration},
+                              {"objective", first_components(values.objective)},
+                              {"objective_scaled", values.scaled},
+                              {"constraints", values.constraints},
+                              {"worst_constraint", values.worst_constraint},
+                              {"beta", line.iterate.beta},
+                              {"change", line.step.change},
+                              {"merit", values.merit},
+                              {"interior_minima", line.interior_minima},
+                              {"tolerance", line.tolerance},
+                              {"optimizer", optimizer_record(line.step.mma)},
+                              {"solver_iterations", to_record(line.solver_iterations)},
+                              {"seconds", seconds_record(line.seconds)},
+                              {"peak_memory_bytes", line.peak_memory_bytes}});
+  if (line.temperature_range) record["temperature_range"] = *line.temperature_range;
+  set_layer_variables(record, line.layer_variables, line.design);
+  if (has_functionals(values)) record["functionals"] = values.functionals;
+  if (line.iterate.binary) record["binary"] = binary_record(*line.iterate.binary);
+  return record;
+}
+
+Json to_record(const Summary& summary) {
+  Json record = Json::object({{"name", summary.name},
+                              {"status", summary.end.status},
+                              {"reason", summary.end.reason},
+                              {"iterations", summary.end.iterations},
+                              {"ranks", summary.ranks},
+                              {"layer_groups", summary.layer_groups},
+                              {"part_elements", summary.part_elements},
+                              {"seconds", seconds_record(summary.seconds)},
+                              {"peak_memory_bytes", summary.peak_memory_bytes}});
+  if (summary.coarse_iterations > 0) record["coarse_iterations"] = summary.coarse_iterations;
+  if (const auto& finish = summary.finish) {
+    record["best_iteration"] = finish->best.iteration();
+    record["feasible"] = finish->best.feasible();
+    record["beta"] = finish->best.beta();
+    record["worst_constraint"] = finish->best.worst_constraint();
+    record["optimized"] = to_record(finish->reports.optimized);
+    record["binary"] = to_record(finish->reports.binary);
+    if (const auto& start = finish->reports.start) record["start"] = to_record(*start);
+  }
+  if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
+  if (const auto& finish = summary.finish) {
+    if (const auto& matched = finish->reports.matched) record["baseline_matched"] = to_record(*matched);
+    record["interior_minima"] = finish->reports.interior_minima;
+    set_layer_variables(record, finish->layer_variables, finish->best.design());
+  }
+  return record;
+}
+
+}  // namespace fabseq

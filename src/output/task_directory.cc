@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/output/task_directory.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/base/session.h"
+#include "fabseq/base/verdict.h"
+
+#include <hdf5.h>
+#include <petscsys.h>
+
+#include <filesystem>
+
+namespace fabseq {
+
+namespace {
+
+Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+  char petsc[256];
+  check(PetscGetVersion(petsc, sizeof petsc));
+  char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int length = 0;
+  MPI_Get_library_version(mpi, &length);
+  Json record = config.effective;
+  record["run"] = Json::object({{"command_line", command_line.text},
+                                {"fabseq", FABSEQ_VERSION},
+                                {"petsc", petsc},
+                                {"mpi", mpi},
+                                {"hdf5", H5_VERS_INFO},
+                                {"ranks", size_of(comm)}});
+  if (config.part.mesh) record["run"]["mesh_placement"] = config.part.mesh->placement();
+  return record;
+}
+
+/// Refuses to replace the run that this one takes its design or its sequence from. Collective.
+void require_inputs_to_stay(const Config& config, const CommandLine& command_line, MPI_Comm comm,
+                            const std::string& directory) {
+  const auto require = [&](const std::string& key, const std::string& file) {
+    if (is_file_of_run(directory, file))
+      refuse(key, shown(file) + " of the run that is to be replaced",
+             "a copy of it elsewhere, or another directory with -output");
+  };
+  run_on_first(comm, [&] {
+    if (command_line.design_file) require("-design", *command_line.design_file);
+    for (const auto& [key, file] : config.sequence.facts.files) require(pointer_to("/sequence", key), file);
+  });
+}
+
+}  // namespace
+
+std::string output_path(const Config& config, const CommandLine& command_line) {
+  if (command_line.output) return *command_line.output;
+  const bool of_restart = command_line.restart && *command_line.restart != "auto";
+  return of_restart ? *command_line.restart : "output/" + config.name;
+}
+
+bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b) {
+  std::error_code error;
+  return any(comm, rank_of(comm) == 0 && std::filesystem::equivalent(a, b, error));
+}
+
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                      bool continues) {
+  const MPI_Comm comm = setup.world();
+  const std::string path = output_path(setup.config, command_line);
+  const bool goes_on = command_line.restart == "auto" ||
+                       (command_line.restart && same_directory(comm, *command_line.restart, path));
+  const bool replaces = command_line.overwrite || goes_on;
+  if (replaces && !continues) require_inputs_to_stay(setup.config, command_line, comm, path);
+  OutputDirectory directory =
+      continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
+  if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
+  directory.write("config.json", to_text(config_record(setup.config, command_line, comm), 2) + "\n");
+  return directory;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(make_output_directory);
+
+}  // namespace fabseq

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/report/build_report.h"
+
+#include "fabseq/base/mpi.h"
+#include "fabseq/machine/blocked.h"
+#include "fabseq/machine/build_direction.h"
+#include "fabseq/machine/hanging.h"
+#include "fabseq/machine/interior_extrema.h"
+#include "fabseq/process/residual_stress.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& settings) {
+  if (!settings.layers.target) return std::nullopt;
+  const double target = settings.layers.target->value;
+  return std::array{settings.tool.thickness[0] * target, settings.tool.thickness[1] * target};
+}
+
+/// Wire and time: welding at the deposition rate, and a pause after each layer.
+void estimate_time(const ModelSettings& settings, double volume, int layers, BuildNumbers& numbers) {
+  constexpr double seconds_per_hour = 3600.0;
+  if (!settings.material.mass_density) return;
+  numbers.wire = *settings.material.mass_density * volume;
+  if (!settings.process.deposition_rate) return;
+  numbers.hours =
+      *numbers.wire / *settings.process.deposition_rate + layers * settings.process.dwell / seconds_per_hour;
+}
+
+/// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).
+template <int Dim>
+class MachineChecks {
+ public:
+  MachineChecks(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state)
+      : part_(model.part),
+        settings_(model.settings),
+        state_(state),
+        layer_(pipeline.last_layer_index()),
+        direction_(build_direction(state.time, state.layers, layer_)) {}
+
+  /// Collective.
+  void add_to(BuildReport& report) const {
+    if (any(part_.grid().comm(), !direction_.empty())) report.fields.direction = direction_;
+    add_torch(report);
+    add_thickness(report);
+    std::vector<double> hanging = hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
+    report.numbers.hanging = count(hanging, MarkedPlace::earliest);
+    report.fields.hanging = std::move(hanging);
+    const InteriorExtrema extrema = find_interior_extrema<Dim>(part_, state_.time.time);
+    report.numbers.interior_minima = count(extrema.minima, MarkedPlace::earliest);
+    report.numbers.interior_maxima = count(extrema.maxima, MarkedPlace::earliest);
+  }
+
+ private:
+  MarkedElements count(std::span<const double> marks, MarkedPlace place) const {
+    return count_marked<Dim>(part_, marks, layer_, state_.layers.count(), place);
+  }
+
+  void add_torch(BuildReport& report) const {
+    const ToolSettings& tool = settings_.tool;
+    const std::vector<double> axis = torch_axis<Dim>(part_, tool, direction_);
+    if (!any(part_.grid().comm(), !axis.empty())) return;
+    std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
+    double largest = 0.0;
+    std::vector<double> beyond;
+    for (const double angle : tilt) {
+      largest = std::max(largest, angle);
+      beyond.push_back(angle - tool.max_tilt);
+    }
+    report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond, MarkedPlace::largest)};
+    report.fields.tilt = std::move(tilt);
+    if (tool.profile.empty()) return;
+    std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
+    report.numbers.blocked = count(blocked, MarkedPlace::largest);
+    report.fields.blocked = std::move(blocked);
+  }
+
+  void add_thickness(BuildReport& report) const {
+    std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
+    report.numbers.local_thickness =
+        thickness_range<Dim>(part_, thickness, allowed_thickness(settings_), layer_, state_.layers.count());
+    if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
+  }
+
+  const Part<Dim>& part_;
+  const ModelSettings& settings_;
+  const PipelineState<Dim>& state_;
+  std::vector<double> layer_, direction_;
+};
+
+}  // namespace
+
+template <int Dim>
+void add_build_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const BuildFields& build,
+                      const std::string& prefix) {
+  const auto add = [&](const char* name, const std::optional<std::vector<double>>& values,
+                       int components = 1) {
+    if (values) fields.add_elements(prefix + name, *values, components, &part.elements());
+  };
+  add("build_direction", build.direction, Dim);
+  add("blocked", build.blocked);
+  add("tilt", build.tilt);
+  add("local_thickness", build.local_thickness);
+  add("hanging", build.hanging);
+  add("von_mises", build.von_mises);
+}
+
+template <int Dim>
+BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                        const PipelineState<Dim>& state) {
+  BuildReport report;
+  MachineChecks<Dim>(model, pipeline, state).add_to(report);
+  return report;
+}
+
+template <int Dim>
+BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state, int used_layers) {
+  BuildReport report = check_build(model, pipeline, state);
+  estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
+  if (const auto yield = model.settings.material.yield_stress) {
+    const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
+    report.numbers.stress = {stress_extremes(model.part, stress).von_mises,
+                             share_beyond(model.part, stress, *yield)};
+    report.fields.von_mises = equivalent_stress(model.part, stress);
+  }
+  return report;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(add_build_fields);
+FABSEQ_INSTANTIATE_FUNCTION(check_build);
+FABSEQ_INSTANTIATE_FUNCTION(report_build);
+
+}  // namespace fabseq

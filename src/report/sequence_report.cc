@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/report/sequence_report.h"
+
+#include "fabseq/process/counted_as.h"
+#include "fabseq/responses/layer_statistics.h"
+#include "fabseq/responses/response_type.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineState<Dim>& state) {
+  const auto statistics = layer_statistics(model.context(), state.time, state.layers);
+  const SubParts& sub_parts = state.layers.sub_parts;
+  std::vector<LayerNumbers> result;
+  for (int j = 0; j < state.layers.count(); ++j) {
+    result.push_back(
+        {statistics[j].volume, statistics[j].thickness, statistics[j].coefficient_of_variation()});
+    if (sub_parts.count() == 0) continue;
+    result.back().sub_part = sub_parts.of_layer[j] + 1;
+    result.back().slab = sub_parts.slab[j];
+  }
+  return result;
+}
+
+/// By the model that the state now counts by.
+template <int Dim>
+DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>& problem,
+                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  DepositionNumbers result{displacement_sizes(model, state.process.displacement), {}};
+  const auto terms = problem.responses().first(problem.objective_count());
+  for (NamedValue& term : problem.describe(pipeline.values(terms, state)))
+    if (term.type == "distortion") result.distortions.push_back(std::move(term));
+  return result;
+}
+
+/// The same term with another aggregate.
+Term with_aggregate(Term term, const char* aggregate) {
+  term.keys["aggregate"] = aggregate;
+  return term;
+}
+
+/// What the scenarios of the strain (docs/formulation.md 4.7) make of a pipeline's last run, for each term of
+/// the objective that can be aggregated over them, whichever aggregate it asks for; empty without scenarios.
+/// No solve: they are superposed.
+template <int Dim>
+std::vector<ScenarioNumbers> report_scenarios(const Model<Dim>& model, const Problem<Dim>& problem,
+                                              Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  std::vector<ScenarioNumbers> result;
+  if (model.settings.material.scenarios.empty()) return result;
+  for (std::size_t i = 0; i < model.settings.objective.size(); ++i) {
+    const Term& term = model.settings.objective[i];
+    if (find_member(term.keys, "aggregate") == nullptr) continue;
+    std::vector<std::unique_ptr<Response<Dim>>> responses;
+    responses.push_back(term.type->make(with_aggregate(term, "worst"), model.context())->largest_of());
+    responses.push_back(term.type->make(with_aggregate(term, "spread"), model.context()));
+    auto values = pipeline.values(responses, state);
+    ScenarioNumbers numbers{problem.component_name(i, 0), std::move(values[0])};
+    const auto& all = numbers.values;
+    numbers.mean = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+    numbers.spread = values[1][0];
+    numbers.worst = *std::max_element(all.begin(), all.end());
+    result.push_back(std::move(numbers));
+  }
+  return result;
+}
+
+}  // namespace
+
+int SequenceNumbers::used_layers() const {
+  double total = 0.0;
+  for (const LayerNumbers& layer : layers) total += layer.volume;
+  return static_cast<int>(std::count_if(layers.begin(), layers.end(), [&](const LayerNumbers& layer) {
+    return layer.volume > 1e-6 * total / static_cast<double>(layers.size());
+  }));
+}
+
+template <int Dim>
+void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
+                         const std::string& prefix) {
+  fields.add_elements(prefix + "time", report.time, 1, &part.elements());
+  fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
+  add_build_fields(fields, part, report.build_fields, prefix);
+  if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
+  add_displacements(fields, report, prefix);
+}
+
+template <int Dim>
+void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix) {
+  fields.add_nodes(prefix + "displacement", report.displacement, Dim, &report.nodes);
+  if (report.finished && report.finished->released)
+    fields.add_nodes(prefix + "release_displacement", report.finished->release, Dim, &report.nodes);
+}
+
+template <int Dim>
+BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
+                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  const DepositionModel own_model = model.settings.process.deposition;
+  const bool is_nominal = own_model == DepositionModel::nominal;
+  const DepositionModel other_model = is_nominal ? DepositionModel::follow : DepositionModel::nominal;
+  DepositionNumbers own = deposition_numbers(model, problem, pipeline, state);
+  const CountedAs<Dim> counted(other_model, pipeline.process().model(), model.groups, state.layers,
+                               pipeline.process().result());
+  return {std::move(own), deposition_numbers(model, problem, pipeline, state), own_model};
+}
+
+template <int Dim>
+SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                               const PipelineState<Dim>& state, bool with_shape) {
+  SequenceReport report;
+  report.values = pipeline.values(problem.responses(), state);
+  report.responses = problem.describe(report.values);
+  report.layers = layer_numbers(model, state);
+  report.depositions = report_depositions(model, problem, pipeline, state);
+  report.scenarios = report_scenarios(model, problem, pipeline, state);
+  if (with_shape) {
+    report.finished = finished_shape(model, pipeline, state);
+    BuildReport build = report_build(model, pipeline, state, report.used_layers());
+    report.build = std::move(build.numbers);
+    report.build_fields = std::move(build.fields);
+  }
+  report.time = state.time.time;
+  report.layer = pipeline.last_layer_index();
+  report.temperature = state.time.temperature;
+  report.nodes = pipeline.process().model().nodes;
+  report.displacement = pipeline.process().model().at_nodes(state.process.displacement);
+  return report;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(add_sequence_fields);
+FABSEQ_INSTANTIATE_FUNCTION(add_displacements);
+FABSEQ_INSTANTIATE_FUNCTION(report_depositions);
+FABSEQ_INSTANTIATE_FUNCTION(report_sequence);
+
+}  // namespace fabseq

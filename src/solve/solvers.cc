@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/solve/solvers.h"
+
+#include "fabseq/solve/reference/reference_elasticity.h"
+#include "solve/lane_elasticity.h"
+#include "solve/lane_heat.h"
+#include "solve/lane_report.h"
+#include "solve/reference/reference_heat.h"
+
+namespace fabseq {
+
+AssembledSolverSettings assembled_settings(const SolverSettings& settings, const SolveTolerance& tolerance,
+                                           const char* prefix) {
+  return {settings.method, tolerance.value, 1000, prefix};
+}
+
+LaneCycle lane_cycle(const SolverSettings& settings) {
+  return {.kind = settings.cycle, .degree = settings.smoother_degree};
+}
+
+template <int Dim>
+std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
+                                                  const SystemDomain& domain, bool lumped, double tolerance,
+                                                  int lanes) {
+  const auto reference = assembled_settings(settings, heat_tolerance({tolerance}), heat_prefix);
+  if (settings.path == SolverPath::lanes)
+    return std::make_unique<LaneHeat<Dim>>(grid, domain, lumped, lane_iterations, reference, lanes);
+  return std::make_unique<ReferenceHeat<Dim>>(grid, domain, lumped, reference);
+}
+
+template <int Dim>
+std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettings& settings,
+                                                              const Grid<Dim>& grid,
+                                                              const SystemDomain& domain,
+                                                              const ElementMatrices<Dim>& element,
+                                                              double poisson, double tolerance, int lanes) {
+  const auto reference = assembled_settings(settings, elasticity_tolerance({tolerance}), elasticity_prefix);
+  if (settings.path == SolverPath::lanes)
+    return std::make_unique<LaneElasticity<Dim>>(grid, domain, poisson, lane_cycle(settings), lane_iterations,
+                                                 reference, lanes);
+  return std::make_unique<ReferenceElasticity<Dim>>(grid, domain, element.stiffness(), reference);
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(make_heat_solver);
+FABSEQ_INSTANTIATE_FUNCTION(make_elasticity_solver);
+
+}  // namespace fabseq

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "tasks/advice.h"
+
+#include "fabseq/base/formatted.h"
+
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+/// The figures of docs/how-to.md, "Choose settings".
+constexpr double least_elements_per_layer = 2.5;
+constexpr double most_vacant_layers = 0.2, least_vacant_layers = -0.02;
+/// At least this share of the iterations belongs to the last sharpness.
+constexpr double share_of_last_beta = 0.2;
+
+/// How N times the target goes with what there is to build.
+template <int Dim>
+void add_advice_on_count(const Setup<Dim>& setup, double geodesic_height, std::vector<std::string>& result) {
+  const auto& target = setup.config.layers.target;
+  if (!target || setup.config.layers.multi_planar) return;
+  const int count = setup.layers->count();
+  const double height = count * target->value, surplus = height / geodesic_height - 1.0;
+  if (surplus < least_vacant_layers)
+    result.push_back(formatted(
+        "/layers/count: %d layers of %g reach %g of the geodesic height %.6g: no sequence satisfies the "
+        "thickness constraint",
+        count, target->value, height, geodesic_height));
+  if (surplus > most_vacant_layers)
+    result.push_back(
+        formatted("/layers/count: %d layers of %g are %.0f %% more than the geodesic height %.6g: the "
+                  "last layers stay empty",
+                  count, target->value, 100.0 * surplus, geodesic_height));
+  if (!setup.config.sequence.facts.characteristic_length &&
+      std::abs(setup.characteristic_length / height - 1.0) > most_vacant_layers)
+    result.push_back(
+        formatted("/sequence/characteristic_length: its default, the longest edge %.6g, is not near the "
+                  "number of layers times the target, %.6g, which it should be",
+                  setup.characteristic_length, height));
+}
+
+/// Whether the sharpness reaches its last value early enough.
+template <int Dim>
+void add_advice_on_sharpness(const Setup<Dim>& setup, std::vector<std::string>& result) {
+  const ProjectionSettings& projection = setup.config.projection;
+  const LayerTraits& traits = setup.layers->traits();
+  if (projection.binary || projection.factor <= 1.0) return;
+  const double steps =
+      std::ceil(std::log(traits.last_beta / traits.first_beta) / std::log(projection.factor));
+  const int iterations = setup.config.optimizer.max_iterations;
+  if (steps * projection.interval > (1.0 - share_of_last_beta) * iterations)
+    result.push_back(
+        formatted("/projection/interval: the sharpness grows until iteration %.0f of %d: take a shorter "
+                  "interval or more iterations",
+                  steps * projection.interval, iterations));
+}
+
+}  // namespace
+
+template <int Dim>
+double elements_per_layer(const Setup<Dim>& setup, double geodesic_height) {
+  const auto& target = setup.config.layers.target;
+  const double thickness = target ? target->value : geodesic_height / setup.layers->count();
+  return thickness / setup.grid.largest_spacing();
+}
+
+template <int Dim>
+std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height) {
+  std::vector<std::string> result;
+  const double elements = elements_per_layer(setup, geodesic_height);
+  if (elements < least_elements_per_layer)
+    result.push_back(formatted("/layers: layers of %.2g elements become ragged, needs %g or more, better 4",
+                               elements, least_elements_per_layer));
+  add_advice_on_count(setup, geodesic_height, result);
+  add_advice_on_sharpness(setup, result);
+  return result;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(elements_per_layer);
+FABSEQ_INSTANTIATE_FUNCTION(advice);
+
+}  // namespace fabseq

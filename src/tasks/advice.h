@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/config/setup.h"
+
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// What -task check says about settings that are allowed and seldom meant (docs/how-to.md, "Choose
+/// settings"): layers of too few elements, a number of layers or a characteristic length that does not go
+/// with the target thickness, a continuation that does not end. One text each. `geodesic_height`: length
+/// unit. Not collective.
+template <int Dim>
+std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height);
+
+/// Thickness of a layer in elements: the target where there is one, else the geodesic height shared out.
+template <int Dim>
+double elements_per_layer(const Setup<Dim>& setup, double geodesic_height);
+
+}  // namespace fabseq

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
+#include "fabseq/part/wall_thickness.h"
+#include "fabseq/sequence/geodesic_distance.h"
+#include "fabseq/sequence/given_sequence.h"
+#include "fabseq/tasks/tasks.h"
+#include "tasks/advice.h"
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+void print_cost(const Setup<Dim>& setup) {
+  const int ranks = size_of(setup.world());
+  const SolverPath path = setup.config.solver.path;
+  const RunSize size = run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), ranks);
+  print(formatted("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns,
+                  size.layers, 1 + size.cases + size.functionals));
+  if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);
+  const OptimizerSettings& optimizer = setup.config.optimizer;
+  print(formatted("estimate (%s, %d ranks): memory %.2f GB, %.1f s an iteration, %d iterations",
+                  path == SolverPath::lanes ? "lanes" : "reference path", ranks,
+                  memory_estimate(size, path, setup.groups.count(), setup.lanes) / 1e9,
+                  iteration_seconds_estimate(size, path), optimizer.max_iterations));
+  if (optimizer.coarse_iterations > 0)
+    print(formatted("before that, on grids of half the resolution: %d iterations",
+                    optimizer.coarse_iterations));
+}
+
+/// The mesh that the part comes from, and how much of it the elements have.
+template <int Dim>
+void print_mesh(const Setup<Dim>& setup) {
+  const auto& mesh = setup.config.part.mesh;
+  if (!mesh) return;
+  print(formatted("mesh: %zu triangles, volume %.6g; its elements have %.4f times as much",
+                  mesh->triangle_count(), mesh->volume(), setup.part.share_of_mesh()));
+  print("placed in " + to_text<3>(mesh->lower()) + " to " + to_text<3>(mesh->upper()));
+}
+
+template <int Dim>
+void print_walls(const Part<Dim>& part) {
+  const ThinWall<Dim> wall = thinnest_wall(part);
+  if (wall.elements >= thick_wall)
+    print(formatted("thinnest wall: %g elements or more", thick_wall));
+  else
+    print(formatted("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str()));
+}
+
+}  // namespace
+
+template <int Dim>
+void run_check(const Setup<Dim>& setup) {
+  const Part<Dim>& part = setup.part;
+  const std::vector<double> distance = geodesic_distance(part);
+  print("config " + setup.config.name);
+  print(formatted("part: %lld elements of %lld (fill %.4f), volume %.6g",
+                  static_cast<long long>(part.count()),
+                  static_cast<long long>(setup.grid.all_elements().count()),
+                  static_cast<double>(part.count()) / static_cast<double>(setup.grid.all_elements().count()),
+                  part.volume()));
+  print_mesh(setup);
+  print("bounding box " + to_text<Dim>(part.lower()) + " to " + to_text<Dim>(part.upper()));
+  print(formatted("pieces: %zu", part.pieces().size()));
+  for (std::size_t i = 0; i < part.pieces().size() && i < 10; ++i) {
+    const Piece<Dim>& piece = part.pieces()[i];
+    print("  " + std::to_string(piece.elements) + " elements in " + to_text<Dim>(piece.min) + " to " +
+          to_text<Dim>(piece.max) + (piece.touches_plate ? ", on the plate" : ", not on the plate"));
+  }
+  const bool on_substrate = part.substrate().count() > 0;
+  const std::string place_of_contact = on_substrate ? "contact with plate or substrate: " : "plate contact: ";
+  if (on_substrate) print("substrate: " + std::to_string(part.substrate().count()) + " elements");
+  print(place_of_contact + std::to_string(part.plate_contact()) + " elements");
+  if (on_substrate || setup.config.part.clamps) {
+    const auto clamped = sum(setup.grid.comm(), static_cast<std::int64_t>(setup.supports.holding.size()));
+    print("clamped: " + std::to_string(clamped) + " nodes");
+  }
+  const double height = geodesic_height(part, distance);
+  print_walls(part);
+  print(formatted("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height));
+  const LayerTraits& layers = setup.layers->traits();
+  print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
+                  layers.count, layers.kind.c_str(), setup.baseline->count()));
+  print(formatted("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
+                  elements_per_layer(setup, height), setup.characteristic_length, part.longest_edge()));
+  const std::int64_t variables =
+      sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
+  print(formatted("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),
+                  setup.design_support.on_nodes() ? "nodes" : "elements", layers.variables.count(),
+                  layers.variables.label.c_str()));
+  for (const auto& [name, nodes] : setup.node_sets)
+    print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
+  print_cost(setup);
+  for (const std::string& line : advice(setup, height)) warn(line);
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(run_check);
+
+}  // namespace fabseq

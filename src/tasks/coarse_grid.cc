@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/tasks/coarse_grid.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/files/hdf5_writer.h"
+#include "fabseq/files/output_directory.h"
+#include "fabseq/keys/config_key.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+constexpr const char* key = "/optimizer/coarse_iterations";
+/// Fewer elements along an axis are not halved.
+constexpr int fewest_elements = 4;
+
+template <int Dim>
+[[noreturn]] void refuse_coarse(const Setup<Dim>& fine, const std::string& reason) {
+  refuse(key, std::to_string(fine.config.optimizer.coarse_iterations) + ", but " + reason, "0");
+}
+
+template <int Dim>
+void require_halves(const Setup<Dim>& fine) {
+  const Index<Dim>& elements = fine.grid.domain().elements;
+  if (*std::min_element(elements.begin(), elements.end()) < fewest_elements)
+    refuse_coarse(fine, "the grid of " + to_text<Dim>(elements) + " elements has fewer than " +
+                            std::to_string(fewest_elements) + " along an axis");
+  const BuildPlate& plate = fine.part.plate();
+  if (plate.upper && elements[plate.axis] % 2 != 0)
+    refuse_coarse(fine, "the build plate " + plate.name() +
+                            " is no face of the coarse grid, which reaches beyond that end of " +
+                            std::to_string(elements[plate.axis]) + " elements");
+  if (fine.design_support.on_nodes()) refuse_coarse(fine, "the design is on nodes");
+}
+
+/// Box and part of the coarse grid.
+template <int Dim>
+void coarsen_domain(const Setup<Dim>& fine, Json& document) {
+  const Domain<Dim>& domain = fine.grid.domain();
+  std::vector<double> size, lower, upper;
+  std::vector<int> elements;
+  for (int axis = 0; axis < Dim; ++axis) {
+    elements.push_back((domain.elements[axis] + 1) / 2);
+    size.push_back(domain.elements[axis] % 2 == 0 ? domain.size[axis]
+                                                  : elements.back() * 2 * fine.grid.spacing()[axis]);
+    lower.push_back(domain.origin[axis]);
+    upper.push_back(domain.origin[axis] + domain.size[axis]);
+  }
+  document["domain"]["size"] = size;
+  document["domain"]["elements"] = elements;
+  Json& part = document["part"];
+  const Json sampling(2 * part.at("sampling").get<std::int64_t>()), keep = part.at("keep");
+  if (size != std::vector<double>(domain.size.begin(), domain.size.end()) &&
+      std::holds_alternative<Shape>(fine.config.part.source)) {
+    // A half space would go on beyond the fine box.
+    part.erase("sampling");
+    part.erase("keep");
+    const Json box = Json::object({{"box", Json::object({{"min", lower}, {"max", upper}})}});
+    part = Json::object({{"intersection", Json::array({box, part})}, {"keep", keep}});
+  }
+  part["sampling"] = sampling;
+  if (Json* mesh = find_member(part, "mesh")) (*mesh)["least_elements"] = 0.0;  // as on the fine grid
+}
+
+/// Shares the coarse iterations out: to this grid, and, if there are more, to the coarser ones.
+void share_out_iterations(const OptimizerSettings& settings, Json& optimizer) {
+  const int share = (settings.coarse_iterations + settings.coarse_grids - 1) / settings.coarse_grids;
+  optimizer["max_iterations"] = share;
+  optimizer["coarse_iterations"] = settings.coarse_iterations - share;
+  optimizer["coarse_grids"] = std::max(1, settings.coarse_grids - 1);
+  optimizer["later_iterations"] = settings.later_iterations + settings.max_iterations;
+}
+
+template <int Dim>
+bool has_nodes(const Part<Dim>& part, const std::string& name, const NodeSetDescription& description) {
+  try {
+    (void)make_node_set(part, name, description);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// Node sets without nodes, or with fewer than are to be sampled, take those within an edge of a fine
+/// element; if these are too few for samples, all.
+template <int Dim>
+void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& document) {
+  const Grid<Dim> grid = make_balanced_grid<Dim>(fine.groups.domain(), coarse.domain<Dim>(), coarse.part);
+  const Part<Dim> part(grid, coarse.part, coarse.plate);
+  const double within = 1.001 * fine.grid.largest_spacing();
+  for (auto [name, description] : coarse.node_sets) {
+    if (has_nodes(part, name, description)) continue;
+    Json& set = document["node_sets"][name];
+    description.within += within;
+    set["within"] = description.within;
+    if (!has_nodes(part, name, description)) set["samples"] = 0;
+  }
+}
+
+template <int Dim>
+Json coarse_document(const Setup<Dim>& fine) {
+  Json document = fine.document();
+  coarsen_domain(fine, document);
+  share_out_iterations(fine.config.optimizer, document["optimizer"]);
+  document["output"]["sensitivity"] = false;
+  widen_node_sets(fine, make_config(document, "", fine.config.part.mesh), document);
+  return document;
+}
+
+/// Field of a coarse run on the fine grid's owned elements, [element][component].
+template <int Dim>
+std::vector<double> read_coarse_field(const Grid<Dim>& fine, const std::string& file,
+                                      const std::string& dataset, int components) {
+  const Hdf5ParallelDataset data(fine.comm(), file, dataset, key, key);
+  IndexBox<Dim> box;
+  std::vector<hsize_t> start(Dim), count(Dim);  // slowest axis first
+  const IndexBox<Dim>& owned = fine.owned_elements();
+  for (int axis = 0; axis < Dim; ++axis) {
+    box.start[axis] = owned.start[axis] / 2;
+    box.size[axis] =
+        owned.size[axis] > 0 ? (owned.start[axis] + owned.size[axis] + 1) / 2 - box.start[axis] : 0;
+    start[Dim - 1 - axis] = static_cast<hsize_t>(box.start[axis]);
+    count[Dim - 1 - axis] = static_cast<hsize_t>(box.size[axis]);
+  }
+  if (components > 1) {
+    start.push_back(0);
+    count.push_back(static_cast<hsize_t>(components));
+  }
+  const std::vector<double> coarse = data.read(start, count);
+  std::vector<double> result(static_cast<std::size_t>(owned.count()) * components);
+  owned.for_each([&](const Index<Dim>& element, std::int64_t offset) {
+    Index<Dim> parent = element;
+    for (int& index : parent) index /= 2;
+    std::copy_n(coarse.begin() + static_cast<std::ptrdiff_t>(box.offset(parent) * components), components,
+                result.begin() + static_cast<std::ptrdiff_t>(offset * components));
+  });
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+CoarseGrid<Dim>::CoarseGrid(const Setup<Dim>& fine) {
+  require_halves(fine);
+  try {
+    config_ = std::make_unique<const Config>(make_config(coarse_document(fine), "", fine.config.part.mesh));
+    setup_ = std::make_unique<const Setup<Dim>>(fine.world(), *config_);
+    // The next one, if there is any, is made again when its turn comes.
+    if (config_->optimizer.coarse_iterations > 0) (void)CoarseGrid<Dim>(*setup_);
+  } catch (const InputError& error) {
+    refuse_coarse(fine, std::string("half the resolution is refused: ") + error.what());
+  }
+}
+
+template <int Dim>
+CommandLine CoarseGrid<Dim>::command_line(const CommandLine& fine, const std::string& directory) const {
+  CommandLine result = fine;
+  result.output = directory + "/" + coarse_folder;
+  if (fine.restart && *fine.restart != "auto") result.restart = *fine.restart + "/" + coarse_folder;
+  return result;
+}
+
+template <int Dim>
+std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& directory) {
+  const std::string folder = directory + "/" + coarse_folder + "/";
+  const std::string result = folder + "result.h5";
+  std::string refined = folder + "refined.h5";
+  const int components = fine.design_support.components();
+  const std::vector<double> parents = read_coarse_field(fine.grid, result, "design", components);
+  // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
+  const std::vector<double> design =
+      fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
+  Hdf5Writer file(fine.world(), refined);
+  file.template write_field<Dim>(fine.grid, {"design", false, components, design});
+  if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
+    file.write_array(variables.name,
+                     read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",
+                               key, key, variables.columns),
+                     variables.columns);
+  file.close();
+  return refined;
+}
+
+template <int Dim>
+std::optional<CoarseGrid<Dim>> make_coarse_grid(const Setup<Dim>& fine, const CommandLine& command_line) {
+  if (fine.config.optimizer.coarse_iterations == 0) return std::nullopt;
+  if (command_line.design_file) refuse_coarse(fine, "-design names a design of the fine grid");
+  return CoarseGrid<Dim>(fine);
+}
+
+FABSEQ_INSTANTIATE_CLASS(CoarseGrid);
+FABSEQ_INSTANTIATE_FUNCTION(make_coarse_grid);
+
+}  // namespace fabseq

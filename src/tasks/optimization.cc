@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/tasks/optimization.h"
+
+#include "fabseq/base/session.h"
+#include "fabseq/machine/interior_extrema.h"
+#include "fabseq/optimize/stages.h"
+#include "fabseq/tasks/starting_design.h"
+#include "fabseq/tasks/tasks.h"
+#include "tasks/sensitivity.h"
+
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::string iterations_on(const Setup<Dim>& setup) {
+  return std::to_string(setup.config.optimizer.max_iterations) + " iterations on " +
+         to_text<Dim>(setup.grid.domain().elements) + " elements";
+}
+
+/// Binary layers of the design that the config starts from, whatever file this run starts from. The optimized
+/// sequence shall not be lost because these solves fail.
+template <int Dim>
+std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                           Pipeline<Dim>& pipeline, double beta) {
+  const Design start = starting_design(setup, pipeline.sequence(), CommandLine());
+  try {
+    return report_sequence(setup, problem, pipeline, pipeline.run(start, beta, true));
+  } catch (const NumericalError& error) {
+    warn(std::string("no block start in summary.json: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+template <int Dim>
+SequenceReport planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                             const LayerModel<Dim>& layers, PhaseTimer& timer) {
+  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.finest_tolerance(),
+                         timer);
+  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+}
+
+/// Planar layers, as many as an optimized sequence has: what another number of layers alone brings is not the
+/// merit of their shape.
+template <int Dim>
+std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                                int count, PhaseTimer& timer) {
+  if (count == setup.baseline->count()) return std::nullopt;
+  try {
+    SequenceReport report =
+        planar_report(setup, problem, *make_layer_model({.count = count}, {}, setup.part), timer);
+    return static_cast<SequenceNumbers&&>(report);
+  } catch (const NumericalError& error) {
+    warn(std::string("no block baseline_matched in summary.json: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+/// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
+void drop_unwritten_fields(SequenceReport& binary) {
+  binary.time = binary.layer = binary.temperature = {};
+  BuildFields written;
+  written.von_mises = std::move(binary.build_fields.von_mises);
+  binary.build_fields = std::move(written);
+}
+
+/// What the best design comes to, the one that the config starts from, at the same sharpness, and as many
+/// planar layers.
+template <int Dim>
+FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                           const BestIterate& best, PhaseTimer& timer) {
+  FinalReports reports;
+  const auto report = [&](bool binary) {
+    const auto state = pipeline.run(best.design(), best.beta(), binary);
+    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
+    return report_sequence(setup, problem, pipeline, state);
+  };
+  reports.binary = report(true);
+  drop_unwritten_fields(reports.binary);
+  // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
+  // beside another pipeline's solvers.
+  pipeline.give_back_memory();
+  reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
+  reports.optimized = report(false);
+  reports.start = start_report(setup, problem, pipeline, best.beta());
+  return reports;
+}
+
+}  // namespace
+
+template <int Dim>
+CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
+                                 const CommandLine& command_line, const Setup<Dim>& setup,
+                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
+  if (!coarse) return command_line;
+  print("begins with " + iterations_on(coarse->setup()));
+  PhaseTimer timer;
+  try {
+    optimize(coarse->command_line(command_line, output.directory().path()), coarse->setup(), timer);
+  } catch (const Stopped& reason) {
+    output.end_before_the_first("stopped", reason.what());
+    throw;
+  } catch (const NumericalError& error) {
+    output.end_before_the_first("failed", error.what());
+    throw;
+  }
+  CommandLine others = command_line;
+  others.design_file = CoarseGrid<Dim>::refine(setup, output.directory().path());
+  print("goes on with " + iterations_on(setup));
+  return others;
+}
+
+template <int Dim>
+RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command_line,
+                             const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
+                             Pipeline<Dim>& pipeline) {
+  RunState<Dim> run(setup, setup.config.optimizer, pipeline.sequence(),
+                    starting_design(setup, pipeline.sequence(), after_coarse_grid));
+  if (after_coarse_grid.design_file != command_line.design_file) {
+    const Design initial = starting_design(setup, pipeline.sequence(), command_line);
+    run.problem.evaluate(pipeline, pipeline.run(initial, setup.layers->traits().first_beta, false));
+    pipeline.start_cold();
+  }
+  if (restart) {
+    run.restore(restart->state);
+    pipeline.restore(restart->state);
+  }
+  return run;
+}
+
+template <int Dim>
+void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
+  if (!command_line.design_file) return;
+  (void)starting_design(setup, *make_sequence<Dim>(setup, setup.config.solver.finest_tolerance()),
+                        command_line);
+}
+
+template <int Dim>
+SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
+  return planar_report(setup, problem, *setup.baseline, timer);
+}
+
+template <int Dim>
+std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
+  if (!run.continuation.judges_binary(iteration)) return std::nullopt;
+  const double beta = run.continuation.beta(iteration);
+  const Tolerances usual = pipeline.tolerances();
+  pipeline.set_tolerances(Tolerances::all(usual.judged));
+  ProblemValues values = run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
+  pipeline.set_tolerances(usual);
+  return values;
+}
+
+template <int Dim>
+void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
+            RunOutput<Dim>& output, PhaseTimer& timer) {
+  const BestIterate& best = run.best;
+  const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
+  output.finish(run.end(), reports, best);
+  warn_beyond_yield(reports.binary, setup.config.material);
+  if (!setup.config.output.sensitivity) return;
+  try {
+    write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);
+  } catch (const Stopped& reason) {
+    warn(std::string("no sensitivity table: ") + reason.what());
+  } catch (const NumericalError& error) {
+    warn(std::string("no sensitivity table: ") + error.what());
+  }
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
+FABSEQ_INSTANTIATE_FUNCTION(starting_state);
+FABSEQ_INSTANTIATE_FUNCTION(require_design);
+FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
+FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
+FABSEQ_INSTANTIATE_FUNCTION(finish);
+
+}  // namespace fabseq

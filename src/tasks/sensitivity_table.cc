@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
+#include "tasks/sensitivity.h"
+
+#include <cmath>
+
+namespace fabseq {
+
+namespace {
+
+Json to_record(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+/// Length of a distortion.
+std::optional<double> length_of(const std::optional<double>& distortion) {
+  return distortion ? std::optional(std::sqrt(*distortion)) : std::nullopt;
+}
+
+std::optional<double> first_length(const VariedNumbers& numbers) {
+  return numbers.distortions.empty() ? std::nullopt : length_of(numbers.distortions.front());
+}
+
+Json to_record(const VariedNumbers& numbers, const std::vector<std::string>& terms) {
+  Json distortion = Json::array();
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    distortion.push_back(Json::object({{"name", terms[k]},
+                                       {"value", to_record(numbers.distortions[k])},
+                                       {"length", to_record(length_of(numbers.distortions[k]))}}));
+  Json record = Json::object(
+      {{"distortion", distortion},
+       {"displacement", Json::object({{"max", to_record(numbers.largest)}, {"rms", numbers.rms}})}});
+  if (numbers.rms_deviation)
+    record["standard_deviation"] =
+        Json::object({{"max", to_record(numbers.largest_deviation)}, {"rms", *numbers.rms_deviation}});
+  return record;
+}
+
+Json worst_record(const SensitivityTable& table, SensitivityTable::Ratio ratio) {
+  const SensitivityRow* row = table.worst(ratio);
+  if (row == nullptr) return {};
+  return Json::object({{"ratio", to_record((row->*ratio)())}, {"change", row->change}});
+}
+
+/// A number of the table, a dash where there is none.
+std::string cell(const char* format, const std::optional<double>& value, int width) {
+  return value ? formatted(format, *value) : formatted("%*s", width, "-");
+}
+
+std::string line_of(const SensitivityRow& row) {
+  const std::string name = formatted("%-36s", row.change.c_str());
+  if (!row.skipped.empty()) return name + " skipped: " + row.skipped;
+  return name + cell("%12.4e", first_length(row.sequence), 12) +
+         cell("%12.4e", first_length(row.planar), 12) + cell("%9.3g", row.length_ratio(), 9) +
+         cell("%12.4e", row.sequence.rms, 12) + cell("%12.4e", row.planar.rms, 12) +
+         cell("%9.3g", row.rms_ratio(), 9) + cell("%12.4e", row.sequence.largest, 12) +
+         cell("%12.4e", row.planar.largest, 12);
+}
+
+std::string csv_number(const std::optional<double>& value) {
+  return value ? Json(*value).dump() : std::string();
+}
+
+std::string csv_numbers(const VariedNumbers& numbers) {
+  std::string text;
+  for (const auto& distortion : numbers.distortions)
+    text += csv_number(distortion) + "," + csv_number(length_of(distortion)) + ",";
+  return text + csv_number(numbers.largest) + "," + csv_number(numbers.rms) + "," +
+         csv_number(numbers.largest_deviation) + "," + csv_number(numbers.rms_deviation);
+}
+
+std::optional<double> quotient(const std::optional<double>& a, const std::optional<double>& b) {
+  return a && b && *b > 0.0 ? std::optional(*a / *b) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> SensitivityRow::length_ratio() const {
+  return skipped.empty() ? quotient(first_length(planar), first_length(sequence)) : std::nullopt;
+}
+
+std::optional<double> SensitivityRow::rms_ratio() const {
+  return skipped.empty() ? quotient(planar.rms, sequence.rms) : std::nullopt;
+}
+
+const SensitivityRow* SensitivityTable::worst(Ratio ratio) const {
+  const SensitivityRow* result = nullptr;
+  for (const SensitivityRow& row : rows) {
+    const std::optional<double> value = (row.*ratio)();
+    if (value && (result == nullptr || *value < *(result->*ratio)())) result = &row;
+  }
+  return result;
+}
+
+Json SensitivityTable::json() const {
+  Json list = Json::array();
+  for (const SensitivityRow& row : rows) {
+    Json record = Json::object({{"change", row.change}});
+    if (!row.skipped.empty()) {
+      record["skipped"] = row.skipped;
+    } else {
+      record["sequence"] = to_record(row.sequence, terms);
+      record["planar"] = to_record(row.planar, terms);
+      record["ratio"] =
+          Json::object({{"length", to_record(row.length_ratio())}, {"rms", to_record(row.rms_ratio())}});
+    }
+    list.push_back(record);
+  }
+  return Json::object({{"name", name},
+                       {"changes", list},
+                       {"worst", Json::object({{"length", worst_record(*this, &SensitivityRow::length_ratio)},
+                                               {"rms", worst_record(*this, &SensitivityRow::rms_ratio)}})}});
+}
+
+std::string SensitivityTable::csv() const {
+  std::string text = "change";
+  for (const char* of : {"sequence", "planar"}) {
+    for (const std::string& term : terms)
+      text += formatted(",%s_%s,%s_%s_length", of, term.c_str(), of, term.c_str());
+    for (const char* column : {"max", "rms", "deviation_max", "deviation_rms"})
+      text += formatted(",%s_%s", of, column);
+  }
+  text += ",length_ratio,rms_ratio\n";
+  for (const SensitivityRow& row : rows)
+    if (row.skipped.empty())
+      text += '"' + row.change + "\"," + csv_numbers(row.sequence) + ',' + csv_numbers(row.planar) + ',' +
+              csv_number(row.length_ratio()) + ',' + csv_number(row.rms_ratio()) + '\n';
+  return text;
+}
+
+std::vector<std::string> SensitivityTable::text() const {
+  std::vector<std::string> result = {
+      "", formatted("%-36s%12s%12s%9s%12s%12s%9s%12s%12s", "change", "length", "planar", "ratio", "rms",
+                    "planar", "ratio", "max", "planar")};
+  for (const SensitivityRow& row : rows) result.push_back(line_of(row));
+  const auto add_worst = [&](const char* of, Ratio ratio) {
+    if (const SensitivityRow* row = worst(ratio))
+      result.push_back("worst ratio of " + std::string(of) + ":" + cell(" %.3g", (row->*ratio)(), 0) + ", " +
+                       row->change);
+  };
+  add_worst("lengths", &SensitivityRow::length_ratio);
+  add_worst("the part's rms", &SensitivityRow::rms_ratio);
+  return result;
+}
+
+}  // namespace fabseq

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/tasks/starting_design.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
+#include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/base/session.h"
+#include "fabseq/files/hdf5_writer.h"
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/sequence/sequence_kind.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace fabseq {
+
+namespace {
+
+/// Whether the file has values of a kind; says so if not.
+bool has_values(MPI_Comm comm, const std::string& file, const std::string& dataset) {
+  const bool found = hdf5_file_has(comm, file, dataset, "-design");
+  if (!found) warn("-design: '" + file + "' has no dataset '" + dataset + "': the initial values are taken");
+  return found;
+}
+
+bool any_outside(MPI_Comm comm, const std::vector<double>& values, double lower, double upper) {
+  constexpr double rounding = 1e-9;
+  const double below = lower - rounding * std::abs(lower), above = upper + rounding * std::abs(upper);
+  return any(comm, std::any_of(values.begin(), values.end(),
+                               [&](double value) { return !(value >= below && value <= above); }));
+}
+
+/// Values on the owned elements or nodes with a variable.
+template <int Dim>
+std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace& space,
+                                      const std::string& file) {
+  const DesignSupport<Dim>& support = setup.design_support;
+  std::vector<double> design = support.restrict_to_variables(
+      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design", space.count()));
+  const std::string& key = setup.config.sequence.kind->bounds_key;
+  for (int component = 0; component < space.count(); ++component) {
+    std::vector<double> values;
+    for (std::size_t i = component; i < design.size(); i += space.count()) values.push_back(design[i]);
+    const auto& [lower, upper, logarithmic] = space.components[component];
+    if (!any_outside(setup.world(), values, lower, upper)) continue;
+    throw InputError("-design: " + file + " has values outside the bounds " + Json(lower).dump() + " to " +
+                     Json(upper).dump() +
+                     (space.count() > 1 ? " of component " + std::to_string(component) : "") +
+                     (key.empty() ? "" : " of " + pointer_to("/sequence", key)) + " on the part's " +
+                     (support.on_nodes() ? "nodes" : "elements"));
+  }
+  return design;
+}
+
+std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& variables,
+                                         const std::string& file) {
+  const char* shape = variables.columns > 0 ? "a row a sub-part" : "one less than layers";
+  std::vector<double> result = read_list(comm, file, variables.name, variables.count(), shape, "-design",
+                                         "-design", variables.columns);
+  for (std::size_t j = 0; j < result.size(); ++j)
+    if (any_outside(comm, {result[j]}, variables.lower[j], variables.upper[j]))
+      throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " +
+                       Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
+                       Json(variables.upper[j]).dump());
+  if (variables.columns == 0 && !std::is_sorted(result.begin(), result.end()))
+    throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " + shown(Json(result)) +
+                     ", needs ascending times");
+  return result;
+}
+
+/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps
+/// between them. The same ones for the same number; uniform ones where the file has none.
+std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
+  std::vector<double> given;
+  if (hdf5_file_has(comm, file, "time_points", "-sequence"))
+    given = read_list(comm, file, "time_points", "-sequence", "-sequence");
+  return interpolated_time_points(given, layers);
+}
+
+}  // namespace
+
+template <int Dim>
+Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
+                       const CommandLine& command_line) {
+  const LayerVariables& variables = setup.layers->variables();
+  const auto has = [&](const char* dataset) {
+    return command_line.design_file && has_values(setup.world(), *command_line.design_file, dataset);
+  };
+  Design design;
+  if (sequence.has_design())
+    design.field = setup.groups.share(
+        has("design") ? read_design_field(setup, sequence.space(), *command_line.design_file)
+                      : sequence.initial_design());
+  design.layer_variables = variables.start;
+  if (variables.count() > 0 && has(variables.name.c_str())) {
+    design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
+  } else if (setup.config.layers.variable_time_points && command_line.sequence_file) {
+    design.layer_variables =
+        resliced_time_points(setup.world(), setup.layers->count(), *command_line.sequence_file);
+  }
+  return design;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(starting_design);
+
+}  // namespace fabseq

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "tasks/variation.h"
+
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/optimize/stages.h"
+#include "fabseq/report/sequence_report.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/given_sequence.h"
+#include "fabseq/sequence/refined_field.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+VariedNumbers numbers_of(const DepositionNumbers& numbers) {
+  VariedNumbers result{{}, numbers.part.largest, numbers.part.rms};
+  for (const NamedValue& term : numbers.distortions) result.distortions.emplace_back(term.value);
+  return result;
+}
+
+/// J of each distortion term for one layer's part of the displacement; none for those that are no quadratic
+/// form of it.
+template <int Dim>
+std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, const Problem<Dim>& problem,
+                                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  std::vector<std::optional<double>> result;
+  for (std::size_t k = 0; k < problem.objective_count(); ++k) {
+    const Term& term = model.settings.objective[k];
+    if (term.type->name != "distortion") continue;
+    result.emplace_back();
+    if (term.type->facts(term).is_quadratic)
+      result.back() = pipeline.values(problem.responses().subspan(k, 1), state)[0][0];
+  }
+  return result;
+}
+
+/// Noise of each layer's strain, independent of the others': var(u) = sigma^2 sum_j du_j^2 of what counts,
+/// and the mean of J is J(u) + sigma^2 sum_j J(du_j).
+template <int Dim>
+VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state, VariedNumbers numbers) {
+  std::vector<double> deviation(state.process.displacement.size(), 0.0);
+  for (int j = 0; j < state.layers.count(); ++j) {
+    const ProcessResult layer = state.process.at_once(pipeline.process().increment(j, true));
+    for (std::size_t i = 0; i < deviation.size(); ++i)
+      deviation[i] += std::pow(size_of_change * layer.displacement[i], 2);
+    const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.layers, layer});
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      if (!terms[k]) numbers.distortions[k].reset();
+      if (numbers.distortions[k]) *numbers.distortions[k] += size_of_change * size_of_change * *terms[k];
+    }
+  }
+  for (double& value : deviation) value = std::sqrt(value);
+  const DisplacementSize size = displacement_sizes(model, deviation).part;
+  numbers.largest.reset();
+  numbers.rms = std::hypot(numbers.rms, size.rms);
+  numbers.largest_deviation = size.largest;
+  numbers.rms_deviation = size.rms;
+  return numbers;
+}
+
+template <int Dim>
+Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
+                const Design& design, double beta, bool binary, bool more) {
+  const auto state = pipeline.run(design, beta, binary);
+  const BothDepositions both = report_depositions(model, problem, pipeline, state);
+  Varied result{numbers_of(both.own), std::nullopt, std::nullopt};
+  if (!more) return result;
+  result.other_deposition = numbers_of(both.other);
+  result.noise = with_noise(model, problem, pipeline, state, result.own);
+  return result;
+}
+
+template <int Dim>
+PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine) {
+  PseudoTime<Dim> result;
+  result.time = refined_field<Dim>(part, time.time, fine);
+  if (time.gradient.empty()) return result;
+  result.gradient.resize(result.time.size() * Dim);
+  std::vector<double> component(time.time.size());
+  for (int axis = 0; axis < Dim; ++axis) {
+    for (std::size_t e = 0; e < component.size(); ++e) component[e] = time.gradient[e * Dim + axis];
+    const std::vector<double> refined = refined_field<Dim>(part, component, fine);
+    for (std::size_t e = 0; e < refined.size(); ++e) result.gradient[e * Dim + axis] = refined[e];
+  }
+  return result;
+}
+
+/// The settings of a change. Voxels of a file become 2^Dim elements.
+Config varied_config(const Variation& variation, const Config& unchanged) {
+  Config config = make_config(variation.document, "", unchanged.part.mesh);
+  config.part.announce = variation.finer;  // else as of the unchanged part
+  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source); voxels != nullptr && variation.finer)
+    voxels->repeat = 2;
+  return config;
+}
+
+}  // namespace
+
+template <int Dim>
+VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
+                           bool more, PhaseTimer& timer) {
+  const Config config = varied_config(variation, setup.config);
+  const Setup<Dim> varied(setup.world(), config);
+  varied.require_memory_of_layers();
+  const Problem<Dim> problem(varied, config.optimizer.constraint_margin);
+  const double tolerance = config.solver.finest_tolerance();
+  VariedPair result;
+  {
+    PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, varied.part) : given.time;
+    Pipeline<Dim> pipeline(varied, std::make_unique<GivenSequence<Dim>>(std::move(time)), *varied.layers,
+                           tolerance, timer);
+    Design design;
+    design.layer_variables = given.layer_variables;
+    if (design.layer_variables.size() != varied.layers->variables().count())  // other time points
+      design.layer_variables = interpolated_time_points(given.layer_variables, varied.layers->count());
+    result.sequence = simulate(varied, problem, pipeline, design, given.beta, !variation.smooth, more);
+  }
+  Pipeline<Dim> planar(varied, make_baseline_sequence(varied), *varied.baseline, tolerance, timer);
+  result.planar = simulate(varied, problem, planar, {}, 0.0, true, more);
+  return result;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(simulate_varied);
+
+}  // namespace fabseq

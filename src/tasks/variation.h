@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What a sequence and the planar baseline do under a change of what they were made for (docs/formulation.md
+/// 12).
+#pragma once
+
+#include "fabseq/base/phase_timer.h"
+#include "fabseq/config/setup.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// Relative size of a change of a number, and standard deviation of the noise.
+constexpr double size_of_change = 0.1;
+
+/// A sequence, wherever it comes from.
+template <int Dim>
+struct GivenDesign {
+  PseudoTime<Dim> time;
+  std::vector<double> layer_variables;  ///< time points, where they vary, or angles
+  double beta = 0.0;                    ///< sharpness of its smooth layers
+};
+
+/// A change.
+struct Variation {
+  std::string name;
+  Json document;        ///< config that is as complete as an effective one
+  bool smooth = false;  ///< of the sequence; the planar baseline stays binary
+  bool finer = false;   ///< the grid has twice as many elements along each axis
+};
+
+/// What distorts, in numbers. The same on all ranks.
+struct VariedNumbers {
+  std::vector<std::optional<double>> distortions;  ///< J of each distortion term of the objective
+  std::optional<double> largest;                   ///< displacement of the part's nodes, length unit
+  double rms = 0.0;                                ///< the same
+  std::optional<double> largest_deviation = std::nullopt, rms_deviation = std::nullopt;  ///< of noise
+};
+/// Of a sequence under a change: as changed, and of the unchanged one, with the other deposition model and
+/// with noise of the layers' strain, which need no solve.
+struct Varied {
+  VariedNumbers own;
+  std::optional<VariedNumbers> other_deposition, noise;
+};
+struct VariedPair {
+  Varied sequence, planar;
+};
+
+/// All changes that take a simulation, "unchanged" first. What "auto" stands for is fixed, so that a change
+/// of one thing changes nothing else, and there are no constraints. Not collective.
+template <int Dim>
+std::vector<Variation> all_variations(const Setup<Dim>& setup);
+
+/// Simulates both under a change; with `more`, fills in what needs no solve. Collective on the world of the
+/// setup. Throws InputError if the changed model is refused, NumericalError if a solve fails.
+template <int Dim>
+VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
+                           bool more, PhaseTimer& timer);
+
+}  // namespace fabseq
