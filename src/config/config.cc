@@ -18,17 +18,33 @@ std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
 
 }  // namespace
 
-Config make_config(const Json& document, const std::string& directory,
-                   std::shared_ptr<const PlacedMesh> mesh) {
+Config read_settings(const Json& document, const std::string& directory,
+                     std::shared_ptr<const PlacedMesh> mesh) {
   Config config;
   config.part.mesh = std::move(mesh);
   config.effective = complete_config(document, directory);
   const auto dimension = static_cast<int>(config.effective.at("domain").at("elements").size());
   config_section().read(config, config.effective, {"", dimension});
-  if (config.layers.multi_planar) complete_layers(*config.layers.multi_planar, config.plate, dimension);
+  return config;
+}
+
+void complete(Config& config) {
+  if (config.layers.multi_planar)
+    complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
   config.layers.target = target_of(config.constraints);
   complete_move_limits(config.optimizer, config.sequence);
   check_rules(config);
+}
+
+void complete_derived(Config& config) {
+  config_section().write(config, config.effective);
+  complete(config);
+}
+
+Config make_config(const Json& document, const std::string& directory,
+                   std::shared_ptr<const PlacedMesh> mesh) {
+  Config config = read_settings(document, directory, std::move(mesh));
+  complete(config);
   return config;
 }
 

@@ -61,36 +61,57 @@ void add_part(Section<Config>& keys) {
            "Nodes inside or on the shape are held in place of the plate's; "
            "with a substrate and without clamps: its lowest nodes along the plate's normal",
            {.type = KeyType::shape}, shape_of(&PartDescription::clamps))
-      .key("node_sets",
-           "Named sets of nodes for distortion terms: "
-           "nodes inside or on a shape that touch the part or the substrate",
-           {.type = KeyType::node_sets, .default_value = "{}"},
-           [set_keys](Its& config, const Json& value, const KeyPlace& place) {
-             for (const auto& [name, set] : value.items())
-               set_keys.read(config.node_sets[name], set, {pointer_to(place.pointer, name), place.dimension});
-           });
+      .key(
+          "node_sets",
+          "Named sets of nodes for distortion terms: "
+          "nodes inside or on a shape that touch the part or the substrate",
+          {.type = KeyType::node_sets, .default_value = "{}"},
+          [set_keys](Its& config, const Json& value, const KeyPlace& place) {
+            for (const auto& [name, set] : value.items())
+              set_keys.read(config.node_sets[name], set, {pointer_to(place.pointer, name), place.dimension});
+          },
+          [set_keys](Its& config, Json& object) {
+            for (auto& [name, set] : config.node_sets) set_keys.write(set, object["node_sets"][name]);
+          });
   for (SectionKeys& section : set_keys.declarations()) keys.declare(std::move(section));
 }
 
 void add_sequence(Section<Config>& keys) {
   for (SectionKeys& section : sequence_keys()) keys.declare(std::move(section));
-  keys.key("sequence", "Fabrication sequence", {.type = KeyType::section, .required = true},
-           [](Config& config, const Json& value, const KeyPlace& place) {
-             config.sequence = read_sequence(value, place);
-           });
+  keys.key(
+      "sequence", "Fabrication sequence", {.type = KeyType::section, .required = true},
+      [](Config& config, const Json& value, const KeyPlace& place) {
+        config.sequence = read_sequence(value, place);
+      },
+      [](Config& config, Json& object) { config.sequence.kind->write(config.sequence, object["sequence"]); });
 }
 
 void add_terms(Section<Config>& keys) {
   using Its = Config;
   const auto terms_of = [](std::vector<Term> ModelSettings::*member, TermList list) {
     return [member, list](Its& config, const Json& value, const KeyPlace&) {
-      for (const Json& term : value) (config.*member).push_back(make_term(list, term));
+      std::vector<Term>& terms = config.*member;
+      for (const Json& term : value) {
+        terms.push_back(make_term(list, term));
+        terms.back().position = terms.size() - 1;
+      }
+    };
+  };
+  const auto terms_left = [](std::vector<Term> ModelSettings::*member, const char* name) {
+    return [member, name](Its& config, Json& object) {
+      Json left = Json::array();
+      for (Term& term : config.*member) {
+        left.push_back(object[name][term.position]);
+        term.position = left.size() - 1;
+      }
+      object[name] = std::move(left);
     };
   };
   keys.key("objective", "Terms of the objective, summed with their weights",
-           {.type = KeyType::sections, .required = true}, terms_of(&Its::objective, TermList::objective))
+           {.type = KeyType::sections, .required = true}, terms_of(&Its::objective, TermList::objective),
+           terms_left(&Its::objective, "objective"))
       .key("constraints", "Constraints", {.type = KeyType::sections, .default_value = "[]"},
-           terms_of(&Its::constraints, TermList::constraints))
+           terms_of(&Its::constraints, TermList::constraints), terms_left(&Its::constraints, "constraints"))
       .declare(term_keys(TermList::objective))
       .declare(term_keys(TermList::constraints));
 }

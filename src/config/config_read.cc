@@ -114,13 +114,23 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   run_on_first(comm, [&] { text = config_text(file); });
   Json document = parse_json(broadcast(comm, text), file);
   for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
-  reslice(comm, command_line, document);
   std::error_code error;
+  std::string sequence_file;
+  if (command_line.sequence_file) {
+    sequence_file = std::filesystem::absolute(*command_line.sequence_file, error).string();
+    apply_override(document, "sequence", Json::object({{"type", "file"}, {"file", sequence_file}}).dump());
+  }
   const std::string directory =
       broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
   merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
-  Config config = make_config(document, directory, mesh);
+  Config config = read_settings(document, directory, mesh);
+  if (command_line.sequence_file) {
+    reslice(command_line, slicing_of(comm, sequence_file), config);
+    complete_derived(config);
+  } else {
+    complete(config);
+  }
   check_task(config, command_line.task);
   run_on_first(comm, [&] { check_files(config); });
   warn_about(config);

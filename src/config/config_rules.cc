@@ -125,11 +125,9 @@ void check_largest(const Config& config) {
   const auto second = std::find_if(first + 1, terms.end(), is_largest);
   if (second != terms.end())
     refuse(pointer(*second, "aggregate"), "\"worst\" a second time", "one objective term with it");
-  for (const Term& term : terms) {
-    const Json* least_squares = find_member(term.keys, "least_squares");
-    if (least_squares != nullptr && *least_squares == true)
+  for (const Term& term : terms)
+    if (term.type->facts(term).asks_for_squares)
       refuse(pointer(term, "least_squares"), "true beside a term with aggregate worst", "\"auto\" or false");
-  }
 }
 
 std::vector<std::string> sequences_with_design() {
@@ -151,7 +149,7 @@ void check_optimizer(const Config& config) {
 void check_rules(const Config& config) {
   check_names(config);
   check_magnitudes(config);
-  config.sequence.kind->check(config.sequence);
+  config.sequence.kind->check(config.sequence, config.effective.at("sequence"));
   check_direction("/baseline/direction", config.effective.at("baseline").at("direction"),
                   config.baseline.direction, "auto");
   check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, "normal");

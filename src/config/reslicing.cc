@@ -9,8 +9,8 @@
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
+#include <vector>
 
 namespace fabseq {
 
@@ -26,28 +26,14 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
-bool needs_gradient(const Json& term, TermList list) {
-  const Json* type = find_member(term, "type");
-  if (type == nullptr || !type->is_string()) return false;
-  const ResponseType* known = find_response_type(list, type->get<std::string>());
-  return known != nullptr && known->layers != LayerKind::multi_planar && known->needs_time_gradient;
-}
-
-void leave_out_terms_of_gradient(Json& document, TermList list) {
-  const std::string name = list == TermList::objective ? "objective" : "constraints";
-  Json* terms = find_member(document, name);
-  if (terms == nullptr || !terms->is_array()) return;
-  Json kept = Json::array();
-  for (std::size_t i = 0; i < terms->size(); ++i) {
-    const Json& term = (*terms)[i];
-    if (needs_gradient(term, list)) {
-      warn("-sequence: " + pointer_to(pointer_to("", name), i) + " (" + term.at("type").get<std::string>() +
-           ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
-    } else {
-      kept.push_back(term);
-    }
-  }
-  *terms = kept;
+void leave_out_terms_of_gradient(std::vector<Term>& terms, const std::string& list) {
+  std::erase_if(terms, [&](const Term& term) {
+    const ResponseType& type = *term.type;
+    if (!type.needs_time_gradient || type.layers == LayerKind::multi_planar) return false;
+    warn("-sequence: " + pointer_to(pointer_to("", list), term.position) + " (" + type.name +
+         ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
+    return true;
+  });
 }
 
 }  // namespace
@@ -62,25 +48,17 @@ Slicing slicing_of(MPI_Comm comm, const std::string& name) {
   return {max(comm, found.layers), max(comm, found.beta)};
 }
 
-void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document) {
-  if (!command_line.sequence_file) return;
-  std::error_code error;
-  const std::string file = std::filesystem::absolute(*command_line.sequence_file, error).string();
-  const Slicing of_file = slicing_of(comm, file);
-  document["sequence"] = Json::object({{"type", "file"}, {"file", file}});
-  const Json* type = find_member(document, "layers", "type");
-  const bool has_sub_parts = type != nullptr && *type == "multi_planar";  // which have no layers.count
-  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count") && !has_sub_parts)
-    apply_override(document, "layers.count", std::to_string(static_cast<int>(of_file.layers)));
-  const Json* count = find_member(document, "layers", "count");
-  const bool known = of_file.layers > 0.0 && of_file.beta > 0.0 && count != nullptr && count->is_number();
+void reslice(const CommandLine& command_line, const Slicing& of_file, Config& config) {
+  LayerSettings& layers = config.layers;
+  if (of_file.layers > 0.0 && !is_given(command_line, "layers.count") && !layers.multi_planar)
+    layers.count = static_cast<int>(of_file.layers);
+  const bool known = of_file.layers > 0.0 && of_file.beta > 0.0 && layers.count;
   if (known && !is_given(command_line, "projection.beta")) {
-    const double beta = of_file.beta * (count->get<double>() / of_file.layers);
-    apply_override(document, "projection.beta", Json(beta).dump());
-    apply_override(document, "projection.max", Json(beta).dump());
+    config.projection.beta = of_file.beta * (*layers.count / of_file.layers);
+    config.projection.max = config.projection.beta;
   }
-  leave_out_terms_of_gradient(document, TermList::objective);
-  leave_out_terms_of_gradient(document, TermList::constraints);
+  leave_out_terms_of_gradient(config.objective, "objective");
+  leave_out_terms_of_gradient(config.constraints, "constraints");
 }
 
 }  // namespace fabseq

@@ -65,23 +65,20 @@ void Setup<Dim>::warn_about_method() const {
 }
 
 template <int Dim>
-Json Setup<Dim>::document() const {
-  Json document = config.effective;
-  if (find_member(document.at("layers"), "count") != nullptr)
-    document["layers"]["count"] = this->layers->count();
-  document["baseline"]["layers"] = this->baseline->count();
-  if (find_member(document.at("sequence"), "characteristic_length") != nullptr)
-    document["sequence"]["characteristic_length"] = this->characteristic_length;
-  return document;
+Config Setup<Dim>::resolved() const {
+  Config result = config;
+  if (!result.layers.multi_planar) result.layers.count = this->layers->count();
+  result.baseline.layers = this->baseline->count();
+  result.sequence.kind->set_characteristic_length(result.sequence, this->characteristic_length);
+  return result;
 }
 
 template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
-  const RunSize size =
-      run_size<Dim>(config, this->part, this->node_sets, layer_count, size_of(this->world()));
-  const double bytes = layer_count * sizeof(double) *
-                       (2.0 * group_count * size.part_elements + (Dim + 1.0) / Dim * size.unknowns);
+  const double bytes =
+      layer_count * sizeof(double) *
+      (2.0 * group_count * this->size.part_elements + (Dim + 1.0) / Dim * this->size.unknowns);
   const LayerTraits& traits = this->layers->traits();
   const bool planar = layer_count > traits.count;
   require_memory(

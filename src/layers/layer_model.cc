@@ -32,8 +32,8 @@ int curved_count(const LayerSettings& settings, const Part<Dim>& part) {
 
 LayerTraits curved_traits(const LayerSettings& settings, const ProjectionSettings& projection, int count) {
   LayerTraits traits{"curved", "/layers/count", count};
-  traits.first_beta = projection.beta.value_or(4.0 * count);
-  traits.last_beta = projection.max.value_or(13.5 * count);
+  traits.first_beta = projection.first_beta(count);
+  traits.last_beta = projection.last_beta(count);
   traits.variables = time_point_variables(settings.variable_time_points ? count : 1);
   return traits;
 }

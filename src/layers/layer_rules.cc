@@ -61,11 +61,11 @@ void check_curved(const LayerSettings& layers) {
 
 /// `keys`: the completed section.
 void check_projection(const ProjectionSettings& projection, const LayerSettings& layers, const Json& keys) {
-  std::optional<double> start = projection.beta;
-  if (!start && layers.count) start = 4.0 * *layers.count;
-  if (!start || !projection.max || *projection.max >= *start) return;
+  if ((!projection.beta && !layers.count) || !projection.max) return;
+  const double start = projection.first_beta(layers.count.value_or(1));
+  if (*projection.max >= start) return;
   const char* origin = projection.beta ? " (beta)" : " (beta, 4 times the number of layers)";
-  refuse("/projection/max", shown(keys.at("max")), "\"auto\" or a number >= " + shown(*start) + origin);
+  refuse("/projection/max", shown(keys.at("max")), "\"auto\" or a number >= " + shown(start) + origin);
 }
 
 }  // namespace

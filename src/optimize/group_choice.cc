@@ -2,12 +2,10 @@
 #include "fabseq/optimize/group_choice.h"
 
 #include "fabseq/base/formatted.h"
-#include "fabseq/base/memory.h"
-#include "fabseq/base/mpi.h"
 #include "fabseq/base/refusal.h"
-#include "fabseq/layers/layer_model.h"
+#include "fabseq/grid/decomposition.h"
+#include "fabseq/kernels/lane_vector.h"
 #include "fabseq/optimize/run_cost.h"
-#include "fabseq/process/process_simulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,9 +72,22 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
   return result;
 }
 
+}  // namespace
+
+GroupChoice asked_choice(int groups, int ranks) {
+  if (ranks % groups != 0) {
+    std::vector<std::string> allowed;
+    for (const int possible : possible_groups(ranks)) allowed.push_back(std::to_string(possible));
+    refuse("/solver/layer_groups",
+           std::to_string(groups) + " on " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks"),
+           "\"auto\" or a divisor of the number of ranks (" + join(allowed, ", ") + ")");
+  }
+  return {groups, ranks > 1 ? "layer groups: " + groups_text(groups, ranks) + " ranks" : ""};
+}
+
 /// The fastest choice that fits; without one that does, a single group, which needs least.
 template <int Dim>
-GroupChoice choose_automatically(const ModelSettings& settings, const RunSize& size, double available) {
+GroupChoice fastest_choice(const ModelSettings& settings, const RunSize& size, double available) {
   std::optional<int> best, fastest;
   const auto is_faster = [&](int groups, const std::optional<int>& other) {
     return !other || relative_time_estimate(size, settings.solver.path, groups) <
@@ -93,68 +104,18 @@ GroupChoice choose_automatically(const ModelSettings& settings, const RunSize& s
   return {groups, explain<Dim>(settings, size, groups, available, fastest)};
 }
 
-/// The choice as far as it can be told without a part: only those groups count whose boxes fit the memory.
 template <int Dim>
-int likely_groups(const ModelSettings& settings, int ranks, double available) {
+GroupChoice likely_choice(const ModelSettings& settings, int ranks, double available) {
   RunSize least;
   least.nodes = 1.0;
   for (const int elements : settings.domain<Dim>().elements) least.nodes *= elements + 1.0;
   least.dimension = Dim;
   least.layers = settings.layers.count.value_or(ranks * widest_block);
   least.ranks = ranks;
-  return choose_automatically<Dim>(settings, least, available).groups;
+  return {fastest_choice<Dim>(settings, least, available).groups, ""};
 }
 
-template <int Dim>
-PlacedPart<Dim> placed(MPI_Comm world, const ModelSettings& settings, const GroupChoice& choice,
-                       const PartDescription& description) {
-  PlacedPart<Dim> result;
-  result.groups = std::make_unique<const LayerGroups>(world, choice.groups);
-  result.grid = std::make_unique<Grid<Dim>>(
-      make_balanced_grid(result.groups->domain(), settings.domain<Dim>(), description));
-  result.part = std::make_unique<Part<Dim>>(*result.grid, description, settings.plate);
-  result.choice = choice;
-  return result;
-}
-
-GroupChoice asked_for(int groups, int ranks) {
-  if (ranks % groups != 0) {
-    std::vector<std::string> allowed;
-    for (const int possible : possible_groups(ranks)) allowed.push_back(std::to_string(possible));
-    refuse("/solver/layer_groups",
-           std::to_string(groups) + " on " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks"),
-           "\"auto\" or a divisor of the number of ranks (" + join(allowed, ", ") + ")");
-  }
-  return {groups, ranks > 1 ? "layer groups: " + groups_text(groups, ranks) + " ranks" : ""};
-}
-
-}  // namespace
-
-template <int Dim>
-PlacedPart<Dim> place_part(MPI_Comm world, const ModelSettings& settings) {
-  const int ranks = size_of(world);
-  const std::optional<int>& asked = settings.solver.layer_groups;
-  if (asked || ranks == 1)
-    return placed<Dim>(world, settings, asked_for(asked.value_or(1), ranks), settings.part);
-  // Number of layers and size of the systems are known once there is a part: as a rule, this one will do.
-  const auto available = static_cast<double>(available_memory_bytes(world));
-  PlacedPart<Dim> result =
-      placed<Dim>(world, settings, {likely_groups<Dim>(settings, ranks, available), ""}, settings.part);
-  const Part<Dim>& part = *result.part;
-  const auto layers = make_layer_model(settings.layers, settings.projection, part);
-  const RunSize size =
-      run_size(settings, part, make_node_sets(part, settings.node_sets), layers->count(), ranks);
-  GroupChoice choice = choose_automatically<Dim>(settings, size, available);
-  if (choice.groups == result.choice.groups) {
-    result.choice = choice;
-    return result;
-  }
-  result = {};
-  PartDescription quiet = settings.part;
-  quiet.announce = false;
-  return placed<Dim>(world, settings, std::move(choice), quiet);
-}
-
-FABSEQ_INSTANTIATE_FUNCTION(place_part);
+FABSEQ_INSTANTIATE_FUNCTION(fastest_choice);
+FABSEQ_INSTANTIATE_FUNCTION(likely_choice);
 
 }  // namespace fabseq

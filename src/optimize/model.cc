@@ -18,21 +18,20 @@ template <int Dim>
 Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
     : settings(settings_),
       placed_(place_part<Dim>(world, settings)),
-      group_choice(placed_.choice),
-      groups(*placed_.groups),
-      grid(*placed_.grid),
-      part(*placed_.part),
+      group_choice(placed_->choice),
+      groups(placed_->groups),
+      grid(placed_->grid),
+      part(placed_->part),
       supports(part, settings.part),
-      places_(settings.sequence.kind->places(settings.sequence, part)),
-      start(places_.start),
-      design_support(places_.support),
-      node_sets(make_node_sets(part, settings.node_sets)),
-      layers(make_layer_model(settings.layers, settings.projection, part)),
+      start(placed_->places.start),
+      design_support(placed_->places.support),
+      node_sets(placed_->node_sets),
+      layers(placed_->layers.get()),
       baseline(make_layer_model({.count = baseline_count(settings.baseline, *layers, part)}, {}, part)),
-      lanes(resolved_lanes(world, settings.solver,
-                           run_size(settings, part, node_sets, layers->count(), size_of(world)),
-                           groups.count())),
-      characteristic_length(settings.sequence.facts.characteristic_length.value_or(part.longest_edge())) {}
+      objective(placed_->objective),
+      size(placed_->size),
+      lanes(resolved_lanes(world, settings.solver, size, groups.count())),
+      characteristic_length(placed_->characteristic_length) {}
 
 template <int Dim>
 DesignLayout<Dim> Model<Dim>::design_layout() const {

@@ -27,13 +27,11 @@ constexpr double negligible_share = 1e-12;
 
 template <int Dim>
 Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
-    : terms_(model.settings.objective), margin_(constraint_margin) {
-  const ResponseContext<Dim> context = model.context();
+    : terms_(model.settings.objective), margin_(constraint_margin), responses_(model.objective) {
+  for (const Term& term : model.settings.constraints)
+    responses_.push_back(term.type->make(term, model.context()));
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
-    for (const Term& term : *list) {
-      responses_.push_back(term.type->make(term, context));
-      types_.push_back(term.type->name);
-    }
+    for (const Term& term : *list) types_.push_back(term.type->name);
   configured_ = responses_.size();
   add_largest();
   if (!largest_) add_functionals();

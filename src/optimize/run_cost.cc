@@ -33,13 +33,11 @@ double overhead(int domain_ranks) {
 /// Counts the functionals of all terms that may be handed over as sums of squares, and the values of one that
 /// is the largest of them.
 template <int Dim>
-int functional_count(const ModelSettings& settings, const Part<Dim>& part,
-                     const std::map<std::string, NodeSet>& node_sets) {
-  const ResponseContext<Dim> context{part, node_sets, 1.0};
+int functional_count(const ModelSettings& settings, const ResponseList<Dim>& objective) {
   int result = 0;
-  for (const Term& term : settings.objective) {
-    const auto response = term.type->make(term, context);
-    const auto functionals = response->squares(term.scaling);
+  for (std::size_t i = 0; i < objective.size(); ++i) {
+    const Term& term = settings.objective[i];
+    const auto functionals = objective[i]->squares(term.scaling);
     result += functionals ? functionals->count : 0;
     if (term.type->facts(term).is_largest) result += static_cast<int>(settings.material.scenarios.size());
   }
@@ -49,8 +47,8 @@ int functional_count(const ModelSettings& settings, const Part<Dim>& part,
 }  // namespace
 
 template <int Dim>
-RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
-                 const std::map<std::string, NodeSet>& node_sets, int layers, int ranks) {
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const ResponseList<Dim>& objective,
+                 int layers, int ranks) {
   std::int64_t nodes = 0;
   for (std::size_t node = 0; node < part.touched_nodes().size(); ++node)
     nodes += part.touched_nodes()[node] != 0 || part.substrate().nodes()[node] != 0 ? 1 : 0;
@@ -64,7 +62,7 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
   size.layers = layers;
   size.ranks = ranks;
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
-  size.functionals = functional_count(settings, part, node_sets);
+  size.functionals = functional_count(settings, objective);
   return size;
 }
 

@@ -5,6 +5,13 @@ namespace fabseq {
 
 namespace {
 
+/// The alternative of a variant, made where it holds another one.
+template <class Value, class Variant>
+Value& alternative(Variant& variant) {
+  return std::holds_alternative<Value>(variant) ? std::get<Value>(variant)
+                                                : variant.template emplace<Value>();
+}
+
 Section<VoxelFile> voxel_keys() {
   using Its = VoxelFile;
   return Section<Its>("part.voxels", "Part density from an HDF5 file with axes [z][y][x]")
@@ -60,9 +67,9 @@ Section<PartDescription> part_keys() {
   using Its = PartDescription;
   Section<Its> result("part", "The part: one shape or `voxels`, and");
   result
-      .section("voxels", [](Its& part) -> VoxelFile& { return part.source.emplace<VoxelFile>(); },
+      .section("voxels", [](Its& part) -> VoxelFile& { return alternative<VoxelFile>(part.source); },
                "In place of a shape: density from a file", voxel_keys(), {.source = true})
-      .section("mesh", [](Its& part) -> MeshFile& { return part.source.emplace<MeshFile>(); },
+      .section("mesh", [](Its& part) -> MeshFile& { return alternative<MeshFile>(part.source); },
                "In place of a shape: a body's surface from a file", mesh_keys(),
                {.dimension = 3, .source = true})
       .key("keep", &Its::keep_connected,
@@ -73,9 +80,13 @@ Section<PartDescription> part_keys() {
            "An element's density is the mean over so many points along each axis; "
            "voxel files are as many times finer",
            {.range = "[1, 16]"})
-      .then([](Its& part, const Json& value, const KeyPlace& place) {
-        if (std::holds_alternative<Shape>(part.source)) part.source = make_shape(value, place);
-      });
+      .then(
+          [](Its& part, const Json& value, const KeyPlace& place) {
+            if (std::holds_alternative<Shape>(part.source)) part.source = make_shape(value, place);
+          },
+          [](Its& part, Json& object) {
+            if (const auto* shape = std::get_if<Shape>(&part.source)) write_shape(*shape, object);
+          });
   for (SectionKeys& section : shape_declarations()) result.declare(std::move(section));
   return result;
 }
@@ -93,7 +104,7 @@ Section<NodeSetDescription> node_set_keys() {
            "Only nodes on the surface: those with fewer elements of part and "
            "substrate around them than an inner node has; samples are taken of these")
       .key("all", &Its::all, "In place of a shape: every node of the part", {.source = true})
-      .section("near", [](Its& set) -> NearMesh& { return set.near.emplace(); },
+      .section("near", [](Its& set) -> NearMesh& { return set.near ? *set.near : set.near.emplace(); },
                "In place of a shape: the neighbourhood of a surface", near_keys(),
                {.dimension = 3, .source = true})
       .then([](Its& set, const Json& value, const KeyPlace& place) {

@@ -55,11 +55,13 @@ Section<Shape> sphere_keys() {
 
 Section<Shape> polygon_keys() {
   return Section<Its>("shape.polygon", "Polygon, in three dimensions extruded through the box")
-      .key("points", "Corners, in three dimensions in the two other axes in ascending order",
-           {.type = KeyType::points, .required = true, .unit = "length"},
-           [](Its& polygon, const Json& value, const KeyPlace&) {
-             polygon.points = value.get<std::vector<std::array<double, 2>>>();
-           })
+      .key(
+          "points", "Corners, in three dimensions in the two other axes in ascending order",
+          {.type = KeyType::points, .required = true, .unit = "length"},
+          [](Its& polygon, const Json& value, const KeyPlace&) {
+            polygon.points = value.get<std::vector<std::array<double, 2>>>();
+          },
+          [](Its& polygon, Json& object) { object["points"] = polygon.points; })
       .key("axis", &Its::axis, "Axis along which it is extruded",
            {.type = KeyType::axis, .required = true, .dimension = 3});
 }
@@ -72,11 +74,16 @@ Section<Shape> shape_keys() {
   // `dimension`: the only one in which the shape exists; 0: both.
   const auto primitive = [&](const char* name, Kind kind, int dimension, const char* meaning,
                              const Section<Shape>& keys) {
-    const auto of_kind = [kind](Its& shape) -> Its& {
-      shape.kind = kind;
-      return shape;
-    };
-    result.section(name, of_kind, meaning, keys, {.dimension = dimension, .source = true});
+    result.declare(keys.declarations().front());
+    result.key(
+        name, meaning, {.type = KeyType::section, .dimension = dimension, .source = true},
+        [kind, keys](Its& shape, const Json& value, const KeyPlace& place) {
+          shape.kind = kind;
+          keys.read(shape, value, place);
+        },
+        [name, kind, keys](Its& shape, Json& object) {
+          if (shape.kind == kind) keys.write(shape, object[name] = Json::object());
+        });
   };
   primitive("box", Kind::box, 0, "Box along the axes", box_keys());
   primitive("half_space", Kind::half_space, 0, "(x - point) · normal <= 0", half_space_keys());
@@ -90,6 +97,12 @@ Section<Shape> shape_keys() {
           shape.kind = kind;
           for (std::size_t i = 0; i < value.size(); ++i)
             shape.operands.push_back(make_shape(value[i], {pointer_to(place.pointer, i), place.dimension}));
+        },
+        [name, kind](Its& shape, Json& object) {
+          if (shape.kind != kind) return;
+          Json& operands = object[name] = Json::array();
+          for (const Shape& operand : shape.operands)
+            write_shape(operand, operands.emplace_back(Json::object()));
         });
   };
   combination("union", Kind::union_of, "Points in at least one of the shapes");
@@ -98,15 +111,26 @@ Section<Shape> shape_keys() {
   return result;
 }
 
+const Section<Shape>& keys_of_shapes() {
+  static const Section<Shape> keys = shape_keys();
+  return keys;
+}
+
 }  // namespace
 
-std::vector<SectionKeys> shape_declarations() { return shape_keys().declarations(); }
+std::vector<SectionKeys> shape_declarations() { return keys_of_shapes().declarations(); }
 
 Shape make_shape(const Json& value, const KeyPlace& place) {
-  static const Section<Shape> keys = shape_keys();
   Shape shape;
-  keys.read(shape, value, place);
+  keys_of_shapes().read(shape, value, place);
   return shape;
+}
+
+void write_shape(const Shape& shape, Json& object) {
+  if (make_shape(object, {"", 0}) == shape) return;
+  for (const ConfigKey& key : keys_of_shapes().declarations().front().keys) object.erase(key.name);
+  Shape same = shape;
+  keys_of_shapes().write(same, object);
 }
 
 }  // namespace fabseq

@@ -39,12 +39,6 @@ DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>
   return result;
 }
 
-/// The same term with another aggregate.
-Term with_aggregate(Term term, const char* aggregate) {
-  term.keys["aggregate"] = aggregate;
-  return term;
-}
-
 /// What the scenarios of the strain (docs/formulation.md 4.7) make of a pipeline's last run, for each term of
 /// the objective that can be aggregated over them, whichever aggregate it asks for; empty without scenarios.
 /// No solve: they are superposed.
@@ -55,10 +49,12 @@ std::vector<ScenarioNumbers> report_scenarios(const Model<Dim>& model, const Pro
   if (model.settings.material.scenarios.empty()) return result;
   for (std::size_t i = 0; i < model.settings.objective.size(); ++i) {
     const Term& term = model.settings.objective[i];
-    if (find_member(term.keys, "aggregate") == nullptr) continue;
-    std::vector<std::unique_ptr<Response<Dim>>> responses;
-    responses.push_back(term.type->make(with_aggregate(term, "worst"), model.context())->largest_of());
-    responses.push_back(term.type->make(with_aggregate(term, "spread"), model.context()));
+    const auto worst = term.type->aggregated(term, Aggregate::worst);
+    const auto spread = term.type->aggregated(term, Aggregate::spread);
+    if (!worst || !spread) continue;
+    ResponseList<Dim> responses;
+    responses.push_back(term.type->make(*worst, model.context())->largest_of());
+    responses.push_back(term.type->make(*spread, model.context()));
     auto values = pipeline.values(responses, state);
     ScenarioNumbers numbers{problem.component_name(i, 0), std::move(values[0])};
     const auto& all = numbers.values;

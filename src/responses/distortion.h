@@ -15,14 +15,6 @@ namespace fabseq {
 /// What is measured, in the order of the words of the key.
 enum class Measure { displacement, flatness, layerwise, shape, angle };
 
-/// What counts of a distortion J(u) where the strain is not known exactly (docs/formulation.md 5.1).
-enum class Aggregate {
-  nominal,  ///< J for the strain as given
-  mean,     ///< mean of J(u_s) over the scenarios
-  spread,   ///< mean of J(u_s - mean of all u_s)
-  worst     ///< largest J(u_s)
-};
-
 /// The settings of a distortion term.
 struct DistortionSettings {
   Measure measure = Measure::displacement;

@@ -30,7 +30,8 @@ TermFacts DistortionSettings::facts() const {
   TermFacts result{
       .measures_release = after_release,
       .is_largest = aggregate == Aggregate::worst,
-      .is_quadratic = of_displacement && !norm && !after_release && aggregate == Aggregate::nominal};
+      .is_quadratic = of_displacement && !norm && !after_release && aggregate == Aggregate::nominal,
+      .asks_for_squares = least_squares.value_or(false)};
   for (const std::string& name : {nodes, to})
     if (!name.empty()) result.node_sets.push_back(name);
   return result;

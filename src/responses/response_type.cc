@@ -76,7 +76,7 @@ Term make_term(TermList list, const Json& object) {
   static const Section<Term> common = common_objective_keys();
   Term term;
   term.type = find_response_type(list, object.at("type").get<std::string>());
-  term.keys = object;
+  term.own = term.type->read(object);
   if (list == TermList::objective) common.read(term, object, {"", 0});
   return term;
 }

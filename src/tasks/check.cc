@@ -16,7 +16,7 @@ template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
   const SolverPath path = setup.config.solver.path;
-  const RunSize size = run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), ranks);
+  const RunSize& size = setup.size;
   print(formatted("one layer: %.0f unknowns; %d layers, %d solves each an iteration", size.unknowns,
                   size.layers, 1 + size.cases + size.functionals));
   if (!setup.group_choice.explanation.empty()) print(setup.group_choice.explanation);

@@ -8,6 +8,7 @@
 #include "fabseq/keys/config_key.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -37,42 +38,45 @@ void require_halves(const Setup<Dim>& fine) {
   if (fine.design_support.on_nodes()) refuse_coarse(fine, "the design is on nodes");
 }
 
+/// Keeps what goes on beyond the fine box, such as a half space, within it.
+template <int Dim>
+void clip(const Domain<Dim>& domain, Shape& shape) {
+  Shape box;
+  box.kind = Shape::Kind::box;
+  for (int axis = 0; axis < Dim; ++axis) {
+    box.first.push_back(domain.origin[axis]);
+    box.second.push_back(domain.origin[axis] + domain.size[axis]);
+  }
+  Shape clipped;
+  clipped.kind = Shape::Kind::intersection;
+  clipped.operands = {std::move(box), std::move(shape)};
+  shape = std::move(clipped);
+}
+
 /// Box and part of the coarse grid.
 template <int Dim>
-void coarsen_domain(const Setup<Dim>& fine, Json& document) {
+void coarsen_domain(const Setup<Dim>& fine, Config& config) {
   const Domain<Dim>& domain = fine.grid.domain();
-  std::vector<double> size, lower, upper;
-  std::vector<int> elements;
+  bool larger = false;
   for (int axis = 0; axis < Dim; ++axis) {
-    elements.push_back((domain.elements[axis] + 1) / 2);
-    size.push_back(domain.elements[axis] % 2 == 0 ? domain.size[axis]
-                                                  : elements.back() * 2 * fine.grid.spacing()[axis]);
-    lower.push_back(domain.origin[axis]);
-    upper.push_back(domain.origin[axis] + domain.size[axis]);
+    config.elements[axis] = (domain.elements[axis] + 1) / 2;
+    if (domain.elements[axis] % 2 == 0) continue;
+    config.size[axis] = config.elements[axis] * 2 * fine.grid.spacing()[axis];
+    larger = true;
   }
-  document["domain"]["size"] = size;
-  document["domain"]["elements"] = elements;
-  Json& part = document["part"];
-  const Json sampling(2 * part.at("sampling").get<std::int64_t>()), keep = part.at("keep");
-  if (size != std::vector<double>(domain.size.begin(), domain.size.end()) &&
-      std::holds_alternative<Shape>(fine.config.part.source)) {
-    // A half space would go on beyond the fine box.
-    part.erase("sampling");
-    part.erase("keep");
-    const Json box = Json::object({{"box", Json::object({{"min", lower}, {"max", upper}})}});
-    part = Json::object({{"intersection", Json::array({box, part})}, {"keep", keep}});
-  }
-  part["sampling"] = sampling;
-  if (Json* mesh = find_member(part, "mesh")) (*mesh)["least_elements"] = 0.0;  // as on the fine grid
+  if (auto* shape = std::get_if<Shape>(&config.part.source); shape != nullptr && larger) clip(domain, *shape);
+  if (auto* mesh = std::get_if<MeshFile>(&config.part.source))
+    mesh->least_elements = 0.0;  // as on the fine grid
+  config.part.sampling *= 2;
 }
 
 /// Shares the coarse iterations out: to this grid, and, if there are more, to the coarser ones.
-void share_out_iterations(const OptimizerSettings& settings, Json& optimizer) {
-  const int share = (settings.coarse_iterations + settings.coarse_grids - 1) / settings.coarse_grids;
-  optimizer["max_iterations"] = share;
-  optimizer["coarse_iterations"] = settings.coarse_iterations - share;
-  optimizer["coarse_grids"] = std::max(1, settings.coarse_grids - 1);
-  optimizer["later_iterations"] = settings.later_iterations + settings.max_iterations;
+void share_out_iterations(OptimizerSettings& optimizer) {
+  const int share = (optimizer.coarse_iterations + optimizer.coarse_grids - 1) / optimizer.coarse_grids;
+  optimizer.later_iterations += optimizer.max_iterations;
+  optimizer.max_iterations = share;
+  optimizer.coarse_iterations -= share;
+  optimizer.coarse_grids = std::max(1, optimizer.coarse_grids - 1);
 }
 
 template <int Dim>
@@ -88,27 +92,27 @@ bool has_nodes(const Part<Dim>& part, const std::string& name, const NodeSetDesc
 /// Node sets without nodes, or with fewer than are to be sampled, take those within an edge of a fine
 /// element; if these are too few for samples, all.
 template <int Dim>
-void widen_node_sets(const Setup<Dim>& fine, const Config& coarse, Json& document) {
+void widen_node_sets(const Setup<Dim>& fine, Config& coarse) {
   const Grid<Dim> grid = make_balanced_grid<Dim>(fine.groups.domain(), coarse.domain<Dim>(), coarse.part);
   const Part<Dim> part(grid, coarse.part, coarse.plate);
   const double within = 1.001 * fine.grid.largest_spacing();
-  for (auto [name, description] : coarse.node_sets) {
+  for (auto& [name, description] : coarse.node_sets) {
     if (has_nodes(part, name, description)) continue;
-    Json& set = document["node_sets"][name];
     description.within += within;
-    set["within"] = description.within;
-    if (!has_nodes(part, name, description)) set["samples"] = 0;
+    if (!has_nodes(part, name, description)) description.samples = 0;
   }
 }
 
+/// The config of the coarse run, with what "auto" stands for on the fine grid.
 template <int Dim>
-Json coarse_document(const Setup<Dim>& fine) {
-  Json document = fine.document();
-  coarsen_domain(fine, document);
-  share_out_iterations(fine.config.optimizer, document["optimizer"]);
-  document["output"]["sensitivity"] = false;
-  widen_node_sets(fine, make_config(document, "", fine.config.part.mesh), document);
-  return document;
+Config coarsened(const Setup<Dim>& fine) {
+  Config config = fine.resolved();
+  coarsen_domain(fine, config);
+  share_out_iterations(config.optimizer);
+  config.output.sensitivity = false;
+  widen_node_sets(fine, config);
+  complete_derived(config);
+  return config;
 }
 
 /// Field of a coarse run on the fine grid's owned elements, [element][component].
@@ -147,7 +151,7 @@ template <int Dim>
 CoarseGrid<Dim>::CoarseGrid(const Setup<Dim>& fine) {
   require_halves(fine);
   try {
-    config_ = std::make_unique<const Config>(make_config(coarse_document(fine), "", fine.config.part.mesh));
+    config_ = std::make_unique<const Config>(coarsened(fine));
     setup_ = std::make_unique<const Setup<Dim>>(fine.world(), *config_);
     // The next one, if there is any, is made again when its turn comes.
     if (config_->optimizer.coarse_iterations > 0) (void)CoarseGrid<Dim>(*setup_);

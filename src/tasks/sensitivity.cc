@@ -33,8 +33,7 @@ template <int Dim>
 std::string obstacle_of_finer_grid(const Setup<Dim>& setup) {
   const std::optional<bool>& asked_for = setup.config.output.finer_grid;
   if (asked_for) return *asked_for ? "" : "left out by output.finer_grid";
-  RunSize size =
-      run_size(setup.config, setup.part, setup.node_sets, setup.layers->count(), size_of(setup.world()));
+  RunSize size = setup.size;
   for (double* number : {&size.unknowns, &size.nodes, &size.part_elements}) *number *= 1 << Dim;
   const double needed = memory_estimate(size, setup.config.solver.path, setup.groups.count(), setup.lanes);
   if (needed <= usable_memory * static_cast<double>(available_memory_bytes(setup.world()))) return "";

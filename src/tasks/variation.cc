@@ -90,12 +90,18 @@ PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time,
   return result;
 }
 
-/// The settings of a change. Voxels of a file become 2^Dim elements.
-Config varied_config(const Variation& variation, const Config& unchanged) {
-  Config config = make_config(variation.document, "", unchanged.part.mesh);
+/// The config of a change. What "auto" stands for is fixed, so that a change of one thing changes nothing
+/// else, and there are no constraints.
+template <int Dim>
+Config varied(const Setup<Dim>& unchanged, const Variation& variation) {
+  Config config = unchanged.resolved();
+  config.solver.layer_groups = unchanged.groups.count();
+  // Sharpness is no matter of the config here; its relations to the number of layers shall refuse nothing.
+  config.projection = {};
+  config.constraints.clear();
   config.part.announce = variation.finer;  // else as of the unchanged part
-  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source); voxels != nullptr && variation.finer)
-    voxels->repeat = 2;
+  variation.change(config);
+  complete_derived(config);
   return config;
 }
 
@@ -104,24 +110,24 @@ Config varied_config(const Variation& variation, const Config& unchanged) {
 template <int Dim>
 VariedPair simulate_varied(const Setup<Dim>& setup, const GivenDesign<Dim>& given, const Variation& variation,
                            bool more, PhaseTimer& timer) {
-  const Config config = varied_config(variation, setup.config);
-  const Setup<Dim> varied(setup.world(), config);
-  varied.require_memory_of_layers();
-  const Problem<Dim> problem(varied, config.optimizer.constraint_margin);
+  const Config config = varied(setup, variation);
+  const Setup<Dim> changed(setup.world(), config);
+  changed.require_memory_of_layers();
+  const Problem<Dim> problem(changed, config.optimizer.constraint_margin);
   const double tolerance = config.solver.finest_tolerance();
   VariedPair result;
   {
-    PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, varied.part) : given.time;
-    Pipeline<Dim> pipeline(varied, std::make_unique<GivenSequence<Dim>>(std::move(time)), *varied.layers,
+    PseudoTime<Dim> time = variation.finer ? refined_time(setup.part, given.time, changed.part) : given.time;
+    Pipeline<Dim> pipeline(changed, std::make_unique<GivenSequence<Dim>>(std::move(time)), *changed.layers,
                            tolerance, timer);
     Design design;
     design.layer_variables = given.layer_variables;
-    if (design.layer_variables.size() != varied.layers->variables().count())  // other time points
-      design.layer_variables = interpolated_time_points(given.layer_variables, varied.layers->count());
-    result.sequence = simulate(varied, problem, pipeline, design, given.beta, !variation.smooth, more);
+    if (design.layer_variables.size() != changed.layers->variables().count())  // other time points
+      design.layer_variables = interpolated_time_points(given.layer_variables, changed.layers->count());
+    result.sequence = simulate(changed, problem, pipeline, design, given.beta, !variation.smooth, more);
   }
-  Pipeline<Dim> planar(varied, make_baseline_sequence(varied), *varied.baseline, tolerance, timer);
-  result.planar = simulate(varied, problem, planar, {}, 0.0, true, more);
+  Pipeline<Dim> planar(changed, make_baseline_sequence(changed), *changed.baseline, tolerance, timer);
+  result.planar = simulate(changed, problem, planar, {}, 0.0, true, more);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "fabseq/config/setup.h"
 #include "fabseq/sequence/sequence.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,9 +29,9 @@ struct GivenDesign {
 /// A change.
 struct Variation {
   std::string name;
-  Json document;        ///< config that is as complete as an effective one
-  bool smooth = false;  ///< of the sequence; the planar baseline stays binary
-  bool finer = false;   ///< the grid has twice as many elements along each axis
+  std::function<void(Config&)> change;  ///< what it does to the config's settings
+  bool smooth = false;                  ///< of the sequence; the planar baseline stays binary
+  bool finer = false;                   ///< the grid has twice as many elements along each axis
 };
 
 /// What distorts, in numbers. The same on all ranks.
@@ -50,8 +51,7 @@ struct VariedPair {
   Varied sequence, planar;
 };
 
-/// All changes that take a simulation, "unchanged" first. What "auto" stands for is fixed, so that a change
-/// of one thing changes nothing else, and there are no constraints. Not collective.
+/// All changes that take a simulation, "unchanged" first. Not collective.
 template <int Dim>
 std::vector<Variation> all_variations(const Setup<Dim>& setup);
 

@@ -52,7 +52,7 @@ TEST(ConfigTest, DefaultsIn3d) {
   EXPECT_EQ(config.projection.interval, 15);
   EXPECT_FALSE(config.projection.max);
   EXPECT_FALSE(config.projection.binary);
-  EXPECT_EQ(config.constraints[0].keys.at("tolerance"), 0.1);
+  EXPECT_EQ(config.effective["constraints"][0].at("tolerance"), 0.1);
   EXPECT_EQ(config.layers.target.value().value, 0.5);
   EXPECT_FALSE(config.baseline.layers);
   EXPECT_TRUE(config.baseline.direction.empty());
@@ -68,15 +68,15 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   ASSERT_EQ(config.objective.size(), 2U);
   const Term &distortion = config.objective[0], &uniformity = config.objective[1];
   EXPECT_EQ(distortion.type->name, "distortion");
-  EXPECT_EQ(distortion.keys.at("measure"), "displacement");
-  EXPECT_EQ(distortion.keys.at("nodes"), "top");
-  EXPECT_FALSE(distortion.keys.contains("axis"));
-  EXPECT_EQ(distortion.keys.at("mean"), false);
-  EXPECT_EQ(distortion.keys.at("least_squares"), "auto");
+  EXPECT_EQ(config.effective["objective"][0].at("measure"), "displacement");
+  EXPECT_EQ(config.effective["objective"][0].at("nodes"), "top");
+  EXPECT_FALSE(config.effective["objective"][0].contains("axis"));
+  EXPECT_EQ(config.effective["objective"][0].at("mean"), false);
+  EXPECT_EQ(config.effective["objective"][0].at("least_squares"), "auto");
   EXPECT_EQ(distortion.weight, 1.0);
   EXPECT_EQ(distortion.normalize, 100.0);
   EXPECT_EQ(distortion.scaling, TermScaling::current);
-  EXPECT_EQ(uniformity.keys.at("form"), "sum_of_squares");
+  EXPECT_EQ(config.effective["objective"][1].at("form"), "sum_of_squares");
   EXPECT_EQ(uniformity.scaling, TermScaling::first);
   EXPECT_EQ(uniformity.weight, 1.0);
   const OptimizerSettings& optimizer = config.optimizer;
@@ -155,10 +155,10 @@ TEST(ConfigTest, ValuesReachTheirPlace) {
   EXPECT_EQ(config.baseline.direction, (std::vector<double>{0, 0, 2}));
   EXPECT_EQ(config.solver.method, ReferenceMethod::gamg);
   EXPECT_EQ(config.output.every, 0);
-  EXPECT_EQ(config.objective[1].keys.at("form"), "variance");
-  EXPECT_EQ(config.objective[0].keys.at("mean"), true);
-  EXPECT_EQ(config.constraints[0].keys.at("slack"), 1e-3);
-  EXPECT_EQ(config.constraints[1].keys.at("tolerance"), 0.2);
+  EXPECT_EQ(config.effective["objective"][1].at("form"), "variance");
+  EXPECT_EQ(config.effective["objective"][0].at("mean"), true);
+  EXPECT_EQ(config.effective["constraints"][0].at("slack"), 1e-3);
+  EXPECT_EQ(config.effective["constraints"][1].at("tolerance"), 0.2);
   EXPECT_EQ(config.layers.target.value().value, 1.0);
 }
 
@@ -326,7 +326,7 @@ TEST(ConfigTest, ReferenceCases) {
     if (name == "arch_quiet_3d") {
       EXPECT_EQ(config.process.void_model, VoidModel::quiet);
       EXPECT_EQ(config.sequence.as<HeatSettings>().filter_radius, 0.3);
-      EXPECT_EQ(config.objective[1].keys.at("axis"), "z");
+      EXPECT_EQ(config.effective["objective"][1].at("axis"), "z");
     }
     if (name == "steps_planar_3d") {
       EXPECT_EQ(config.sequence.as<PlanarSettings>().direction, (std::vector<double>{0, 0, 1}));

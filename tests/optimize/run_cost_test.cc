@@ -2,9 +2,10 @@
 /// What a run is said to cost: how the figures follow from its size. tests/integration/configs_test.py holds
 /// them against a run.
 #include "fabseq/optimize/run_cost.h"
+#include "fabseq/responses/response_type.h"
 
 #include "fabseq/layers/layer_model.h"
-#include "fabseq/optimize/group_choice.h"
+#include "fabseq/optimize/placed_part.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
@@ -75,7 +76,11 @@ TEST(RunCostTest, MemoryGrowsWithAllThatIsHeld) {
 
 template <int Dim>
 RunSize size_of_run(const Config& config, const Part<Dim>& part, int layers, int ranks) {
-  return run_size(config, part, make_node_sets(part, config.node_sets), layers, ranks);
+  const auto node_sets = make_node_sets(part, config.node_sets);
+  ResponseList<Dim> objective;
+  for (const Term& term : config.objective)
+    objective.push_back(term.type->make(term, ResponseContext<Dim>{part, node_sets, 1.0}));
+  return run_size(config, part, objective, layers, ranks);
 }
 
 TEST(RunCostTest, TheSizeIsThePartsUnlessTheVoidIsQuiet) {
@@ -143,11 +148,13 @@ TEST(RunCostTest, LanesThatFitTheMemory) {
 }
 
 TEST(RunCostTest, GroupsDivideTheRanks) {
-  const GroupChoice alone = place_part<3>(PETSC_COMM_WORLD, configure(solid)).choice;
+  const Config config = configure(solid);
+  const GroupChoice alone = place_part<3>(PETSC_COMM_WORLD, config)->choice;
   EXPECT_EQ(alone.groups, 1);
   EXPECT_EQ(alone.explanation, "");
   const std::string message = test::refusal([] {
-    (void)place_part<3>(PETSC_COMM_WORLD, configure(solid, {{"solver.layer_groups", "2"}}));
+    const Config divided = configure(solid, {{"solver.layer_groups", "2"}});
+    (void)place_part<3>(PETSC_COMM_WORLD, divided);
   });
   EXPECT_EQ(
       message,

@@ -46,7 +46,17 @@ struct Config : ModelSettings {
 Config make_config(const Json& document, const std::string& directory,
                    std::shared_ptr<const PlacedMesh> mesh = nullptr);
 
-/// Checks relations between the keys of a config whose single values are valid, as make_config() does at its
+/// The first half of make_config(): single values are valid, their relations are not checked yet.
+Config read_settings(const Json& document, const std::string& directory,
+                     std::shared_ptr<const PlacedMesh> mesh = nullptr);
+/// The second half, and what makes a config of settings that were changed: sets what follows from others and
+/// checks relations between keys. Throws InputError. Not collective.
+void complete(Config& config);
+/// The same of settings that were derived from those of another config: brings `effective` to them first.
+/// Terms may have been left out, but not added or changed.
+void complete_derived(Config& config);
+
+/// Checks relations between the keys of a config whose single values are valid, as complete() does at its
 /// end. Throws InputError. Not collective.
 void check_rules(const Config& config);
 

@@ -3,7 +3,6 @@
 /// Cutting the pseudo-time of a file, such as the result of a run, into layers again.
 #pragma once
 
-#include "fabseq/base/json.h"
 #include "fabseq/config/command_line.h"
 
 #include <mpi.h>
@@ -18,17 +17,15 @@ struct Slicing {
 /// Those of a file. Does not report a file that cannot be read: its later reader does. Collective on `comm`.
 Slicing slicing_of(MPI_Comm comm, const std::string& name);
 
-/// Turns `document`, a config as read and with the overrides applied, into one whose sequence is that of
-/// -sequence FILE:
-///   - sequence: the dataset `time` of FILE;
+/// Turns settings whose sequence has become that of -sequence FILE into those of its layers, before they are
+/// complete:
 ///   - layers.count, unless the command line gives it: the number of layers that FILE states;
 ///   - projection.beta, unless the command line gives it: the sharpness relative to a layer that FILE states,
 ///     so that the same number of layers gives the same layers;
 ///   - terms that need the gradient of the pseudo-time, which a file does not have, are left out, each with a
 ///     warning.
 ///
-/// Does nothing without -sequence. Does not report a file that cannot be read: its later reader does.
-/// Collective on `comm`.
-void reslice(MPI_Comm comm, const CommandLine& command_line, Json& document);
+/// Not collective.
+void reslice(const CommandLine& command_line, const Slicing& of_file, Config& config);
 
 }  // namespace fabseq

@@ -22,9 +22,8 @@ class Setup : public Model<Dim> {
 
   /// Whether layers are steps, not smooth: where that is asked for, and planar ones.
   bool binary() const { return config.projection.binary || config.sequence.kind->binary; }
-  /// The effective config with what "auto" stands for, so that it stays the same when other things change.
-  /// Not collective.
-  Json document() const;
+  /// The config with what "auto" stands for, so that this stays when other things change. Not collective.
+  Config resolved() const;
   /// 1 on the owned elements of the substrate, as a field for files.
   std::vector<double> substrate_field() const {
     const auto& elements = this->part.substrate().elements();

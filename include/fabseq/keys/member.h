@@ -100,4 +100,15 @@ void read_member(const ConfigKey& key, const Json& value, Member& member) {
   }
 }
 
+/// The reverse of read_member(): puts a member's value into an object that a config has been read from.
+/// Leaves alone what says the same, and what is not there where the member has its default `initial`.
+template <class Member>
+void write_member(const ConfigKey& key, const Member& member, const Member& initial, Json& object) {
+  Member before = initial;
+  if (const Json* found = find_member(object, key.name)) read_member(key, *found, before);
+  if (member == before) return;
+  const std::string text = text_of(key, member);
+  if (!text.empty()) object[key.name] = parse_json(text, key.name);
+}
+
 }  // namespace fabseq

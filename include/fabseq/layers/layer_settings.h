@@ -50,6 +50,9 @@ struct ProjectionSettings {
   int interval = 15;          ///< iterations between two steps
   std::optional<double> max;  ///< none: 13.5 N
   bool binary = false;
+
+  double first_beta(int layers) const { return beta.value_or(4.0 * layers); }
+  double last_beta(int layers) const { return max.value_or(13.5 * layers); }
 };
 
 /// Sections "layers" and "projection".

@@ -19,7 +19,7 @@ namespace fabseq {
 
 /// Borrowed.
 template <int Dim>
-using Responses = std::span<const std::unique_ptr<Response<Dim>>>;
+using Responses = std::span<const std::shared_ptr<const Response<Dim>>>;
 
 /// A component of a response with a factor; a gradient row is a sum of these.
 struct WeightedComponent {

@@ -2,12 +2,10 @@
 #pragma once
 
 #include "fabseq/optimize/model_settings.h"
-#include "fabseq/parallel/layer_groups.h"
-#include "fabseq/part/part.h"
+#include "fabseq/optimize/run_size.h"
 
 #include <mpi.h>
 
-#include <memory>
 #include <string>
 
 namespace fabseq {
@@ -18,21 +16,14 @@ struct GroupChoice {
   std::string explanation;  ///< a line for the log; empty with a single rank
 };
 
-/// The groups of a run, and grid and part as the ranks of each of them have them. The part refers to the
-/// grid.
+/// As many groups as `solver.layer_groups` says. Throws InputError if ranks cannot be dealt out so.
+GroupChoice asked_choice(int groups, int ranks);
+/// The number of groups that is the fastest by a model of the time and fits the `available` memory, bytes.
 template <int Dim>
-struct PlacedPart {
-  GroupChoice choice;
-  std::unique_ptr<const LayerGroups> groups;
-  std::unique_ptr<Grid<Dim>> grid;
-  std::unique_ptr<Part<Dim>> part;
-};
-
-/// Grid and part in as many groups as `solver.layer_groups` says, or in the number of groups that is the
-/// fastest by a model of the time and fits the memory now available. Collective on `world`, which must
-/// outlive the result. Throws InputError if ranks cannot be dealt out so, or for anything wrong with the
-/// part.
+GroupChoice fastest_choice(const ModelSettings& settings, const RunSize& size, double available);
+/// The same as far as it can be told without a part, without an explanation: only those groups count whose
+/// boxes fit the memory.
 template <int Dim>
-PlacedPart<Dim> place_part(MPI_Comm world, const ModelSettings& settings);
+GroupChoice likely_choice(const ModelSettings& settings, int ranks, double available);
 
 }  // namespace fabseq

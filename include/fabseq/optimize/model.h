@@ -5,8 +5,8 @@
 
 #include "fabseq/files/design_layout.h"
 #include "fabseq/layers/layer_model.h"
-#include "fabseq/optimize/group_choice.h"
 #include "fabseq/optimize/model_settings.h"
+#include "fabseq/optimize/placed_part.h"
 #include "fabseq/optimize/run_cost.h"
 #include "fabseq/parallel/layer_groups.h"
 #include "fabseq/part/node_set.h"
@@ -37,7 +37,7 @@ class Model {
   const ModelSettings& settings;
 
  private:
-  PlacedPart<Dim> placed_;
+  std::unique_ptr<PlacedPart<Dim>> placed_;
 
  public:
   const GroupChoice& group_choice;
@@ -45,18 +45,15 @@ class Model {
   Grid<Dim>& grid;
   Part<Dim>& part;
   Supports<Dim> supports;
-
- private:
-  SequencePlaces<Dim> places_;
-
- public:
   const std::optional<StartRegion>& start;   ///< of sequences that begin in a region
   const DesignSupport<Dim>& design_support;  ///< where the sequence has variables
-  std::map<std::string, NodeSet> node_sets;
-  std::unique_ptr<const LayerModel<Dim>> layers;    ///< of the design
+  const std::map<std::string, NodeSet>& node_sets;
+  const LayerModel<Dim>* layers;                    ///< of the design
   std::unique_ptr<const LayerModel<Dim>> baseline;  ///< of the planar sequence it is compared with
-  int lanes;                                        ///< layers solved side by side at most
-  double characteristic_length;                     ///< l_c, length unit
+  const ResponseList<Dim>& objective;               ///< its terms
+  const RunSize& size;
+  int lanes;                     ///< layers solved side by side at most
+  double characteristic_length;  ///< l_c, length unit
 
   /// All ranks of the run; the grid has a communicator of its own.
   MPI_Comm world() const { return groups.world(); }
@@ -72,15 +69,7 @@ class Model {
   }
   /// The same, and back, for files.
   DesignLayout<Dim> design_layout() const;
-  ResponseContext<Dim> context() const {
-    return {part,
-            node_sets,
-            characteristic_length,
-            start ? std::span<const char>(start->elements) : std::span<const char>{},
-            layers->traits().sub_parts,
-            settings.tool,
-            settings.layers.target ? settings.layers.target->value : 0.0};
-  }
+  ResponseContext<Dim> context() const { return placed_->context(); }
 };
 
 }  // namespace fabseq

@@ -107,9 +107,9 @@ class Problem {
 
   std::vector<Term> terms_;
   double margin_;
-  std::vector<std::unique_ptr<Response<Dim>>> responses_;  ///< terms, constraints, functionals
-  std::vector<std::string> types_;                         ///< of responses_
-  std::size_t configured_ = 0;                             ///< terms and constraints
+  ResponseList<Dim> responses_;     ///< terms, which are the model's, constraints, functionals
+  std::vector<std::string> types_;  ///< of responses_
+  std::size_t configured_ = 0;      ///< terms and constraints
   std::vector<Squares> squares_;
   std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response
                                         ///< after the configured ones, and there are no functionals

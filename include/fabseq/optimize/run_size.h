@@ -2,9 +2,7 @@
 #pragma once
 
 #include "fabseq/optimize/model_settings.h"
-
-#include <map>
-#include <string>
+#include "fabseq/responses/response.h"
 
 namespace fabseq {
 
@@ -20,9 +18,10 @@ struct RunSize {
   int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
 };
 
-/// Size of a run with this part, its node sets and so many layers. Collective on the grid's communicator.
+/// Size of a run with this part, the responses of its objective and so many layers. Collective on the grid's
+/// communicator.
 template <int Dim>
-RunSize run_size(const ModelSettings& settings, const Part<Dim>& part,
-                 const std::map<std::string, NodeSet>& node_sets, int layers, int ranks);
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const ResponseList<Dim>& objective,
+                 int layers, int ranks);
 
 }  // namespace fabseq

@@ -22,6 +22,8 @@ std::vector<SectionKeys> shape_declarations();
 /// The shape in a completed config object, which may have other keys beside the shape's. Throws InputError
 /// for empty boxes, cylinders without length and normals of length 0.
 Shape make_shape(const Json& value, const KeyPlace& place);
+/// Brings an object that make_shape() reads to another shape; its other keys stay.
+void write_shape(const Shape& shape, Json& object);
 /// The plate on the face of that name; "z-" is the lower end of the z axis.
 BuildPlate make_plate(const std::string& face);
 

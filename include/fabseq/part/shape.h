@@ -30,6 +30,7 @@ struct Shape {
   /// Whether `point` (one coordinate per axis) lies inside or at most `tolerance` outside; both in length
   /// units.
   bool contains(std::span<const double> point, double tolerance) const;
+  friend bool operator==(const Shape&, const Shape&) = default;
 };
 
 }  // namespace fabseq

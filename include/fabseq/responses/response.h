@@ -92,4 +92,8 @@ class Response {
   virtual std::unique_ptr<Response<Dim>> largest_of() const { return nullptr; }
 };
 
+/// Responses, which several owners may share.
+template <int Dim>
+using ResponseList = std::vector<std::shared_ptr<const Response<Dim>>>;
+
 }  // namespace fabseq

@@ -8,6 +8,7 @@
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/responses/response.h"
 
+#include <any>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,7 @@ struct TermFacts {
   bool measures_release = false;  ///< it measures displacements after the release from plate or clamps
   bool is_largest = false;    ///< the optimizer gets it as the largest of several (Response::largest_of())
   bool is_quadratic = false;  ///< it is a quadratic form of the displacement alone, and of nothing else
+  bool asks_for_squares = false;  ///< the config asks to hand it to the optimizer as a sum of squares
   std::vector<std::string> node_sets = {};                ///< names of those that it measures
   std::optional<double> target_thickness = std::nullopt;  ///< of layers, that it aims at, length unit
 };
@@ -59,6 +61,10 @@ class ResponseType : public ResponseTraits {
 
   /// Declarations of the type's own keys.
   virtual std::vector<ConfigKey> keys() const = 0;
+  /// The settings, Term::own, that a completed config object describes.
+  virtual std::any read(const Json& object) const = 0;
+  /// The term with another aggregate over the scenarios of the strain; none for types that have none.
+  virtual std::optional<Term> aggregated(const Term& term, Aggregate aggregate) const = 0;
   /// Checks relations of the term's keys to each other and to the rest of the config. Throws InputError.
   virtual void check(const Term& term, const TermPlace& place) const = 0;
   virtual TermFacts facts(const Term& term) const = 0;
@@ -91,11 +97,26 @@ class Registered : public ResponseType {
   }
 
   std::vector<ConfigKey> keys() const override { return keys_.declarations().front().keys; }
+  std::any read(const Json& object) const override {
+    Settings settings;
+    keys_.read(settings, object, {"", 0});
+    return settings;
+  }
+  std::optional<Term> aggregated(const Term& term, Aggregate aggregate) const override {
+    if constexpr (requires(Settings & settings) { settings.aggregate = aggregate; }) {
+      Settings settings = own(term);
+      settings.aggregate = aggregate;
+      Term result = term;
+      result.own = settings;
+      return result;
+    }
+    return std::nullopt;
+  }
   void check(const Term& term, const TermPlace& place) const override {
-    if constexpr (requires(const Settings& settings) { settings.check(place); }) read(term).check(place);
+    if constexpr (requires(const Settings& settings) { settings.check(place); }) own(term).check(place);
   }
   TermFacts facts(const Term& term) const override {
-    if constexpr (requires(const Settings& settings) { settings.facts(); }) return read(term).facts();
+    if constexpr (requires(const Settings& settings) { settings.facts(); }) return own(term).facts();
     return {};
   }
   std::unique_ptr<Response<2>> make(const Term& term, const ResponseContext<2>& context) const override {
@@ -106,17 +127,13 @@ class Registered : public ResponseType {
   }
 
  private:
-  Settings read(const Term& term) const {
-    Settings settings;
-    keys_.read(settings, term.keys, {"", 0});
-    return settings;
-  }
+  static const Settings& own(const Term& term) { return std::any_cast<const Settings&>(term.own); }
   template <int Dim>
   std::unique_ptr<Response<Dim>> make_kind(const Term& term, const ResponseContext<Dim>& context) const {
     if constexpr (requires(const Settings& settings) { Kind<Dim>::make(context, settings); })
-      return Kind<Dim>::make(context, read(term));
+      return Kind<Dim>::make(context, own(term));
     else
-      return std::make_unique<Kind<Dim>>(context, read(term));
+      return std::make_unique<Kind<Dim>>(context, own(term));
   }
 
   Section<Settings> keys_;

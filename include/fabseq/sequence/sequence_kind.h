@@ -69,8 +69,12 @@ class SequenceKind : public SequenceTraits {
   virtual std::vector<SectionKeys> keys() const = 0;
   /// The settings that a completed config object describes.
   virtual SequenceSettings read(const Json& object, const KeyPlace& place) const = 0;
-  /// Checks relations between the kind's keys. Throws InputError.
-  virtual void check(const SequenceSettings& settings) const = 0;
+  /// Brings a completed config object to what the settings say.
+  virtual void write(const SequenceSettings& settings, Json& object) const = 0;
+  /// Fixes the characteristic length that "auto" stands for, where the kind has one.
+  virtual void set_characteristic_length(SequenceSettings& settings, double length) const = 0;
+  /// Checks relations between the kind's keys, whose values in the config messages show. Throws InputError.
+  virtual void check(const SequenceSettings& settings, const Json& keys) const = 0;
   /// Throws InputError if the settings do not fit the part.
   virtual SequencePlaces<2> places(const SequenceSettings& settings, const Part<2>& part) const = 0;
   virtual SequencePlaces<3> places(const SequenceSettings& settings, const Part<3>& part) const = 0;
@@ -116,11 +120,23 @@ class RegisteredSequence : public SequenceKind {
   SequenceSettings read(const Json& object, const KeyPlace& place) const override {
     Settings own;
     Kind::keys().read(own, object, place);
-    return {this, own, Kind::facts(own), object};
+    return {this, own, Kind::facts(own)};
   }
-  void check(const SequenceSettings& settings) const override {
-    if constexpr (requires(const Settings& own, const Json& keys) { Kind::check(own, keys); })
-      Kind::check(settings.as<Settings>(), settings.keys);
+  void write(const SequenceSettings& settings, Json& object) const override {
+    Settings own = settings.as<Settings>();
+    Kind::keys().write(own, object);
+  }
+  void set_characteristic_length(SequenceSettings& settings, double length) const override {
+    if constexpr (requires(Settings & own) { own.characteristic_length = length; }) {
+      Settings own = settings.as<Settings>();
+      own.characteristic_length = length;
+      settings.own = own;
+      settings.facts = Kind::facts(own);
+    }
+  }
+  void check(const SequenceSettings& settings, const Json& keys) const override {
+    if constexpr (requires(const Settings& own) { Kind::check(own, keys); })
+      Kind::check(settings.as<Settings>(), keys);
   }
   SequencePlaces<2> places(const SequenceSettings& settings, const Part<2>& part) const override {
     return places_of_kind<2>(settings, part);

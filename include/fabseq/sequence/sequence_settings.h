@@ -3,8 +3,6 @@
 /// Where the pseudo-time comes from, as the config says it.
 #pragma once
 
-#include "fabseq/base/json.h"
-
 #include <any>
 #include <optional>
 #include <string>
@@ -37,7 +35,6 @@ struct SequenceSettings {
   const SequenceKind* kind = nullptr;  ///< in the registry, not owned; never null in a config that was read
   std::any own;                        ///< the kind's own settings, such as HeatSettings
   SequenceFacts facts;
-  Json keys;  ///< the completed config object
 
   /// The kind's own settings. Throws std::bad_any_cast if they are of another type.
   template <class Own>
