@@ -42,14 +42,17 @@ set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|compensate|gradient_mat
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.
 set(FABSEQ_COSTS
-    integration.readme=110 integration.slurm=100 integration.stop=90 integration.benchmarks=80
-    integration.restart=60 integration.configs=60 integration.sensitivity=60 integration.reproduce=50
-    integration.multi_planar=50 integration.groups=50 integration.scenarios=40 integration.gradient_matrix=40
-    integration.direct=40 integration.errors=40 integration.ranks=40 integration.deposition=30 faults.sample=70
-    scripts.launch_test=60 scripts.overview_test=30 scripts.report_test=25 scripts.export_paths_test=25 integration.coarse=20 scripts.compare_test=20 scripts.tools_package_test=15 integration.failures=20
-    integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=30 integration.squares=20 integration.leaks=20
-    integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
-    integration.locale=30 integration.locks=30 run_lock_test.np1=45 integration.outputs=10 integration.calculix=15 integration.compensate=15 faults.configs=20 integration.install=15 lane_elasticity_mpi_test.np4=10)
+    integration.readme=170 integration.stop=140 faults.sample=120 integration.restart=110 integration.slurm=100
+    scripts.report_test=80 integration.reproduce=70 integration.configs=70 integration.multi_planar=65
+    integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
+    scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50
+    layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
+    integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.gradient_matrix=40
+    lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
+    integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.squares=20 integration.leaks=20
+    integration.pictures=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
+    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15
+    scripts.tools_package_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})

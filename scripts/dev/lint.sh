@@ -3,10 +3,18 @@
 # Checks that need no run: format, clang-tidy, include graph, scripts, Doxygen, lists of keys, manual page. Needs the release build
 # (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
 #
-#   scripts/dev/lint.sh [FILE.cc...]     with files: clang-tidy looks at these only
+#   scripts/dev/lint.sh [--tidy | --no-tidy] [FILE.cc...]     with files: clang-tidy looks at these only
+#
+#   --tidy     clang-tidy only, which takes most of the time
+#   --no-tidy  all but clang-tidy
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source scripts/environment.sh
+
+part=all
+case ${1:-} in
+  --tidy | --no-tidy) part=${1#--}; shift ;;
+esac
 
 failed=()
 step() {
@@ -30,16 +38,20 @@ doxygen_pages() {
   doxygen docs/Doxyfile
 }
 
-step "clang-format" format
-step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
-step "shell syntax" bash_syntax
-step "Python format" python_format
-step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks
-step "Doxygen" doxygen_pages
-step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
-step "manual page" /usr/bin/python3 scripts/dev/man_page.py
-step "format of the manual page" mandoc -Tlint docs/fabseq.1
-step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
+if [[ $part != tidy ]]; then
+  step "clang-format" format
+  step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
+  step "shell syntax" bash_syntax
+  step "Python format" python_format
+  step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks
+  step "Doxygen" doxygen_pages
+  step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
+  step "manual page" /usr/bin/python3 scripts/dev/man_page.py
+  step "format of the manual page" mandoc -Tlint docs/fabseq.1
+fi
+if [[ $part != no-tidy ]]; then
+  step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
+fi
 
 if ((${#failed[@]})); then
   printf 'lint: failed: %s\n' "${failed[@]}"

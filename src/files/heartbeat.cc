@@ -14,14 +14,14 @@ namespace fabseq {
 
 namespace {
 
-void beat(const std::stop_token& end, int descriptor) {
+void beat(const std::stop_token& end, int descriptor, std::chrono::milliseconds interval) {
   sigset_t all;
   (void)sigfillset(&all);
   (void)pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the thread that computes
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable_any wake;
-  while (!wake.wait_for(lock, end, Heartbeat::interval, [&] { return end.stop_requested(); }))
+  while (!wake.wait_for(lock, end, interval, [&] { return end.stop_requested(); }))
     (void)::futimens(descriptor, nullptr);
 }
 
@@ -40,12 +40,12 @@ std::optional<FileState> state_of(const std::string& path) {
 
 }  // namespace
 
-Heartbeat::Heartbeat(int descriptor)
-    : thread_([descriptor](const std::stop_token& end) { beat(end, descriptor); }) {}
+Heartbeat::Heartbeat(int descriptor, std::chrono::milliseconds interval)
+    : thread_([=](const std::stop_token& end) { beat(end, descriptor, interval); }) {}
 
-bool is_touched(const std::string& path) {
+bool is_touched(const std::string& path, std::chrono::milliseconds patience) {
   const std::optional<FileState> first = state_of(path);
-  const auto end = std::chrono::steady_clock::now() + Heartbeat::patience;
+  const auto end = std::chrono::steady_clock::now() + patience;
   while (std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     const std::optional<FileState> now = state_of(path);

@@ -75,15 +75,17 @@ void warn_of_first_run(const std::string& directory, const std::string& mark, co
 }
 
 /// Throws InputError if the process that the open file names is alive; warns if that cannot be known.
-void require_ended(const std::string& directory, const PosixFile& file, const std::string& path) {
+void require_ended(const std::string& directory, const PosixFile& file, const std::string& path,
+                   std::chrono::milliseconds patience) {
   const std::string mark = read_file_if_there(path);
   const std::optional<ProcessMark> holder = ProcessMark::parse(mark);
   const std::optional<bool> alive = holder ? holder->is_alive() : std::nullopt;
-  if (alive ? *alive : is_touched(path)) refuse_second_run(directory, read_file_if_there(path));
+  if (alive ? *alive : is_touched(path, patience)) refuse_second_run(directory, read_file_if_there(path));
   if (!alive && has_name(file, path))
     warn_of_first_run(directory, mark,
                       "This file system has no locks, and the run has given no sign of life for " +
-                          std::to_string(Heartbeat::patience.count()) + " s");
+                          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(patience).count()) +
+                          " s");
 }
 
 /// Warns if the lock may have been taken only because it is one of this machine.
@@ -105,7 +107,7 @@ constexpr std::chrono::seconds until_all_have_written{1};
 
 }  // namespace
 
-RunLock::RunLock(const std::string& directory) : path_(directory + "/lock") {
+RunLock::RunLock(const std::string& directory, Pulse pulse) : path_(directory + "/lock"), pulse_(pulse) {
   while (!take(directory)) {
   }
 }
@@ -124,7 +126,7 @@ bool RunLock::take(const std::string& directory) {
   if (!file_) return true;
   if (error == EWOULDBLOCK) refuse_second_run(directory, read_file_if_there(path_));
   const bool has_locks = error == 0;
-  if (!has_locks && !is_new) require_ended(directory, *file_, path_);
+  if (!has_locks && !is_new) require_ended(directory, *file_, path_, pulse_.patience);
   if (!has_name(*file_, path_)) return false;
   if (has_locks && !is_new) warn_if_elsewhere(directory, read_file_if_there(path_));
   write_in_place(path_, mark_.text());
@@ -134,7 +136,7 @@ bool RunLock::take(const std::string& directory) {
     if (const std::string mark = read_file_if_there(path_); mark != mark_.text())
       refuse_second_run(directory, mark);
   }
-  heartbeat_.emplace(*file_);
+  heartbeat_.emplace(*file_, pulse_.interval);
   return true;
 }
 

@@ -14,12 +14,16 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <poll.h>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace fabseq {
 namespace {
+
+/// Short, because other processes wait for as long as its patience.
+constexpr Pulse quick{std::chrono::milliseconds(200), std::chrono::milliseconds(2000)};
 
 /// A process that holds a lock until it is killed.
 class Holder {
@@ -54,7 +58,7 @@ class Holder {
 
  private:
   [[noreturn]] static void hold(const std::string& folder, int ready) {
-    const RunLock lock(folder);
+    const RunLock lock(folder, quick);
     (void)!::write(ready, "x", 1);
     while (true) ::pause();
   }
@@ -77,7 +81,7 @@ class RunLockTest : public testing::TestWithParam<const char*> {
   bool has_locks() const { return std::string(GetParam()) != "all"; }
   std::string file() const { return folder / "lock"; }
   std::string refusal() const {
-    return test::refusal([&] { const RunLock second(folder); });
+    return test::refusal([&] { const RunLock second(folder, quick); });
   }
   /// The warnings of a process that takes the lock and gives it back.
   std::string warnings() const {
@@ -94,12 +98,26 @@ class RunLockTest : public testing::TestWithParam<const char*> {
     std::ofstream(file()) << "host elsewhere, process 1\n" << words;
   }
 
+  /// For a process of its own: status 0 if it had the lock, which it keeps until the pipe's other end is
+  /// closed, and 2 if it was refused.
+  [[noreturn]] void take_until_released(const int (&release)[2]) const {
+    (void)::close(release[1]);
+    try {
+      const RunLock lock(folder, quick);
+      pollfd end{release[0], POLLIN, 0};
+      (void)::poll(&end, 1, 30000);  // two that have it both wait for this long
+    } catch (const InputError&) {
+      ::_exit(2);
+    }
+    ::_exit(0);
+  }
+
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("fabseq_run_lock_" + std::to_string(getpid()));
 };
 
 TEST_P(RunLockTest, NamesTheProcessThatHoldsIt) {
-  auto lock = std::make_unique<const RunLock>(folder);
+  auto lock = std::make_unique<const RunLock>(folder, quick);
   const std::string text = refusal();
   EXPECT_NE(text.find("process " + std::to_string(getpid())), std::string::npos) << text;
   EXPECT_NE(text.find("host "), std::string::npos) << text;
@@ -154,7 +172,7 @@ TEST_P(RunLockTest, OfAnotherMachineIsTakenOverWithAWarning) {
       << text;
   EXPECT_NE(text.find(has_locks() ? "on another machine" : "has no locks"), std::string::npos) << text;
   EXPECT_NE(text.find("make sure that it has ended"), std::string::npos) << text;
-  EXPECT_EQ(seconds.count() < 5.0, has_locks());
+  EXPECT_EQ(seconds.count() < 2.0, has_locks());
 }
 
 /// What is there to be seen of a run on another machine: it touches its file.
@@ -166,27 +184,22 @@ TEST_P(RunLockTest, OfAnotherMachineIsRefusedWhileItLives) {
 }
 
 TEST_P(RunLockTest, IsTakenByOneOfManyThatBeginTogether) {
+  constexpr int count = 6;
   for (const bool left_behind : {false, true}) {
     if (left_behind) Holder(folder).kill();
-    std::vector<pid_t> processes(6);
-    for (pid_t& process : processes) {
-      process = ::fork();
-      if (process != 0) continue;
-      try {
-        const RunLock lock(folder);
-        ::sleep(2);
-      } catch (const InputError&) {
-        ::_exit(2);
-      }
-      ::_exit(0);
-    }
+    int release[2];  // whose writing end is closed once all but one have ended
+    ASSERT_EQ(::pipe(release), 0);
+    for (int process = 0; process < count; ++process)
+      if (::fork() == 0) take_until_released(release);
     int taken = 0;
-    for (const pid_t process : processes) {
+    for (int ended = 1; ended <= count; ++ended) {
       int status = 0;
-      EXPECT_EQ(::waitpid(process, &status, 0), process);
+      EXPECT_GT(::wait(&status), 0);
       EXPECT_TRUE(WIFEXITED(status));
       taken += WEXITSTATUS(status) == 0 ? 1 : 0;
+      if (ended == count - 1) (void)::close(release[1]);
     }
+    (void)::close(release[0]);
     EXPECT_EQ(taken, 1) << left_behind;
     EXPECT_FALSE(std::filesystem::exists(file()));
   }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Runs fabseq as users do, under mpirun, for the tests of this folder.
+"""Runs fabseq as users do, under mpirun or, on one rank, without, for the tests of this folder.
 
 FABSEQ_PROGRAM names the binary (default: build/release/fabseq), FABSEQ_SANITIZED=1 says that it is a slow
 one, instrumented with sanitizers. With FABSEQ_NO_SKIPS, a skipped test is an error unless the reason is
@@ -39,6 +39,8 @@ def distinct(*cases):
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
                "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
+               "OMPI_MCA_pml": "ob1",  # what Open MPI takes here, too, after it has looked for networks
+               "OMPI_MCA_ess_singleton_isolated": "1",  # a program without mpirun starts no daemon of Open MPI
                "HWLOC_COMPONENTS": "-gl",  # mpirun would be killed when an X server that it has looked at goes away
                "ASAN_OPTIONS": "detect_leaks=0:detect_odr_violation=0"}
 # Seconds that mpirun sleeps once a rank has ended with a status other than 0, even if all are gone by then.
@@ -46,7 +48,7 @@ FORCED_ENVIRONMENT = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
 
 class Result:
-    """What a run left: exit status of mpirun, its two streams, the output directory."""
+    """What a run left: exit status, its two streams, the output directory."""
 
     def __init__(self, command, status, stdout, stderr, output):
         self.command, self.status, self.stdout, self.stderr, self.output = command, status, stdout, stderr, output
@@ -138,6 +140,10 @@ def run_command(command, directory, timeout):
         return process.wait(timeout)
 
 
+def launcher(ranks):
+    return ["mpirun", "-np", str(ranks)] if ranks > 1 else []
+
+
 def build_preload(directory, name):
     """Path of tests/faults/NAME.cc, compiled in that directory as a library to be preloaded (LD_PRELOAD)."""
     library = os.path.join(directory, name + ".so")
@@ -198,14 +204,15 @@ class FabseqTest(unittest.TestCase):
         return path
 
     def run_program(self, ranks, *arguments, output=None, timeout=None):
-        """Runs `mpirun -np ranks fabseq arguments -output output` in the working directory.
+        """Runs `mpirun -np ranks fabseq arguments -output output` in the working directory; a single rank
+        without mpirun, with which it takes twice as long to start.
 
         output: a new directory by default, "" for a command line without -output.
         """
         self.runs += 1
         if output is None:
             output = os.path.join(self.directory, f"output_{self.runs}")
-        command = ["mpirun", "-np", str(ranks), PROGRAM, *(str(argument) for argument in arguments)]
+        command = [*launcher(ranks), PROGRAM, *(str(argument) for argument in arguments)]
         if output:
             command += ["-output", output]
         if timeout is None:
@@ -224,7 +231,7 @@ class FabseqTest(unittest.TestCase):
         half = len(expected.history()) // 2
         with open(os.path.join(output, "stop"), "w", encoding="utf-8") as file:
             file.write(f"{half}\n")
-        command = ["mpirun", "-np", str(ranks), PROGRAM, *arguments, "-output", output, "-restart", "auto"]
+        command = [*launcher(ranks), PROGRAM, *arguments, "-output", output, "-restart", "auto"]
         command = [word for word in command if word != "-overwrite"]
         stopped = Result(command, *run_command(command, self.directory, timeout), output)
         self.assertEqual(stopped.status, STOPPED, str(stopped))

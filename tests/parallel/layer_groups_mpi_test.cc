@@ -160,6 +160,7 @@ template <int Dim>
 void expect_same(const Settings& settings, double tolerance) {
   const Results expected = evaluate<Dim>(1, settings);
   for (const int count : group_counts()) {
+    if (count == 1 && size_of(world) > 1) continue;  // that is what is expected
     const Results actual = evaluate<Dim>(count, settings);
     EXPECT_LT(test::relative_difference(actual.displacement, expected.displacement), tolerance);
     ASSERT_EQ(actual.values.size(), expected.values.size());

@@ -26,7 +26,7 @@ class RunLock {
  public:
   /// Takes the lock of an existing directory. Throws InputError naming host and process of the run that holds
   /// it.
-  explicit RunLock(const std::string& directory);
+  explicit RunLock(const std::string& directory, Pulse pulse = {});
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
   /// Removes the file and gives the lock back.
@@ -37,6 +37,7 @@ class RunLock {
   bool take(const std::string& directory);
 
   std::string path_;
+  Pulse pulse_;
   ProcessMark mark_ = ProcessMark::own();
   std::unique_ptr<const PosixFile> file_;  ///< none if it cannot be opened
   std::optional<Heartbeat> heartbeat_;     ///< where the file system has no locks
