@@ -13,8 +13,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh
 
 packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev nlohmann-json3-dev
-  libassimp-dev lib3mf-dev libgtest-dev libopenblas0-serial python3-numpy python3-scipy
-  python3-h5py python3-matplotlib python3-paraview xvfb)
+  libassimp-dev lib3mf-dev libgtest-dev libopenblas0-serial)
+tool_packages=(python3-numpy python3-scipy python3-h5py python3-matplotlib python3-paraview xvfb)
 ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8 mandoc chromium calculix-ccx locales)
 slurm_packages=()
 preset=release
@@ -22,7 +22,7 @@ cmake_options=()
 targets=(fabseq)
 while (($#)); do
   case $1 in
-    --ci) packages+=("${ci_packages[@]}"); slurm_packages=(slurm-wlm munge) ;;
+    --ci) tool_packages+=("${ci_packages[@]}"); slurm_packages=(slurm-wlm munge) ;;
     --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON); targets+=(kernels voxelize machine_checks) ;;
     --preset) preset=${2:?"--preset needs a name"}; shift ;;
     *) echo "usage: scripts/setup.sh [--ci] [--benchmarks] [--preset NAME]" >&2; exit 2 ;;
@@ -90,7 +90,15 @@ select_blas() {
 if [[ $preset == indices64 ]]; then packages+=(libpetsc64-real-dev); fi
 
 install_missing "${packages[@]}"
-install_slurm
 select_blas
+# What the program is not compiled with is fetched and unpacked while it is compiled.
+tools_log=$(mktemp)
+(install_missing "${tool_packages[@]}" && install_slurm) >"$tools_log" 2>&1 &
+tools=$!
+trap 'wait "$tools" 2>/dev/null || true' EXIT  # half installed packages would be in the way
 cmake --preset "$preset" --log-level=WARNING "${cmake_options[@]}"
 cmake --build --preset "$preset" --parallel "$(compile_jobs)" --target "${targets[@]}"
+trap - EXIT
+wait "$tools" || { cat "$tools_log" >&2; exit 1; }
+cat "$tools_log"
+rm -f "$tools_log"

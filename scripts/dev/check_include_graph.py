@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Checks who includes whom: scripts/dev/check_include_graph.py [PROJECT]
 
-Modules are the folders of include/fabseq and src (docs/architecture.md). A module may use itself and those above it in
-MODULES, never those below; headers include each other without a circle; every included header exists. Headers in
-include/fabseq are installed: they include no header of src, and what nothing outside its module needs is none of them.
-Headers in src are their own module's; those of the lane engine (ENGINE) serve all sources. src/main.cc and the tests may
-use everything. Prints each offence as FILE:LINE: TEXT; exit status 1 if there is one."""
+Modules are the folders of include/fabseq and src (docs/architecture.md). A module may use itself and those
+above it in MODULES, never those below; headers include each other without a circle; every included header
+exists. Headers in include/fabseq are installed: they include no header of src, and what nothing outside its
+module needs is none of them. Headers in src are their own module's; those of the lane engine (ENGINE) serve
+all sources. src/main.cc and the tests may use everything. Prints each offence as FILE:LINE: TEXT; exit status
+1 if there is one."""
 
 import graphlib
 import re
@@ -21,7 +22,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(?:[<"](fabseq/[^>"]+)[>"]|"([a-z_]+/[^
 
 
 def includes(path):
-    """(line number, name) of each header of fabseq that a file includes: fabseq/MODULE/..., or MODULE/... in src."""
+    """(line number, name) of each header of fabseq that a file includes: fabseq/MODULE/..., or MODULE/..."""
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         if match := INCLUDE.match(line):
             yield number, match[1] or match[2]
@@ -32,7 +33,7 @@ def header_path(name, root):
 
 
 def module_of(path, root):
-    """Folder that a file of include/fabseq or src lies in; None for a file directly in one of them, and elsewhere."""
+    """Folder that a file of include/fabseq or src lies in; None for one directly in these, and elsewhere."""
     for base in ("include/fabseq", "src"):
         if path.is_relative_to(root / base):
             parts = path.relative_to(root / base).parts

@@ -2,6 +2,8 @@
 /// Configs derived from others: their settings, their effective config and what a run reads from it agree.
 #include "fabseq/config/config.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "support/refusal.h"
+#include "support/small_configs.h"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "support/refusal.h"
-#include "support/small_configs.h"
-
 namespace fabseq {
 namespace {
-
 
 Config read_again(const Config& config) { return make_config(config.effective, ""); }
 
@@ -107,7 +105,7 @@ TEST(DerivedConfigTest, RulesHoldForDerivedConfigs) {
   config.projection.beta = 40.0;
   config.projection.max = 30.0;
   EXPECT_EQ(test::refusal([&] { complete_derived(config); }),
-            "/projection/max: found 30; allowed: \"auto\" or a number >= 40 (beta)");
+            "/projection/max: found 30.0; allowed: \"auto\" or a number >= 40.0 (beta)");
 }
 
 }  // namespace
