@@ -90,9 +90,9 @@ class Check(PlotsTest):
             file["substrate"] = np.zeros_like(file["layer"]) if substrate is None else np.asarray(substrate, dtype="f4")
             file["spacing"] = np.full(np.ndim(layer), spacing)
             file.attrs.update(name=HOSTILE, unit="mm", plate=plate)
-            for number, (name, count, nodes) in enumerate(node_sets):
-                file[f"node_sets/{number}"] = np.asarray(nodes, dtype=float)
-                file.attrs.update({f"node_sets/{number}/name": name, f"node_sets/{number}/count": count})
+            for name, count, nodes in node_sets:
+                file[f"node_sets/{name}"] = np.asarray(nodes, dtype=float)
+                file.attrs[f"node_sets/{name}"] = count
 
     def test_solids_show_the_faces_that_are_seen(self):
         layer = np.zeros((3, 2, 2))

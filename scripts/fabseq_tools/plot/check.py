@@ -42,8 +42,8 @@ class Check:
             layer, substrate = file["layer"][...], file["substrate"][...]
             self.name, self.unit, self.plate = (str(file.attrs[key]) for key in ("name", "unit", "plate"))
             self.spacing = file["spacing"][...]
-            self.node_sets = [(str(file.attrs[f"node_sets/{i}/name"]), int(file.attrs[f"node_sets/{i}/count"]),
-                               file[f"node_sets/{i}"][...]) for i in range(len(file.get("node_sets", ())))]
+            self.node_sets = [(name, int(file.attrs[f"node_sets/{name}"]), nodes[...])
+                              for name, nodes in file.get("node_sets", {}).items()]
         self.elements = layer.shape[::-1]
         self.block = (max(self.elements) - 1) // MOST_CELLS + 1
         self.content = joined(np.where(substrate > 0, 1, np.where(layer > 0, layer + 1, 0)).T.astype(int), self.block)
@@ -103,11 +103,11 @@ def draw(check):
     axis.set_aspect("equal")
     axis.set_axis_off()
     plate = [box.project(side(check.content.shape, "xyz".index(check.plate[0]), check.plate[1] == "+"))]
-    axis.add_collection(PolyCollection(plate, facecolors=PLATE, edgecolors=PLATE, linewidths=6.0 if box.flat else 0.4,
+    axis.add_collection(PolyCollection(plate, facecolors=PLATE, edgecolors=PLATE, linewidths=6.0 if box.flat else 0.3,
                                        gid="plate", clip_on=False))
     corners, colours = faces_of_cells(check.content, check.colours())
     if len(corners):
-        axis.add_collection(PolyCollection(box.project(corners), facecolors=colours, edgecolors=colours, linewidths=0.7,
+        axis.add_collection(PolyCollection(box.project(corners), facecolors=colours, edgecolors=colours, linewidths=0.3,
                                            joinstyle="round", gid="cells", clip_on=False))
     for colour, (_, _, nodes) in zip(cycled(NODE_SETS, check.node_sets), check.node_sets):
         axis.plot(*box.project(nodes / check.block).T, "o", color=colour, ms=3, mew=0, gid="nodes", clip_on=False)
