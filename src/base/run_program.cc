@@ -120,7 +120,7 @@ std::string run_program(const std::vector<std::string>& words, double most_secon
     return words.front() + " does not start: " + std::strerror(error);
   pipe.close(1);
   std::string text;
-  const std::string ended = read_all(pipe.ends[0], process, most_seconds, text);
+  std::string ended = read_all(pipe.ends[0], process, most_seconds, text);
   int status = 0;
   pid_t waited = 0;
   do waited = ::waitpid(process, &status, 0);

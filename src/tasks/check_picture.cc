@@ -77,9 +77,8 @@ void write_data(const Setup<Dim>& setup, const CommandLine& command_line, const 
 /// Has the tool draw, on one rank. Returns why there is no picture; "" if there is.
 std::string draw(const std::string& directory, const std::string& picture) {
   const std::string tools = find_tools();
-  const std::string reason = tools.empty()
-                                 ? "no fabseq-tools beside the program, in its source tree or on PATH"
-                                 : run_program({tools, "plot-check", directory}, most_seconds);
+  std::string reason = tools.empty() ? "no fabseq-tools beside the program, in its source tree or on PATH"
+                                     : run_program({tools, "plot-check", directory}, most_seconds);
   if (!reason.empty()) remove_quietly(picture);  // of a run before, or half of one
   return reason;
 }
