@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 /// This file marks a directory as that of a run. It is written first and removed last.
 constexpr std::string_view mark_of_a_run = "config.json";
-/// Files that a run writes (docs/reference.md, output), and the two by which a user talks to it.
+/// Files that a run writes (docs/reference.md, output), what tools draw from those of two tasks, and the two
+/// by which a user talks to it.
 constexpr auto files_of_a_run = std::to_array<std::string_view>(
     {"refined.h5", "history.jsonl", "result.h5", "result.xdmf", "summary.json", "evaluation.json",
      "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest", "stop",

@@ -183,7 +183,7 @@ Json GradientCheck::json() const {
                                  {"relative_errors", error.relative},
                                  {"extrapolated", error.extrapolated()},
                                  {"best", error.best()}}));
-  return Json::object({{"steps", steps}, {"worst", worst()}, {"components", list}});
+  return Json::object({{"name", name}, {"steps", steps}, {"worst", worst()}, {"components", list}});
 }
 
 template <int Dim>
@@ -199,15 +199,16 @@ void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setu
   keep_off_the_bounds(design, setup.space_of_share(pipeline.sequence()), setup.layers->variables());
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
-  const GradientCheck check = check_gradients(setup, problem, pipeline, design);
+  GradientCheck check = check_gradients(setup, problem, pipeline, design);
+  check.name = setup.config.name;
   directory.write("gradient_check.csv", check.csv());
   directory.write("gradient_check.json", to_text(check.json(), 2) + "\n");
-  directory.write("gradient_check.svg", check.svg("Gradients of " + setup.config.name));
   print("component             type                    variables           adjoint   best relative error");
   for (const GradientError& error : check.errors)
     print(formatted("%-20s  %-22s  %-12s %14.6e   %.1e", error.name.c_str(), error.type.c_str(),
                     error.variables.c_str(), error.adjoint, error.best()));
-  print(formatted("largest: %.1e; table and plot in ", check.worst()) + directory.path());
+  print(formatted("largest: %.1e; table in ", check.worst()) + directory.path());
+  print("picture: fabseq-tools plot-gradients " + directory.path());
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_check_gradients);

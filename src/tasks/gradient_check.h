@@ -26,14 +26,13 @@ struct GradientError {
 /// Adjoint gradients against central differences (docs/formulation.md 8): errors of all components for a list
 /// of steps.
 struct GradientCheck {
+  std::string name;           ///< of the config
   std::vector<double> steps;  ///< of the optimizer's variable, fraction of its range
   std::vector<GradientError> errors;
 
   double worst() const;  ///< largest of the best errors
   std::string csv() const;
   Json json() const;
-  /// Error against step for every component, both axes logarithmic, as an SVG picture.
-  std::string svg(const std::string& title) const;
 };
 
 }  // namespace fabseq

@@ -91,8 +91,8 @@ void write_sensitivity(const Setup<Dim>& setup, Sequence<Dim>& sequence, const D
   const SensitivityTable table = sensitivity_table(setup, given, timer);
   directory.write("sensitivity.json", to_text(table.json(), 2) + "\n");
   directory.write("sensitivity.csv", table.csv());
-  directory.write("sensitivity.svg", table.svg());
   for (const std::string& line : table.text()) print(line);
+  print("picture: fabseq-tools plot-sensitivity " + directory.path());
 }
 
 template <int Dim>

@@ -39,12 +39,10 @@ struct SensitivityTable {
   std::string csv() const;
   /// Lines for the terminal.
   std::vector<std::string> text() const;
-  /// Picture: a line per change, with marks for both ratios.
-  std::string svg() const;
 };
 
-/// Simulates all changes of a design, and writes sensitivity.json, .csv and .svg to the directory and the
-/// table to the terminal. `beta`: sharpness of its smooth layers. A change whose model is refused or whose
+/// Simulates all changes of a design, and writes sensitivity.json and .csv to the directory and the table to
+/// the terminal. `beta`: sharpness of its smooth layers. A change whose model is refused or whose
 /// solves fail has a row that says why. Collective on the world of the setup; throws Stopped between changes.
 template <int Dim>
 void write_sensitivity(const Setup<Dim>& setup, Sequence<Dim>& sequence, const Design& design, double beta,

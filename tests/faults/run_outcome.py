@@ -15,9 +15,9 @@ from run_fabseq import BAD_INPUT, DONE, NUMERICAL_FAILURE, OUTPUT_FAILURE, STOPP
 WRITTEN = {
     "optimize": ("config.json", "history.jsonl", "result.h5", "result.xdmf", "summary.json"),
     "simulate": ("config.json", "result.h5", "result.xdmf", "summary.json"),
-    "sensitivity": ("config.json", "sensitivity.json", "sensitivity.csv", "sensitivity.svg"),
+    "sensitivity": ("config.json", "sensitivity.json", "sensitivity.csv"),
     "evaluate": ("config.json", "evaluation.json", "gradients.h5"),
-    "check_gradients": ("config.json", "gradient_check.csv", "gradient_check.json", "gradient_check.svg"),
+    "check_gradients": ("config.json", "gradient_check.csv", "gradient_check.json"),
     "check": ()}
 # What may be null in the files: docs/reference.md says when.
 MAY_BE_NULL = {"thickness", "cv", "nodes", "released", "length", "rms", "max", "distortion", "value", "failure", "finer_grid",

@@ -20,19 +20,20 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
 template <int Dim>
 void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
-/// -task sensitivity: what a sequence would do under stated changes; sensitivity.json, .csv and .svg.
+/// -task sensitivity: what a sequence would do under stated changes; sensitivity.json and .csv.
 template <int Dim>
 void run_sensitivity(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
-/// -task check_gradients: adjoints against central differences; gradient_check.csv, .json and .svg.
+/// -task check_gradients: adjoints against central differences; gradient_check.csv and .json.
 template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer);
 
 /// -task check: prints the part, the node sets and what a run will cost; writes nothing.
 template <int Dim>
 void run_check(const Setup<Dim>& setup);
-/// -task check -picture: writes DIR/check.svg, elements in the colours of the layers of the start design, the
-/// plate and the node sets. Collective. Throws OutputError.
+/// -task check -picture: writes DIR/check.h5, the layers of the start design, the substrate, the plate and
+/// the node sets, and has fabseq-tools draw DIR/check.svg from it; says so where it cannot. Collective.
+/// Throws OutputError.
 template <int Dim>
 void write_check_picture(const Setup<Dim>& setup, const CommandLine& command_line);
 

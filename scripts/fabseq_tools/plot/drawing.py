@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What the scripts that draw with Matplotlib share: colours, the look of axes, the picture as a file."""
 
+import matplotlib
+
 INK, SOFT_INK, GRID, ALLOWED = "#22262b", "#6b727b", "#e6e8eb", "#e3f0ea"
 OPTIMIZED, PLANAR = "#1f6f8b", "#b0762b"
 
@@ -13,6 +15,12 @@ def tidy(axes):
         axis.spines[["top", "right"]].set_visible(False)
 
 
+def plain_text():
+    """Within a with statement, texts are drawn as they stand, and SVG pictures hold them as texts. The latter
+    have the same bytes each time."""
+    return matplotlib.rc_context({"text.parse_math": False, "svg.fonttype": "none", "svg.hashsalt": "fabseq"})
+
+
 def save(figure, path, dpi):
-    figure.savefig(path, dpi=dpi)
+    figure.savefig(path, dpi=dpi, metadata={"Date": None} if str(path).endswith(".svg") else None)
     print(path)
