@@ -38,11 +38,9 @@ def main():
         run = Run(directory)
         if run.distortion_config.get("measure", "displacement") not in ("displacement", "flatness", "shape"):
             raise RunError(f"{directory}: measures {run.distortion_config['measure']}")
-        node_set = run.config["node_sets"][run.distortion_config["nodes"]]
-        if node_set.get("samples") or node_set.get("within"):
-            raise RunError(f"{directory}: its node set has samples or what is within a distance")
-        nodes = nodes_of_set(run, node_set)
-        sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", os.path.join(directory, "result.h5")]}
+        result = os.path.join(directory, "result.h5")
+        nodes = nodes_of_set(run.fields, run.distortion_config["nodes"], result)
+        sequences = {"planar": planar_words(run), "start": [], "binary": ["-design", result]}
         for sequence, words in sequences.items():
             motions = motions_of(simulated(arguments, directory, sequence, words), nodes,
                                  run.distortion_config.get("after_release", False))

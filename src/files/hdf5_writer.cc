@@ -52,8 +52,7 @@ class Hdf5Writer::File {
     require(static_cast<bool>(file_));
   }
 
-  void create_dataset(const std::string& name, const std::vector<hsize_t>& shape, bool single_precision) {
-    const hid_t type = single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  void create_dataset(const std::string& name, const std::vector<hsize_t>& shape, hid_t type) {
     const Hdf5Dataspace space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr));
     const Hdf5PropertyList links(H5Pcreate(H5P_LINK_CREATE));
     (void)H5Pset_create_intermediate_group(links, 1);
@@ -69,17 +68,22 @@ class Hdf5Writer::File {
     if (bytes > 0) places_[name] = {static_cast<std::int64_t>(offset), bytes};
   }
 
-  /// Writes values of a dataset from number `first` on and adds their bytes to the checksum.
+  /// Writes values of a dataset, which are of its type, from number `first` on and adds their bytes to the
+  /// checksum.
+  template <class Value>
+  void write_values(const std::string& name, std::int64_t first, std::span<const Value> values,
+                    Checksum& checksum) const {
+    if (values.empty()) return;
+    const std::int64_t begin = first * static_cast<std::int64_t>(sizeof(Value));
+    disk_->write_at(places_.at(name).offset + begin, values.data(), values.size_bytes());
+    checksum.add(values.data(), values.size_bytes());
+  }
+  /// The same for numbers, which are rounded if the dataset has single precision.
   void write_values(const std::string& name, std::int64_t first, std::span<const double> values,
                     bool single_precision, Checksum& checksum) const {
-    std::vector<float> rounded;
-    if (single_precision) rounded.assign(values.begin(), values.end());
-    const void* bytes = single_precision ? static_cast<const void*>(rounded.data()) : values.data();
-    const std::size_t value_size = single_precision ? sizeof(float) : sizeof(double);
-    const std::size_t count = values.size() * value_size;
-    if (count == 0) return;
-    disk_->write_at(places_.at(name).offset + first * static_cast<std::int64_t>(value_size), bytes, count);
-    checksum.add(bytes, count);
+    if (!single_precision) return write_values<double>(name, first, values, checksum);
+    const std::vector<float> rounded(values.begin(), values.end());
+    write_values<float>(name, first, rounded, checksum);
   }
 
   void attach_checksum(const std::string& name, std::uint64_t value) const {
@@ -129,30 +133,43 @@ class Hdf5Writer::File {
   std::map<std::string, Place> places_;
 };
 
+namespace {
+
+hid_t type_of(bool single_precision) { return single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE; }
+
+}  // namespace
+
 Hdf5Writer::Hdf5Writer(MPI_Comm comm, const std::string& path) : file_(std::make_unique<File>(comm, path)) {
   run_on_first(comm, [&] { file_->create(); });
 }
 
 Hdf5Writer::~Hdf5Writer() = default;
 
-template <int Dim>
-std::uint64_t Hdf5Writer::write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
-                                      bool single_precision) {
+template <int Dim, class Write>
+void Hdf5Writer::for_slabs(SlabGather<Dim>& slabs, Write&& write) {
   const bool is_first = rank_of(file_->comm()) == 0;
   std::exception_ptr failure;  // rethrown when all slabs are gathered
-  Checksum checksum;
   for (int slab = 0; slab < slabs.count(); ++slab) {
     const std::span<const double> values = slabs.gather(slab);
     if (!is_first || failure) continue;
     try {
-      file_->write_values(name, first, values, single_precision, checksum);
+      write(values);
     } catch (...) {
       failure = std::current_exception();
     }
-    first += static_cast<std::int64_t>(values.size());
   }
   run_on_first(file_->comm(), [&] {
     if (failure) std::rethrow_exception(failure);
+  });
+}
+
+template <int Dim>
+std::uint64_t Hdf5Writer::write_slabs(SlabGather<Dim>& slabs, const std::string& name, std::int64_t first,
+                                      bool single_precision) {
+  Checksum checksum;
+  for_slabs<Dim>(slabs, [&](std::span<const double> values) {
+    file_->write_values(name, first, values, single_precision, checksum);
+    first += static_cast<std::int64_t>(values.size());
   });
   return checksum.value();
 }
@@ -161,7 +178,7 @@ template <int Dim>
 void Hdf5Writer::write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field) {
   SlabGather<Dim> slabs(file_->comm(), grid, field);
   run_on_first(file_->comm(),
-               [&] { file_->create_dataset(field.name, slabs.shape(), field.single_precision); });
+               [&] { file_->create_dataset(field.name, slabs.shape(), type_of(field.single_precision)); });
   const std::uint64_t checksum = write_slabs(slabs, field.name, 0, field.single_precision);
   run_on_first(file_->comm(), [&] { file_->attach_checksum(field.name, checksum); });
 }
@@ -178,7 +195,7 @@ void Hdf5Writer::write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>
   std::vector<hsize_t> shape = slabs.shape();
   shape.insert(shape.begin(), static_cast<hsize_t>(count));
   run_on_first(file_->comm(), [&] {
-    if (stage == 0) file_->create_dataset(field.name, shape, true);
+    if (stage == 0) file_->create_dataset(field.name, shape, type_of(true));
   });
   write_slabs(slabs, field.name, stage * slabs.size(), true);
 }
@@ -190,10 +207,31 @@ void Hdf5Writer::write_array(const std::string& name, std::span<const double> va
     file_->create_dataset(
         name,
         columns == 0 ? std::vector<hsize_t>{values.size()} : std::vector<hsize_t>{values.size() / row, row},
-        false);
-    file_->write_values(name, 0, values, false, checksum);
+        type_of(false));
+    file_->write_values(name, 0, values, checksum);
     file_->attach_checksum(name, checksum.value());
   });
+}
+
+template <int Dim>
+void Hdf5Writer::write_node_numbers(const Grid<Dim>& grid, const std::string& name,
+                                    const std::vector<int>& places) {
+  const auto count = static_cast<hsize_t>(sum(grid.comm(), static_cast<std::int64_t>(places.size())));
+  const std::vector<double> marks(places.size(), 1.0);
+  SlabGather<Dim> slabs(file_->comm(), grid, {name, true, 1, marks, false, &places});
+  run_on_first(file_->comm(), [&] { file_->create_dataset(name, {count}, H5T_STD_I64LE); });
+  Checksum checksum;
+  std::int64_t node = 0, written = 0;
+  for_slabs<Dim>(slabs, [&](std::span<const double> of_slab) {
+    std::vector<std::int64_t> numbers;
+    for (const double mark : of_slab) {
+      if (mark != 0.0) numbers.push_back(node);
+      ++node;
+    }
+    file_->write_values<std::int64_t>(name, written, numbers, checksum);
+    written += static_cast<std::int64_t>(numbers.size());
+  });
+  run_on_first(file_->comm(), [&] { file_->attach_checksum(name, checksum.value()); });
 }
 
 void Hdf5Writer::write_attribute(const std::string& name, const Json& value) {
@@ -215,6 +253,8 @@ template void Hdf5Writer::write_field<2>(const Grid<2>&, const FieldSet<2>::Fiel
 template void Hdf5Writer::write_field<3>(const Grid<3>&, const FieldSet<3>::Field&);
 template void Hdf5Writer::write_fields<2>(const FieldSet<2>&);
 template void Hdf5Writer::write_fields<3>(const FieldSet<3>&);
+template void Hdf5Writer::write_node_numbers(const Grid<2>&, const std::string&, const std::vector<int>&);
+template void Hdf5Writer::write_node_numbers(const Grid<3>&, const std::string&, const std::vector<int>&);
 template void Hdf5Writer::write_stage<2>(const Grid<2>&, const FieldSet<2>::Field&, int, int);
 template void Hdf5Writer::write_stage<3>(const Grid<3>&, const FieldSet<3>::Field&, int, int);
 FABSEQ_INSTANTIATE_FUNCTION(hdf5_xdmf);

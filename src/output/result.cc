@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
+#include "fabseq/output/model_group.h"
 #include "fabseq/output/records.h"
 
 #include <utility>
@@ -27,6 +28,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", best.design());
+  write_model_group<Dim>(file, setup, reports.optimized.strain);
   file.write_attribute("name", setup.config.name);
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());

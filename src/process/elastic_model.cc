@@ -95,6 +95,19 @@ std::array<double, voigt_size<Dim>> ElasticModel<Dim>::strain_of(const StrainFie
 }
 
 template <int Dim>
+std::vector<double> ElasticModel<Dim>::strain_when_built(const StrainField& strains,
+                                                         std::span<const double> layer) const {
+  std::vector<double> result;
+  if (!material.turning_strain) return result;
+  result.reserve(layer.size() * voigt_size<Dim>);
+  for (std::size_t e = 0; e < layer.size(); ++e) {
+    const auto strain = strain_of(strains, e, static_cast<int>(layer[e]) - 1);
+    result.insert(result.end(), strain.begin(), strain.end());
+  }
+  return result;
+}
+
+template <int Dim>
 typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
                                                                      const StrainFactors<Dim>& factors,
                                                                      std::size_t number, int layer) const {

@@ -83,6 +83,7 @@ void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const Seq
   fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
   add_build_fields(fields, part, report.build_fields, prefix);
   if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
+  if (!report.nodal_time.empty()) fields.add_nodes(prefix + "nodal_time", report.nodal_time);
   add_displacements(fields, report, prefix);
 }
 
@@ -123,6 +124,7 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
   report.time = state.time.time;
   report.layer = pipeline.last_layer_index();
   report.temperature = state.time.temperature;
+  report.nodal_time = state.time.nodal;
   report.nodes = pipeline.process().model().nodes;
   report.displacement = pipeline.process().model().at_nodes(state.process.displacement);
   return report;

@@ -28,11 +28,12 @@ class DirectSequence : public Sequence<Dim> {
   std::vector<double> initial_design() const override { return region_.initial_time; }
 
   const PseudoTime<Dim>& update(std::span<const double> design) override {
-    const std::vector<double> times = support_.expand(filter_.apply(design));
+    std::vector<double> times = support_.expand(filter_.apply(design));
     if (support_.on_nodes()) {
       ElementMeans means = element_means<Dim>(part_, element_, part_.grid().exchange(1).ghosted(times));
       time_.time = std::move(means.mean);
       time_.gradient = std::move(means.gradient);
+      time_.nodal = std::move(times);
     } else {
       time_.time = part_.restrict_to_part(times);
     }

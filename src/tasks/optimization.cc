@@ -60,7 +60,7 @@ std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const P
 
 /// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
 void drop_unwritten_fields(SequenceReport& binary) {
-  binary.time = binary.layer = binary.temperature = {};
+  binary.time = binary.layer = binary.temperature = binary.nodal_time = {};
   BuildFields written;
   written.von_mises = std::move(binary.build_fields.von_mises);
   binary.build_fields = std::move(written);
@@ -84,6 +84,7 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   pipeline.give_back_memory();
   reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
   reports.optimized = report(false);
+  reports.optimized.strain = strain_when_built(pipeline);
   reports.start = start_report(setup, problem, pipeline, best.beta());
   return reports;
 }

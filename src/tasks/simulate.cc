@@ -7,6 +7,7 @@
 #include "fabseq/base/stop.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/optimize/stages.h"
+#include "fabseq/output/model_group.h"
 #include "fabseq/output/records.h"
 #include "fabseq/output/run_clock.h"
 #include "fabseq/output/summary_table.h"
@@ -98,6 +99,7 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", simulation.design);
+  write_model_group<Dim>(file, setup, simulation.report.strain);
   file.write_array("layer_displacement_norms", simulation.increment_norms);
   if (setup.config.output.stages)
     write_stages(file, setup, pipeline.process(), static_cast<int>(simulation.increment_norms.size()));
@@ -163,6 +165,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                              report_sequence(setup, problem, pipeline, state),
                              {setup.part, residual_stress(process, state.layers)},
                              increment_norms(process, state.layers.count(), setup.grid.comm())};
+  simulation.report.strain = strain_when_built(pipeline);
   const FinishedShape& shape = simulation.shape();
   if (shape.released)
     simulation.released = released_stress(process.model(), setup.part, simulation);

@@ -2,8 +2,8 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/files/hdf5_attribute.h"
 #include "fabseq/files/hdf5_writer.h"
-
 #include "support/io_support.h"
+
 #include <cmath>
 #include <limits>
 
@@ -112,6 +112,40 @@ void expect_analytic_datasets() {
 
 TEST(Hdf5Writer, DatasetsDoNotDependOnTheRanks3D) { expect_analytic_datasets<3>(); }
 TEST(Hdf5Writer, DatasetsDoNotDependOnTheRanks2D) { expect_analytic_datasets<2>(); }
+
+/// Every third node of the grid: its numbers, whoever owns it.
+template <int Dim>
+void expect_node_numbers() {
+  const test::ScratchDirectory scratch;
+  const std::string path = scratch.file("result.h5");
+  const Grid<Dim> grid = test::odd_grid<Dim>();
+  std::vector<int> places;
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
+    if (grid.all_nodes().offset(node) % 3 == 0) places.push_back(static_cast<int>(offset));
+  });
+  Hdf5Writer writer(PETSC_COMM_WORLD, path);
+  writer.write_node_numbers<Dim>(grid, "sets/third", places);
+  writer.write_node_numbers<Dim>(grid, "sets/none", {});
+  writer.close();
+  if (!is_first()) return;
+  const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  const Hdf5Dataset dataset(H5Dopen2(file, "sets/third", H5P_DEFAULT));
+  ASSERT_TRUE(dataset);
+  const Hdf5Datatype type(H5Dget_type(dataset));
+  EXPECT_GT(H5Tequal(type, H5T_STD_I64LE), 0);
+  EXPECT_TRUE(read_attribute(dataset, "checksum"));
+  const Hdf5Dataspace space(H5Dget_space(dataset));
+  std::vector<std::int64_t> found(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space))), expected;
+  EXPECT_GE(H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()), 0);
+  for (std::int64_t node = 0; node < grid.all_nodes().count(); node += 3) expected.push_back(node);
+  EXPECT_EQ(found, expected);
+  const Hdf5Dataset none(H5Dopen2(file, "sets/none", H5P_DEFAULT));
+  const Hdf5Dataspace empty(H5Dget_space(none));
+  EXPECT_EQ(H5Sget_simple_extent_npoints(empty), 0);
+}
+
+TEST(Hdf5Writer, NodeNumbersDoNotDependOnTheRanks3D) { expect_node_numbers<3>(); }
+TEST(Hdf5Writer, NodeNumbersDoNotDependOnTheRanks2D) { expect_node_numbers<2>(); }
 
 TEST(Hdf5Writer, AttributesKeepTypeAndEveryBit) {
   const test::ScratchDirectory scratch;

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import unittest
 
+import h5py
 import numpy as np
 
 import run_fabseq
@@ -135,6 +136,12 @@ class CalculixTest(FabseqTest):
             self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (1, 1), refused.stderr)
             self.assertIn(message, refused.stderr)
         self.assertEqual(run_tool("calculix", self.directory).returncode, 1)
+        with h5py.File(run.path("result.h5"), "r+") as file:
+            del file["model"]
+        for command, *words in (("calculix",), ("compare-calculix", "finished.dat")):
+            refused = run_tool(command, run.output, *words)
+            self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (1, 1), refused.stderr)
+            self.assertIn("lacks the dataset model/supports, so an older version of fabseq has written it", refused.stderr)
 
 
 if __name__ == "__main__":

@@ -41,7 +41,8 @@ class OwnLayerTest(FabseqTest):
         for parts in (self.parts_of(hook, "hook"), self.parts_of(plate, "plate")):
             for whole, *rest in parts.values():
                 self.assertLessEqual(whole, 1.01 * sum(rest))
-        plate["objective"][0] |= {"measure": "flatness", "axis": "y"}
+        plate["objective"][0] |= {"measure": "flatness", "axis": "y", "nodes": "corner"}
+        plate["node_sets"]["corner"] = {"polygon": {"points": [[0, 1.2], [0, 0.8], [0.9, 1.2]]}, "within": 0.05}
         for _, own, later, release in self.parts_of(plate, "flat").values():
             self.assertGreater(own, 0)  # the last planar layer has none after it
             self.assertGreaterEqual(later, 0)

@@ -89,6 +89,8 @@ def write_run(directory, name, density, size, count=12, planar_count=10, iterati
         file["time"] = np.where(built, time, 0.0)
         file["layer"] = layers_of(time, density, count)
         file["displacement"] = displacement
+        at_edge = (nodes[0] > size[0] * (1 - 1e-9)) & (nodes[-1] > top * (1 - 1e-9))
+        file["model/node_sets/top_edge"] = np.flatnonzero(at_edge).astype(np.int64)
         file["planar/time"] = np.where(built, planar_time, 0.0)
         file["planar/layer"] = layers_of(planar_time, density, planar_count)
         file["planar/displacement"] = planar_displacement

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from fabseq_tools.geometry import geometric_thickness
+from fabseq_tools.run.command_line import RunError
 
 from fake_results import element_centres, node_coordinates
 
@@ -19,7 +20,7 @@ PROJECT = Path(__file__).resolve().parents[2]
 
 
 def write_result(directory, size, built, time, count, target=None, nodes=None, nodes_as="temperature", time_points=None,
-                 filter_radius=0):
+                 location=None):
     """What the script reads of a simulation: `time` on the elements and, if given, on the nodes; `built`,
     [z][y][x]."""
     with h5py.File(Path(directory) / "result.h5", "w") as file:
@@ -30,8 +31,7 @@ def write_result(directory, size, built, time, count, target=None, nodes=None, n
         if time_points is not None:
             file["time_points"] = time_points
     config = {"domain": {"size": list(size), "elements": list(built.shape[::-1])},
-              "sequence": ({"type": "direct", "location": "nodes", "filter_radius": filter_radius}
-                           if nodes_as == "design" else {"type": "heat"}),
+              "sequence": {"type": "direct", "location": location} if location else {"type": "heat"},
               "constraints": [{"type": "layer_thickness", "target": target}] if target else []}
     summary = {"layers": [{"volume": 1.0, "thickness": None, "cv": None}] * count}
     for name, content in (("config.json", config), ("summary.json", summary)):
@@ -89,19 +89,23 @@ class GeometricThicknessTest(unittest.TestCase):
             x, y = element_centres((count, count), (1.0, 1.0))
             nodes_x, nodes_y = node_coordinates((count, count), (1.0, 1.0))
             built = np.hypot(x, y) <= 1.0
-            for nodes_as, nodes in (("design", np.hypot(nodes_x, nodes_y)),
+            for nodes_as, nodes in (("nodal_time", np.hypot(nodes_x, nodes_y)),
                                     ("temperature", np.hypot(nodes_x, nodes_y)), ("", None)):
-                write_result(self.directory, (1.0, 1.0), built, np.hypot(x, y), 5, target=0.2, nodes=nodes, nodes_as=nodes_as)
+                write_result(self.directory, (1.0, 1.0), built, np.hypot(x, y), 5, target=0.2, nodes=nodes, nodes_as=nodes_as,
+                             location="nodes" if nodes_as == "nodal_time" else None)
                 self.assert_inner(self.measure(), 0.2, tolerance, 3)
 
-    def test_a_design_that_is_smoothed_is_no_time(self):
-        """Times of nodes are those of the design only where no filter comes between."""
-        x, y = element_centres((10, 10), (1.0, 1.0))
+    def test_times_of_nodes_come_before_those_of_elements(self):
+        """A sequence that has them needs them; the design may have been smoothed."""
+        _, y = element_centres((10, 10), (1.0, 1.0))
         nodes = node_coordinates((10, 10), (1.0, 1.0))[1]**2
-        for radius, thickness in ((0, np.sqrt(0.5) - 0.5), (3, 0.25)):
-            write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y,
-                         4, nodes=nodes, nodes_as="design", filter_radius=radius)
+        for location, thickness in (("nodes", np.sqrt(0.5) - 0.5), ("elements", 0.25)):
+            write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y, 4, nodes=nodes if location == "nodes" else None,
+                         nodes_as="nodal_time", location=location)
             self.assertAlmostEqual(self.measure()["layers"][1]["mean"], thickness, delta=5e-3)
+        write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y, 4, nodes=nodes, nodes_as="design", location="nodes")
+        with self.assertRaisesRegex(RunError, "lacks the dataset nodal_time, so an older version of fabseq"):
+            self.measure()
 
     def test_time_points_of_the_file(self):
         write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), element_centres((10, 10), (1.0, 1.0))[1], 4,

@@ -17,6 +17,7 @@ from fabseq_tools.geometry.node_sets import measured_nodes
 from fabseq_tools.plot import overview, render_part
 from fabseq_tools.plot.overview_pictures import FAILING
 from fabseq_tools.run.check_words import failing_elements
+from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.read_run import Run
 
 import fake_results
@@ -194,18 +195,30 @@ class Figures(unittest.TestCase):
             with h5py.File(os.path.join(folder, "result.h5")) as file:
                 self.assertEqual(cells["layers used"][1], str(len(np.unique(file["layer"][:]))))
 
-    def test_measured_nodes_touch_the_part(self):
+    def test_measured_nodes_are_those_of_the_program(self):
+        """All sets are known but those that are too large to mark; results of older programs are refused."""
         with tempfile.TemporaryDirectory() as folder:
-            density = np.ones((2, 2, 2))
-            density[:, 1, :] = 0  # no part behind y = 0.5
-            fake_results.write_run(folder, "half", density, (1.0, 1.0, 1.0))
-            path = Path(folder) / "config.json"
-            config = json.loads(path.read_text(encoding="utf-8"))
-            edge = {"box": {"min": [1, 0, 1], "max": [1, 1, 1]}}
-            config.update(node_sets={"edge": edge}, objective=[
-                          {"type": "distortion", "measure": "displacement", "nodes": "edge"}])
-            path.write_text(json.dumps(config), encoding="utf-8")
-            self.assertEqual(list(measured_nodes(Run(folder))), [18 + 2, 18 + 5])
+            fake_results.write_run(folder, "cube", np.ones((2, 2, 2)), (1.0, 1.0, 1.0))
+            self.assertEqual(list(measured_nodes(Run(folder))), [18 + 2, 18 + 5, 18 + 8])
+            polygon = {"polygon": {"axis": "y", "points": [[0, 0], [1, 0], [1, 1]]}}
+            for name, node_set, expected in (("flank", polygon, [3, 5]), ("skin", {"all": True}, [])):
+                def rename(config, name=name, node_set=node_set):
+                    config["node_sets"] = {name: node_set}
+                    config["objective"][0]["nodes"] = name
+
+                fake_results.change(folder, "config.json", rename)
+                if expected:
+                    with self.assertRaisesRegex(RunError, "lacks the dataset model/node_sets/.*, so an older version"):
+                        measured_nodes(Run(folder))
+                    with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
+                        file["model/node_sets/" + name] = expected
+                self.assertEqual(list(measured_nodes(Run(folder))), expected)
+            with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
+                del file["model"]
+            fake_results.change(folder, "config.json", lambda config: config.update(node_sets={"skin": polygon}))
+            done = run("overview", folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("warning: result.h5: lacks the dataset model/node_sets/skin, so", done.stderr)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fabseq_tools.geometry.node_sets import contains
 from fabseq_tools.orientation.turned_shapes import CannotTurn, Motion
+
+from inside_shapes import contains
 
 PROJECT = Path(__file__).resolve().parents[2]
 

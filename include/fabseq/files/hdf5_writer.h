@@ -43,6 +43,10 @@ class Hdf5Writer {
   /// there is one component. One call per stage, in the order of the stages, of which there are `count`.
   template <int Dim>
   void write_stage(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field, int stage, int count);
+  /// Writes the numbers of these nodes, offsets in Grid::owned_nodes(), as a dataset of integers: as the
+  /// whole grid counts its nodes, from 0, x fastest; ascending.
+  template <int Dim>
+  void write_node_numbers(const Grid<Dim>& grid, const std::string& name, const std::vector<int>& places);
   /// Writes rank 0's `values` as a dataset with one axis or, if `columns` > 0, as a table [row][column].
   void write_array(const std::string& name, std::span<const double> values, int columns = 0);
   /// Writes an attribute of the file itself: a number, integer, string or boolean, of rank 0.
@@ -55,6 +59,9 @@ class Hdf5Writer {
  private:
   class File;
 
+  /// Calls `write` on rank 0 with the values of each slab. Throws on all ranks what `write` throws.
+  template <int Dim, class Write>
+  void for_slabs(SlabGather<Dim>& slabs, Write&& write);
   /// Writes a field slab by slab from value number `first` of a dataset on. Returns the checksum of what was
   /// written on rank 0.
   template <int Dim>

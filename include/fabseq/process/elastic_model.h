@@ -67,6 +67,9 @@ struct ElasticModel {
   /// The inherent strain of a part element, by its number, in a layer, Voigt.
   std::array<double, voigt_size<Dim>> strain_of(const StrainField& strains, std::size_t number,
                                                 int layer) const;
+  /// The inherent strain of every part element in the layer that builds it, by the numbers of these layers
+  /// (Layers::layer_index()), [part element][Voigt]; empty where it does not turn with the layers.
+  std::vector<double> strain_when_built(const StrainField& strains, std::span<const double> layer) const;
   /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
   ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,
                         int layer) const;
@@ -87,6 +90,9 @@ struct ElasticModel {
   double load_derivative(double layer_density) const {
     return settings.strain_penalty * power(layer_density, settings.strain_penalty - 1.0);
   }
+  /// Strain that an element of this density takes, free, in the layer that builds it, over the inherent one:
+  /// a grey element deposits less than a full one, and is softer.
+  double strain_factor(double density) const { return load(density) / stiffness(density); }
 
  private:
   static constexpr int in_void = -1, in_substrate = -2;

@@ -58,9 +58,11 @@ struct SequenceReport : SequenceNumbers {
   std::vector<std::vector<double>> values;  ///< of each response
   std::vector<double> time, layer;          ///< part fields
   std::vector<double> temperature;          ///< on the owned nodes, or empty
+  std::vector<double> nodal_time;           ///< PseudoTime::nodal
   std::vector<int> nodes;                   ///< ElasticModel::nodes: no others move
   std::vector<double> displacement;         ///< [nodes][component]
   BuildFields build_fields;                 ///< where the shape was asked for
+  std::vector<double> strain;               ///< ElasticModel::strain_when_built(), where it was asked for
 };
 
 /// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
@@ -88,6 +90,13 @@ void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, cons
 template <int Dim>
 SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                const PipelineState<Dim>& state, bool with_shape = true);
+
+/// ElasticModel::strain_when_built() in a pipeline's last run. Not collective.
+template <int Dim>
+std::vector<double> strain_when_built(const Pipeline<Dim>& pipeline) {
+  const ProcessSimulation<Dim>& process = pipeline.process();
+  return process.model().strain_when_built(process.strains(), pipeline.last_layer_index());
+}
 
 /// What both deposition models make of a pipeline's last run. Collective.
 template <int Dim>

@@ -16,6 +16,7 @@ struct PseudoTime {
   std::vector<double> time;         ///< t_e, a part field, from 0 to 1
   std::vector<double> gradient;     ///< grad t at centres, [part element][axis], 1/length; empty: not defined
   std::vector<double> temperature;  ///< T on the owned nodes; empty if there is none
+  std::vector<double> nodal;  ///< t on the owned nodes, where that is what the sequence varies; or empty
   double lowest_temperature = std::numeric_limits<double>::quiet_NaN();
   double highest_temperature = std::numeric_limits<double>::quiet_NaN();
   int iterations = 0;  ///< iterations of the forward solve

@@ -60,33 +60,26 @@ def compare(directory, path):
 def expected_displacement(model, name):
     """fabseq's displacement for a deck, (node, axis), and the numbers of the nodes that both have: of what is
     built, since places that are not built yet may count no motion."""
-    solid = np.flatnonzero(nodes_of(model.density > 0))
+    solid = np.flatnonzero(nodes_of(model.solid))
     found = re.fullmatch(r"layer_(\d+)", name)
     if found:
         layer = int(found[1])
-        stages = needed(model, "stages/displacement", "simulate with -stages").astype(float)
+        stages = model.needed("stages/displacement", "simulate with -stages").astype(float)
         if model.config["sequence"]["type"] != "planar" and not model.config["projection"]["binary"]:
             raise RunError(f"{model.path}: its layers are smooth, the deck's are binary; simulate with -binary")
         if not 1 <= layer <= len(stages):
             raise RunError(f"{name}: found layer {layer}; allowed: 1 to {len(stages)}, as many as {model.path} has")
         step = stages[layer - 1] - (stages[layer - 2] if layer > 1 else 0.0)
-        built = model.substrate | (model.layer > 0) & (model.layer <= layer)
+        built = model.solid & (model.layer <= layer)
         return step.reshape(-1, model.dimension), np.flatnonzero(nodes_of(built))
     if name not in ("finished", "finished_released"):
         raise RunError(f"{name}: allowed: layer_ and a number, finished, finished_released")
     if model.layers != 1:
         raise RunError(f"{model.path}: has {model.layers} layers, the deck one; simulate with -set layers.count=1")
-    displacement = needed(model, "displacement", "simulate again")
+    displacement = model.needed("displacement", "simulate again")
     if name == "finished_released":
-        displacement = displacement + needed(model, "release_displacement", "a part that falls apart without its plate has none")
+        displacement = displacement + model.needed("release_displacement", "a part that falls apart without its plate has none")
     return displacement.reshape(-1, model.dimension), solid
-
-
-def needed(model, name, remedy):
-    values = model.read(name)[name]
-    if values is None:
-        raise RunError(f"{model.path}: lacks the dataset {name}; {remedy}")
-    return values
 
 
 def read_displacements(path, count):

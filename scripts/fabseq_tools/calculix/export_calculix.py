@@ -51,10 +51,10 @@ def export(directory, layer, output):
     if not 1 <= layer <= model.layers or not (model.layer == layer).any():
         raise RunError(f"--layer: found {layer}; allowed: a layer from 1 to {model.layers} that holds an element")
     os.makedirs(output, exist_ok=True)
-    held = [(model.held(), 0, 2)]
+    held = [(model.supports, 0, 2)]
     decks = {f"layer_{layer:04d}": (layer, layer, held, f"step of layer {layer} of {model.layers}"),
              "finished": (1, model.layers, held, "finished part, all strains at once, on the plate")}
-    if ndimage.label(model.density > 0)[1] <= 1:
+    if ndimage.label(model.solid)[1] <= 1:
         decks["finished_released"] = (1, model.layers, free_supports(model),
                                       "finished part, all strains at once, without the plate, held at nodes that take no force")
     paths, placement = [], Placement(model.config)
@@ -89,7 +89,7 @@ def both_sides(nodes, count):
 def free_supports(model):
     """Supports of three nodes of the part, in 2D two, that leave it no rigid motion and hold back no strain:
     one is held along all axes, the next ones along fewer."""
-    numbers = np.flatnonzero(nodes_of(model.density > 0))
+    numbers = np.flatnonzero(nodes_of(model.solid))
     points, dimension = model.drawn_positions()[numbers], model.dimension
     first = np.argmin(points.sum(axis=1))
     away = points - points[first]

@@ -25,9 +25,3 @@ def nodes_of(built):
     for corner in np.ndindex(*(2,) * built.ndim):
         touched[tuple(slice(c, c + n) for c, n in zip(corner, built.shape))] |= built
     return touched.ravel()
-
-
-def surface_nodes_of(built):
-    """Which nodes of the part have fewer elements around them than an inner node has, flat, x fastest."""
-    empty = nodes_of(~np.pad(built, 1)).reshape([n + 3 for n in built.shape])
-    return nodes_of(built) & empty[(slice(1, -1),) * built.ndim].ravel()

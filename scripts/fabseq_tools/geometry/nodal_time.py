@@ -4,16 +4,18 @@
 import numpy as np
 
 from fabseq_tools.geometry.slopes import element_slopes
+from fabseq_tools.run.read_run import lacking
 
 
 def nodal_time(file, config, group=""):
     """Pseudo-time of the nodes of a sequence in result.h5, and in words where it comes from. `group`: of the
-    sequence's datasets, as start/."""
-    sequence = config.get("sequence", {})
+    sequence's datasets, as start/. Raises RunError for a result of an older program."""
     if group + "temperature" in file:
         return 1.0 - file[group + "temperature"][()], "temperature of the nodes"
-    if not group and sequence.get("location") == "nodes" and not sequence.get("filter_radius"):
-        return file["design"][()], "times of the nodes"
+    if group + "nodal_time" in file:
+        return file[group + "nodal_time"][()], "times of the nodes"
+    if config.get("sequence", {}).get("location") == "nodes" and group != "planar/":
+        raise lacking(group + "nodal_time", file.filename)
     return (times_of_nodes(file[group + "time"][()], file["density"][()] > 0),
             "times of the elements, continued to the nodes")
 
@@ -25,9 +27,9 @@ def layer_times(file, count, group=""):
 
 
 def times_of_nodes(time, built):
-    """Times of nodes from those of elements: the mean of what the elements around a node say there, each
-    continued from its centre with the slope towards its neighbours in the part. Right for linear fields, on
-    the part's surface, too."""
+    """Times of nodes from those of elements, for sequences that have no others: the mean of what the elements
+    around a node say there, each continued from its centre with the slope towards its neighbours in the part.
+    Right for linear fields, on the part's surface, too."""
     time = np.where(built, time, 0.0)
     slopes = [0.5 * slope for slope in element_slopes(time, built, [1.0] * time.ndim)]
     shape = [n + 1 for n in time.shape]

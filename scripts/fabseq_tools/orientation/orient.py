@@ -34,7 +34,8 @@ import shutil
 
 import numpy as np
 
-from fabseq_tools.geometry.grid import node_positions, surface_nodes_of
+from fabseq_tools.geometry.grid import node_positions
+from fabseq_tools.geometry.node_sets import nodes_of_set
 from fabseq_tools.geometry.rigid_motions import without_rigid_motion
 from fabseq_tools.orientation import orient_results
 from fabseq_tools.orientation.turned_config import TurnedConfig, box_of_mesh, counts_of, with_absolute_files
@@ -256,10 +257,10 @@ def layers_of(config, count):
 def block_of(directory):
     """Layers and deviations of a simulation."""
     config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
-    fields = read_fields(os.path.join(directory, "result.h5"))
-    built = fields["density"] > 0
-    skin = surface_nodes_of(built)
-    positions = node_positions(config["domain"]["size"], built.shape[::-1])[skin]
+    path = os.path.join(directory, "result.h5")
+    fields = read_fields(path)
+    skin = nodes_of_set(fields, "surface", path)
+    positions = node_positions(config["domain"]["size"], config["domain"]["elements"])[skin]
     shifts = {"as_built": fields["displacement"]}
     if "release_displacement" in fields:
         shifts["released"] = fields["displacement"] + fields["release_displacement"]

@@ -7,6 +7,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import nodes_of
 from fabseq_tools.geometry.node_sets import measured_nodes
 from fabseq_tools.plot import render_part
+from fabseq_tools.run.command_line import RunError, warn
 
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
 MOST_DOTS = 24
@@ -29,7 +30,7 @@ class Pictures:
         self.exaggeration = plain_number(DRAWN_DISPLACEMENT * max(self.part.size) / (self.largest or 1.0))
         self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
                                for u in self.displacements])
-        self.measured = spread(self.part.nodes, measured_nodes(run), MOST_DOTS)
+        self.measured = spread(self.part.nodes, marked_nodes(run), MOST_DOTS)
         self.layers, self.marks = len(layers), any(elements.any() for elements in failing)
         self.images = crop_together([*map(self.layered, layers, failing), *map(self.distorted, self.displacements, self.lengths)])
         self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
@@ -43,6 +44,15 @@ class Pictures:
         colours = render_part.scalar_colours(length, self.largest, render_part.DISPLACEMENT_COLOURS)
         return render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True,
                                   offset=self.exaggeration * displacement, marked=self.measured)
+
+
+def marked_nodes(run):
+    """The measured nodes; none, with a warning, of a result of an older program."""
+    try:
+        return measured_nodes(run)
+    except RunError as error:
+        warn("overview", f"{error}; until then no dots show where distortion is measured")
+        return np.array([], dtype=int)
 
 
 def plain_number(value):

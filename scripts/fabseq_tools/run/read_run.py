@@ -87,6 +87,12 @@ class Run:
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
 
+def lacking(dataset, path):
+    """The error for a dataset that results of older programs do not have."""
+    return RunError(f"{path}: lacks the dataset {dataset}, so an older version of fabseq has written it; repeat the run, or "
+                    "simulate its design again with -task simulate -design FILE")
+
+
 def open_text(directory, name):
     path = os.path.join(directory, name)
     try:

@@ -1,0 +1,1 @@
+../scripts/inside_shapes.py
