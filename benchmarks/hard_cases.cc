@@ -9,8 +9,8 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
 #include "fabseq/base/session.h"
-
 #include "lane_case.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -18,7 +18,7 @@ tool_packages=(python3-numpy python3-scipy python3-h5py python3-matplotlib pytho
 ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8 mandoc chromium calculix-ccx locales)
 slurm_packages=()
 preset=release
-cmake_options=()
+cmake_options=(-D FABSEQ_UNITY=ON)
 targets=(fabseq)
 while (($#)); do
   case $1 in

@@ -3,9 +3,10 @@
 /// The groups of benchmarks, a source each; how a kernel is timed; what the machine can do.
 #pragma once
 
+#include "kernels/kernel_cost.h"
+
 #include <mpi.h>
 
-#include "kernels/kernel_cost.h"
 #include <benchmark/benchmark.h>
 #include <functional>
 #include <string>

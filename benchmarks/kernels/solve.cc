@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "kernels/measure.h"
 #include "lane_case.h"
+
 #include <algorithm>
 
 namespace benchmarks {

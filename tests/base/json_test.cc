@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/json.h"
 
+#include "support/refusal.h"
+
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
 #include <cmath>
 #include <limits>
 #include <random>

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Memory that there is and that is asked for.
 #include "fabseq/base/memory.h"
+#include "support/refusal.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
-
-#include "support/refusal.h"
 
 namespace fabseq {
 namespace {

@@ -3,8 +3,8 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-
 #include "support/io_support.h"
+
 #include <csignal>
 #include <ctime>
 #include <fcntl.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Every way in which a config can be wrong, with the line the user sees.
+#include "support/small_configs.h"
+
 #include <gtest/gtest.h>
 
-#include "support/small_configs.h"
 #include <limits>
 
 namespace fabseq {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Relations between keys that are refused.
+#include "support/small_configs.h"
+
 #include <gtest/gtest.h>
 
-#include "support/small_configs.h"
 #include <string>
 
 namespace fabseq {

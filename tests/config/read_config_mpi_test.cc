@@ -2,11 +2,11 @@
 /// Reading a config on several ranks: rank 0 reads, all ranks agree on config and errors.
 #include "fabseq/base/mpi.h"
 #include "fabseq/config/command_line.h"
+#include "support/refusal.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/refusal.h"
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>

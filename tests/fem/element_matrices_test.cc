@@ -3,10 +3,11 @@
 /// exactly.
 #include "fabseq/fem/element_matrices.h"
 
-#include <gtest/gtest.h>
-
 #include "support/brute_force.h"
 #include "support/small_parts.h"
+
+#include <gtest/gtest.h>
+
 #include <vector>
 
 namespace fabseq {

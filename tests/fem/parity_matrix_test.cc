@@ -3,11 +3,11 @@
 /// against dense matrices.
 #include "fabseq/base/error.h"
 #include "fabseq/fem/parity.h"
+#include "support/brute_force.h"
+#include "support/masked_box.h"
 
 #include <gtest/gtest.h>
 
-#include "support/brute_force.h"
-#include "support/masked_box.h"
 #include <bit>
 #include <vector>
 

@@ -3,9 +3,9 @@
 #include "fabseq/files/seal.h"
 #include "fabseq/parallel/layer_groups.h"
 #include "fabseq/sequence/design_support.h"
-
 #include "support/io_support.h"
 #include "support/small_parts.h"
+
 #include <cmath>
 #include <fcntl.h>
 

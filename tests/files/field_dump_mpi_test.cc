@@ -2,8 +2,8 @@
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/files/output_directory.h"
-
 #include "support/io_support.h"
+
 #include <cstring>
 #include <optional>
 #include <sys/wait.h>

@@ -3,12 +3,12 @@
 #include "fabseq/files/run_lock.h"
 
 #include "fabseq/base/error.h"
-
-#include <gtest/gtest.h>
-
 #include "faults/no_locks.cc"
 #include "support/io_support.h"
 #include "support/refusal.h"
+
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <csignal>
 #include <filesystem>

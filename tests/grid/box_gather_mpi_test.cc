@@ -2,10 +2,10 @@
 /// Values in boxes that others own.
 #include "fabseq/grid/box_gather.h"
 #include "fabseq/grid/grid.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {

@@ -2,11 +2,11 @@
 /// Balance of the decomposition against brute force over all splits, and on shapes with known answers.
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/decomposition.h"
+#include "support/refusal.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/refusal.h"
 #include <algorithm>
 #include <numeric>
 #include <random>

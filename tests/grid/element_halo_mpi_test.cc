@@ -2,10 +2,10 @@
 /// Gathered element fields of any width, and the transpose, against values and counts known in advance.
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/element_halo.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 
-#include "support/whole_field.h"
 #include <algorithm>
 
 namespace fabseq {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// The grid's boxes, numbers and exchanges against exact counts, with unequal spacings and odd sizes.
 #include "fabseq/grid/grid.h"
+#include "support/refusal.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
-#include "support/whole_field.h"
 #include <algorithm>
 #include <numeric>
 

@@ -2,9 +2,9 @@
 /// What a section makes of members: declarations with type and default, and values read back.
 #include "fabseq/keys/section.h"
 
-#include <gtest/gtest.h>
-
 #include "support/refusal.h"
+
+#include <gtest/gtest.h>
 
 namespace fabseq {
 namespace {

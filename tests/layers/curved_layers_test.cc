@@ -2,9 +2,10 @@
 /// Stage and layer densities: what must hold exactly, and their derivative (formulation 3.1).
 #include "fabseq/layers/curved_layers.h"
 
+#include "support/small_parts.h"
+
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>

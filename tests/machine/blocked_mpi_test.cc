@@ -3,10 +3,10 @@
 /// other on small random parts, on 1 to 4 ranks.
 #include "fabseq/machine/blocked.h"
 #include "fabseq/machine/marked_elements.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <cmath>
 #include <random>
 

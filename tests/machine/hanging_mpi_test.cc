@@ -2,10 +2,10 @@
 /// Elements that begin in the air (docs/formulation.md 13.1), on 1 to 4 ranks.
 #include "fabseq/machine/hanging.h"
 #include "fabseq/machine/marked_elements.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <cmath>
 #include <numeric>
 #include <random>

@@ -2,10 +2,9 @@
 /// Interior minima and maxima of the pseudo-time (docs/formulation.md 2.1), on 1 to 4 ranks.
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/machine/marked_elements.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
-
-#include "support/small_parts.h"
 
 namespace fabseq {
 namespace {

@@ -3,10 +3,10 @@
 #include "fabseq/machine/build_direction.h"
 #include "fabseq/machine/local_thickness.h"
 #include "fabseq/sequence/given_sequence.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <algorithm>
 #include <cmath>
 

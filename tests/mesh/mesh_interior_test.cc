@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/mesh_interior.h"
 
+#include "support/meshes.h"
+
 #include <gtest/gtest.h>
 
-#include "support/meshes.h"
 #include <algorithm>
 #include <cmath>
 #include <numeric>

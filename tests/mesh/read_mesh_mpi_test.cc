@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/read_mesh.h"
-
-#include <gtest/gtest.h>
-
 #include "support/io_support.h"
 #include "support/mesh_files.h"
 #include "support/meshes.h"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/triangle_mesh.h"
 
+#include "support/meshes.h"
+
 #include <gtest/gtest.h>
 
-#include "support/meshes.h"
 #include <cmath>
 
 namespace fabseq {

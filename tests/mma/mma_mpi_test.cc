@@ -3,11 +3,11 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/mma/mma.h"
+#include "support/share.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/share.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -3,11 +3,11 @@
 /// which are written out here as in his papers (formulation 9).
 #include "fabseq/base/mpi.h"
 #include "fabseq/mma/mma.h"
+#include "support/share.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/share.h"
 #include <algorithm>
 #include <cmath>
 #include <random>

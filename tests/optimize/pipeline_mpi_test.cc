@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// The chain of stages as a whole: what it leaves for later runs.
 #include "fabseq/optimize/pipeline.h"
+#include "support/pipeline_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/pipeline_case.h"
 #include <utility>
 #include <vector>
 

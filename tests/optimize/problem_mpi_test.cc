@@ -2,10 +2,10 @@
 /// Scaling of the objective and rows of the constraints, as the optimizer gets them (formulation 9).
 #include "fabseq/base/error.h"
 #include "fabseq/optimize/problem.h"
+#include "support/pipeline_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/pipeline_case.h"
 #include <algorithm>
 #include <vector>
 

@@ -2,17 +2,16 @@
 /// What a run is said to cost: how the figures follow from its size. tests/integration/configs_test.py holds
 /// them against a run.
 #include "fabseq/optimize/run_cost.h"
-#include "fabseq/responses/response_type.h"
 
 #include "fabseq/layers/layer_model.h"
 #include "fabseq/optimize/placed_part.h"
-
-#include <gtest/gtest.h>
-#include <petscsys.h>
-
+#include "fabseq/responses/response_type.h"
 #include "support/refusal.h"
 #include "support/small_configs.h"
 #include "support/small_parts.h"
+
+#include <gtest/gtest.h>
+#include <petscsys.h>
 
 namespace fabseq {
 namespace {

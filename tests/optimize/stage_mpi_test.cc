@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// A stage that nothing else knows of: it registers itself here, and the pipeline goes through it both ways.
 #include "fabseq/optimize/stage.h"
+#include "support/pipeline_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/pipeline_case.h"
 #include <algorithm>
 #include <numeric>
 #include <string>

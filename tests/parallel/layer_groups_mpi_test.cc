@@ -2,11 +2,11 @@
 /// Groups of ranks: shares and sums, and the pipeline with groups against the same without.
 #include "fabseq/base/error.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "support/pipeline_case.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 
-#include "support/pipeline_case.h"
-#include "support/whole_field.h"
 #include <cstdlib>
 #include <string>
 #include <vector>

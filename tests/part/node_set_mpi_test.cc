@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Node sets: which nodes, and which of them are samples, against the rule written out by hand.
 #include "fabseq/part/node_set.h"
-
-#include <gtest/gtest.h>
-
 #include "support/refusal.h"
 #include "support/shapes.h"
 #include "support/whole_field.h"
+
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
 namespace fabseq {

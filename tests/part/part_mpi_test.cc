@@ -2,13 +2,13 @@
 /// Parts: pieces against a serial union-find, refusals, extents, touched nodes, balance.
 #include "fabseq/base/mpi.h"
 #include "fabseq/part/part.h"
+#include "support/refusal.h"
+#include "support/shapes.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/refusal.h"
-#include "support/shapes.h"
-#include "support/whole_field.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -4,13 +4,13 @@
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/part/part.h"
+#include "support/refusal.h"
+#include "support/shapes.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "support/refusal.h"
-#include "support/shapes.h"
-#include "support/whole_field.h"
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Rigid motions and their fit (formulation 4.3).
 #include "fabseq/part/rigid_motions.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {

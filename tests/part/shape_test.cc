@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/part/shape.h"
 
+#include "support/shapes.h"
+
 #include <gtest/gtest.h>
 
-#include "support/shapes.h"
 #include <cmath>
 
 namespace fabseq {

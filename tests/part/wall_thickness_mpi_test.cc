@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Elements across the thinnest wall, on 1 to 4 ranks.
 #include "fabseq/part/wall_thickness.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <cmath>
 
 namespace fabseq {

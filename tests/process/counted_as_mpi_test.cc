@@ -2,10 +2,10 @@
 /// A result counted as the other deposition model does is that of a simulation which has that model
 /// (formulation 4.6), and afterwards it is as before.
 #include "fabseq/process/counted_as.h"
+#include "support/process_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/process_case.h"
 #include <utility>
 #include <vector>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// What counts of increments under nominal deposition, by the formula on the whole grid (formulation 4.6).
 #include "fabseq/process/deposition.h"
+#include "support/process_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/process_case.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -2,10 +2,11 @@
 /// Strain that turns with the layers (formulation 4.2, 4.5).
 #include "fabseq/process/inherent_strain.h"
 
-#include <gtest/gtest.h>
-
 #include "support/brute_force.h"
 #include "support/small_parts.h"
+
+#include <gtest/gtest.h>
+
 #include <vector>
 
 namespace fabseq {

@@ -2,10 +2,10 @@
 /// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
 /// (formulation 4.1, 8).
 #include "fabseq/process/process_simulation.h"
+#include "support/process_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/process_case.h"
 #include <vector>
 
 namespace fabseq {

@@ -3,11 +3,11 @@
 /// refuses (formulation 4.3, 4.4).
 #include "fabseq/base/error.h"
 #include "fabseq/process/release.h"
+#include "support/layered_case.h"
+#include "support/process_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/layered_case.h"
-#include "support/process_case.h"
 #include <cmath>
 #include <vector>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Residual stress, the plate's reactions and the release (formulation 4.3).
 #include "fabseq/process/residual_stress.h"
+#include "support/process_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/process_case.h"
 #include <vector>
 
 namespace fabseq {

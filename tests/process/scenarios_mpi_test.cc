@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Scenarios of the strain: superposed from few cases, forward and adjoint (formulation 4.7).
+#include "support/process_case.h"
+
 #include <gtest/gtest.h>
 
-#include "support/process_case.h"
 #include <algorithm>
 #include <cmath>
 #include <vector>

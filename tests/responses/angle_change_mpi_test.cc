@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Change of angle (formulation 5) of perpendicular, parallel and slanted sets, under motions whose angles
 /// are known.
-#include <gtest/gtest.h>
-
 #include "support/measure_case.h"
 #include "support/refusal.h"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Continuity against a double loop over the gathered pseudo-time, its derivative against differences
 /// (formulation 7).
-#include <gtest/gtest.h>
-
 #include "support/response.h"
 #include "support/small_parts.h"
+
+#include <gtest/gtest.h>
+
 #include <map>
 #include <string>
 #include <vector>

@@ -2,10 +2,10 @@
 /// Norm of the displacement (formulation 5): from the mean square to the largest displacement, whatever its
 /// size.
 #include "fabseq/base/mpi.h"
+#include "support/measure_case.h"
 
 #include <gtest/gtest.h>
 
-#include "support/measure_case.h"
 #include <algorithm>
 #include <vector>
 

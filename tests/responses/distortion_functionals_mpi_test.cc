@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Distortion as a sum of squares (formulation 9): the functionals against fits by hand, what they leave,
 /// their gradients.
-#include <gtest/gtest.h>
-
 #include "support/pipeline_case.h"
 #include "support/response.h"
+
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <numeric>
 #include <optional>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// Distortion as a constraint (formulation 7): the root of every measure, its row, its gradients.
+#include "support/measure_case.h"
+
 #include <gtest/gtest.h>
 
-#include "support/measure_case.h"
 #include <vector>
 
 namespace fabseq {

@@ -3,13 +3,13 @@
 /// element; they bound what the exact checks count; rows.
 #include "fabseq/machine/least_rotation.h"
 #include "fabseq/machine/torch.h"
-
-#include <gtest/gtest.h>
-
 #include "support/pipeline_case.h"
 #include "support/refusal.h"
 #include "support/response.h"
 #include "support/whole_field.h"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -2,11 +2,11 @@
 /// Every response: its values against the formulas of formulation 5 to 7 on gathered fields, its gradient
 /// through the whole pipeline against differences.
 #include "fabseq/base/hdf5.h"
+#include "support/io_support.h"
+#include "support/response_formulas.h"
 
 #include <gtest/gtest.h>
 
-#include "support/io_support.h"
-#include "support/response_formulas.h"
 #include <algorithm>
 #include <vector>
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// Deviation of shape (formulation 5): rigid motions and, where the fit may scale, growth leave nothing; what
 /// is left of rough displacements is orthogonal to every motion; gradients through the pipeline.
-#include <gtest/gtest.h>
-
 #include "support/pipeline_case.h"
 #include "support/refusal.h"
 #include "support/response.h"
+
+#include <gtest/gtest.h>
+
 #include <vector>
 
 namespace fabseq {

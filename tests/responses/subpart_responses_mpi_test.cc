@@ -2,11 +2,11 @@
 /// Responses of sub-parts against sums over the gathered fields, their derivatives against differences
 /// (formulation 7).
 #include "fabseq/base/mpi.h"
+#include "support/response.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/response.h"
-#include "support/small_parts.h"
 #include <cmath>
 #include <map>
 #include <string>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// The range of the design variables and its unit scale.
 #include "fabseq/sequence/sequence.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <cmath>
 
 namespace fabseq {

@@ -3,11 +3,11 @@
 /// to one rank's.
 #include "fabseq/base/mpi.h"
 #include "fabseq/sequence/geodesic_distance.h"
+#include "support/shapes.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 
-#include "support/shapes.h"
-#include "support/whole_field.h"
 #include <algorithm>
 #include <cmath>
 

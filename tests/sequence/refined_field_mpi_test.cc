@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// A part field on a grid twice as fine: linear ones stay what they are, and nothing from outside enters.
 #include "fabseq/sequence/refined_field.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <vector>
 
 namespace fabseq {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Start regions: what is in them, what is free, how far it is, and what is refused (formulation 2.3).
 #include "fabseq/sequence/start_region.h"
+#include "support/refusal.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
-#include "support/small_parts.h"
 #include <algorithm>
 #include <cmath>
 #include <string>

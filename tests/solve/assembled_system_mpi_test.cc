@@ -3,11 +3,11 @@
 /// and on parts with holes.
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/reference/assembled_system.h"
+#include "support/brute_force.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/brute_force.h"
-#include "support/small_parts.h"
 #include <memory>
 #include <utility>
 #include <vector>

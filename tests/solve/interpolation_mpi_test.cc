@@ -3,10 +3,10 @@
 #include "fabseq/fem/element_matrices.h"
 #include "fabseq/solve/reference/assembled_system.h"
 #include "fabseq/solve/reference/preconditioner.h"
+#include "support/small_parts.h"
 
 #include <gtest/gtest.h>
 
-#include "support/small_parts.h"
 #include <algorithm>
 #include <memory>
 #include <vector>

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "fabseq/grid/index_box.h"
-
 #include "support/small_parts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -5,6 +5,7 @@
 
 #include "support/pipeline_case.h"
 #include "support/response.h"
+
 #include <memory>
 #include <string>
 #include <vector>

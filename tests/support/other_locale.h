@@ -4,6 +4,7 @@
 #pragma once
 
 #include "support/io_support.h"
+
 #include <cstdlib>
 #include <locale>
 #include <string>

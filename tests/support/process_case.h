@@ -6,9 +6,9 @@
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
-
 #include "support/brute_force.h"
 #include "support/small_parts.h"
+
 #include <memory>
 #include <optional>
 #include <utility>

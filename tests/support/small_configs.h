@@ -5,10 +5,10 @@
 
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/config.h"
+#include "support/refusal.h"
 
 #include <gtest/gtest.h>
 
-#include "support/refusal.h"
 #include <string>
 #include <utility>
 #include <vector>

@@ -5,11 +5,11 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/part/part.h"
+#include "support/shapes.h"
+#include "support/whole_field.h"
 
 #include <gtest/gtest.h>
 
-#include "support/shapes.h"
-#include "support/whole_field.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
