@@ -47,7 +47,7 @@ set(FABSEQ_COSTS
     integration.multi_planar=50 integration.groups=50 integration.scenarios=40 integration.gradient_matrix=40
     integration.direct=40 integration.errors=40 integration.ranks=40 integration.deposition=30 faults.sample=70
     scripts.launch_test=60 scripts.overview_test=30 scripts.report_test=25 scripts.export_paths_test=25 integration.coarse=20 scripts.compare_test=20 scripts.tools_package_test=15 integration.failures=20
-    integration.mesh=25 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=30 integration.squares=20 integration.leaks=20
+    integration.mesh=25 integration.model_group=20 integration.hostile_input=20 integration.simulate=20 integration.calibrate=40 integration.orient=30 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.reference=15 integration.gradients=15 scripts.virtual_display_test=15
     integration.locale=30 integration.locks=30 run_lock_test.np1=45 integration.outputs=10 integration.calculix=15 integration.compensate=15 faults.configs=20 integration.install=15 lane_elasticity_mpi_test.np4=10)
 function(fabseq_cost result name)
