@@ -20,7 +20,7 @@ class ContinuityCase {
       : start_(std::move(start)),
         response_(test::make_response<Dim>(TermList::constraints, R"({"type": "continuity", "limit": 2e-3})",
                                            {part(), node_sets_, 1.0, start_})),
-        time_{test::noise_field(part(), 0.0, 1.0), {}, {}},
+        time_{test::noise_field(part(), 0.0, 1.0), {}, {}, {}},
         layers_(),
         process_() {}
 
