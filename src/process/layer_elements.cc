@@ -80,7 +80,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
     for (int i = 0; i < element_unknowns<Dim>; ++i)
       unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? load_of_material[i] : 0.0);
     for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
-      const Lanes<Width> component = strain<Lanes<Width>>(chunk, e, c);
+      const auto component = strain<Lanes<Width>>(chunk, e, c);
       for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
     }
   };
