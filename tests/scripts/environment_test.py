@@ -25,7 +25,8 @@ class Filter(ctypes.Structure):
 
 
 def forbid_reading():
-    """A filter as containers have it, for this process and those that it starts: process_vm_readv fails with EPERM."""
+    """A filter as containers have it, for this process and those that it starts: process_vm_readv fails with
+    EPERM."""
     load_number, jump_if_equal, end = 0x20, 0x15, 0x06
     code = [(load_number, 0, 0, 0), (jump_if_equal, 0, 1, PROCESS_VM_READV), (end, 0, 0, 0x50001), (end, 0, 0, 0x7FFF0000)]
     text = ctypes.create_string_buffer(b"".join(struct.pack("HBBI", *line) for line in code))
