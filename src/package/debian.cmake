@@ -4,7 +4,7 @@
 # every version. Who programs against it builds it from the source.
 set(FABSEQ_DEBIAN_REVISION 1)
 set(FABSEQ_MAINTAINER "The fabseq developers <root@localhost>")
-if(DEFINED ENV{DEBEMAIL}) # Debian's own tools read these two
+if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL}) # Debian's own tools read these two
   set(FABSEQ_MAINTAINER "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 endif()
 set(FABSEQ_DOCUMENTS ${CMAKE_INSTALL_DATADIR}/doc/fabseq)
