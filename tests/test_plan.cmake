@@ -37,7 +37,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do, and of digits, which the release build looks at.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|compensate|gradient_matrix|orient|own_layer|reproduce|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|compensate|gradient_matrix|orient|own_layer|package|reproduce|slurm")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.
@@ -51,7 +51,7 @@ set(FABSEQ_COSTS
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
-    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15
+    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.package=5
     scripts.tools_package_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
 function(fabseq_cost result name)
   set(cost 1)
@@ -68,7 +68,7 @@ set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
-    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install|package)"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize)/|^scripts/")

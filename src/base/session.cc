@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/session.h"
 
+#include "base/processor.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
@@ -121,6 +122,7 @@ bool wait_for_room(int descriptor) {
 }  // namespace
 
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
+  require_processor();
   std::vector<std::string> copies = petsc_arguments;
   // fabseq handles signals itself (stop.h), and a closed pipe, as of `| head`, must not end in a trace.
   copies.emplace_back("-no_signal_handler");

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""What scripts/environment.sh finds out about the machine: whether ranks may read each other's memory."""
+
+import ctypes
+import json
+import os
+import platform
+import struct
+import subprocess
+import tempfile
+import unittest
+
+from run_fabseq import ENVIRONMENT, PROGRAM
+from small_parts import plate_2d
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+MECHANISM = "OMPI_MCA_btl_vader_single_copy_mechanism"
+PROCESS_VM_READV = {"x86_64": 310, "aarch64": 270}[platform.machine()]
+
+
+class Filter(ctypes.Structure):
+    """The kernel's struct sock_fprog."""
+
+    _fields_ = [("length", ctypes.c_ushort), ("code", ctypes.c_void_p)]
+
+
+def forbid_reading():
+    """A filter as containers have it, for this process and those that it starts: process_vm_readv fails with
+    EPERM."""
+    load_number, jump_if_equal, end = 0x20, 0x15, 0x06
+    code = [(load_number, 0, 0, 0), (jump_if_equal, 0, 1, PROCESS_VM_READV), (end, 0, 0, 0x50001), (end, 0, 0, 0x7FFF0000)]
+    text = ctypes.create_string_buffer(b"".join(struct.pack("HBBI", *line) for line in code))
+    library = ctypes.CDLL(None)
+    no_new_privileges, seccomp, filtered = 38, 22, 2
+    done = library.prctl(no_new_privileges, 1, 0, 0, 0)
+    done = done or library.prctl(seccomp, filtered, ctypes.byref(Filter(len(code), ctypes.addressof(text))), 0, 0)
+    if done:
+        raise OSError("no filter of system calls")
+
+
+class EnvironmentTest(unittest.TestCase):
+    def run_after_sourcing(self, line, shell="bash", forbidden=True, **environment):
+        inherited = {key: value for key, value in {**ENVIRONMENT, **os.environ}.items() if key != MECHANISM}
+        done = subprocess.run([shell, "-c", f". {ROOT}/scripts/environment.sh; {line}"], env={**inherited, **environment},
+                              preexec_fn=forbid_reading if forbidden else None, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def test_where_it_is_forbidden(self):
+        for shell in ("bash", "sh"):
+            self.assertEqual(self.run_after_sourcing(f"echo ${MECHANISM}", shell).stdout, "none\n")
+
+    def test_what_is_set_stays(self):
+        self.assertEqual(self.run_after_sourcing(f"echo ${MECHANISM}", **{MECHANISM: "emulated"}).stdout, "emulated\n")
+
+    def test_nothing_is_set_without_need(self):
+        """Where this machine allows it; where it does not, that is found out, too."""
+        answer = self.run_after_sourcing(f"can_read_others && echo yes || echo no; echo ${MECHANISM}", forbidden=False).stdout
+        self.assertIn(answer, ("yes\n\n", "no\nnone\n"))
+
+    def test_a_run(self):
+        """Its ranks exchange messages large enough for that, and say nothing of errors."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "plate.json")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(plate_2d(), file)
+            done = self.run_after_sourcing(f"mpirun -np 2 {PROGRAM} -config {path} -elements 200,120 -max_iterations 1 "
+                                           f"-output {folder}/out", OMPI_MCA_orte_tmpdir_base=folder)
+        self.assertNotIn("Read -1", done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
