@@ -212,7 +212,7 @@ class PathsTest(unittest.TestCase):
         self.assert_way_back(alone, number, "--frame", "plate")
         for options in ((), ("--frame", "drawing")):
             done = self.call("import-paths", alone, self.run_directory, *options)
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 2)
             self.assertIn("waypoints lie outside of the config's box, which goes from [7,-30,0] to [47,-10,8]", done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1)
         (folder / "alone.json").write_text('{"another": "file"}')

@@ -10,6 +10,8 @@ import sys
 
 from fabseq_tools.run.places import ENVIRONMENT, NAME
 
+BAD_INPUT = 2  # the exit status, as of the program
+
 
 class RunError(Exception):
     """What a script cannot go on with, and why."""
@@ -33,12 +35,13 @@ def parse(parser, words=None):
 
 
 def run_script(main, command=None):
-    """Ends the command, or the script, with one line and status 1 where something is missing or cannot be
+    """Ends the command, or the script, with one line and status 2 where something is missing or cannot be
     used."""
     try:
         main()
     except (RunError, OSError) as error:
-        sys.exit(f"{f'{NAME} {command}' if command else os.path.basename(sys.argv[0])}: {error}")
+        print(f"{f'{NAME} {command}' if command else os.path.basename(sys.argv[0])}: {error}", file=sys.stderr)
+        sys.exit(BAD_INPUT)
 
 
 def warn(command, text):
