@@ -167,7 +167,7 @@ end_header""")
     def test_errors(self):
         config = plate_2d()
         for text, words in (("x,y,ux\n0,0,0\n", ["uy"]), ("x,y,ux,uy\n", ["no points"]),
-                            ("x,y,ux,uy\n0,0.1,0,a\n", ["point 1", "uy", "'a'"]),
+                            ("x,y,ux,uy\n0,0.1,0,a\n", ["line 2", "uy", "'a'"]),
                             ("x,y,ux,uy\n5,0.1,0,0\n", ["point 1", "part"])):
             path = os.path.join(self.directory, "wrong.csv")
             with open(path, "w", encoding="utf-8") as file:

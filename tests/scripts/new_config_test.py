@@ -64,7 +64,7 @@ class NewConfigTest(unittest.TestCase):
                       self.run_new("it's a part/bar.stl", "-o", "it's a part/case.json", status=2))
 
     def test_thin_wall(self):
-        """Three elements across it where the bound allows, else a warning and a config that the program takes."""
+        """Three elements across it where the bound allows, else a warning and a config that is taken."""
         write_stl(self.path("fin.stl"), [*box_triangles((0, 0, 0), (40, 20, 10)), *box_triangles((10, 0, 10), (13, 20, 30))])
         printed = self.run_new("fin.stl", "--thickness", "8")
         config = read_config(self.path("fin.json"))
@@ -106,8 +106,8 @@ class NewConfigTest(unittest.TestCase):
 
 class ConfigTextTest(unittest.TestCase):
     def test_comments_are_no_content(self):
-        entries = [Entry("name", 'a "b" // c', "Why " * 60), Entry("objective", [Entry("", {"a": 1}, "one"), Entry("", {"b": 2}, "two")],
-                                                                   "All /* of */ it.")]
+        two = [Entry("", {"a": 1}, "one"), Entry("", {"b": 2}, "two")]
+        entries = [Entry("name", 'a "b" // c', "Why " * 60), Entry("objective", two, "All /* of */ it.")]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "case.json"
             path.write_text(config_text("head", entries), encoding="utf-8")

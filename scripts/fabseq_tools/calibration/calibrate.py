@@ -41,7 +41,7 @@ from fabseq_tools.geometry.nearest_surface import mesh_surface
 from fabseq_tools.geometry.rigid_motions import rigid_motions
 from fabseq_tools.run.command_line import RunError, parse, parser_of, run_command, warn, write_json
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import read_fields, read_json
+from fabseq_tools.run.read_run import read_config, read_fields, read_json
 
 COMMAND = "calibrate"
 
@@ -181,7 +181,8 @@ class Scan:
 def calibrate(arguments):
     printed = run_command([arguments.program, "-config", arguments.config, "-task", "check", *arguments.rest]).stdout
     dimension = re.search(r"^bounding box.*?\[(.*?)\]", printed, re.MULTILINE)[1].count(",") + 1
-    points, displacements = read_measurement(arguments.measured, dimension)
+    unit = read_config(arguments.config).get("domain", {}).get("unit")
+    points, displacements = read_measurement(arguments.measured, dimension, unit)
     os.makedirs(arguments.output, exist_ok=True)
     config, model = single_layer(arguments)
     measurement = (Scan(model, points, config, arguments.tolerance) if displacements is None else

@@ -9,8 +9,8 @@ TERMINAL = 0.2   # between two of a terminal, where each takes the place of the 
 
 
 class Progress:
-    """`with Progress("layers") as progress: progress.say("3 of 27")`. Nothing is printed of what ends within a
-    second on a terminal, or within 10 s elsewhere."""
+    """`with Progress("layers") as progress: progress.say("3 of 27")`. Nothing is printed of what ends within
+    a second on a terminal, or within 10 s elsewhere."""
 
     def __init__(self, what, stream=None, clock=time.monotonic):
         self.what, self.stream, self.clock = what, stream or sys.stderr, clock

@@ -43,8 +43,8 @@ def known_materials():
 
 @dataclasses.dataclass
 class Found:
-    """What the program says of the part with elements of one size. `wall`: elements across the thinnest, 5 and
-    more are 5; `wall_at`: its place, "" there."""
+    """What the program says of the part with elements of one size. `wall`: elements across the thinnest; 5 if
+    there are more, and then `wall_at` is no place."""
 
     edge: float
     elements: int
@@ -202,8 +202,8 @@ class Element:
                        f"{found.edge:g} {self.unit}; allowed: a larger bound")
 
     def refine(self):
-        """Smaller elements until three lie across the thinnest wall. Where the part runs out to an edge, they find
-        ever thinner places, and the first size stays."""
+        """Smaller elements until three lie across the thinnest wall. Where the part runs out to an edge, they
+        find ever thinner places, and the first size stays."""
         given = self.found
         for _ in range(MOST_LOOKS):
             if self.found.wall >= ACROSS_WALL:
@@ -234,7 +234,7 @@ def choose(arguments, look):
     if target:
         why_target = "as asked for (--thickness)" if arguments.thickness else "the bead's height (--bead-height)"
     else:
-        target, why_target = rounded(ACROSS_LAYER * found.edge), "four elements, as none is given: --thickness is what you deposit"
+        target, why_target = rounded(ACROSS_LAYER * found.edge), "four elements; --thickness is what you deposit"
     if target / found.edge < LEAST_ACROSS_LAYER:
         warnings.append(f"a layer of {target:g} {arguments.unit} has {target / found.edge:.2g} elements, needs "
                         f"{LEAST_ACROSS_LAYER:g}, better {ACROSS_LAYER}: allow more elements (--elements, --memory), or thicker "
@@ -253,10 +253,10 @@ def choose(arguments, look):
 def material_of(arguments):
     """The entry of the material's file."""
     known = known_materials()
-    names = {name.lower(): name for name in known}
-    name = names.get((arguments.material or DEFAULT_MATERIAL).lower())
+    asked = arguments.material or DEFAULT_MATERIAL
+    name = {name.lower(): name for name in known}.get(asked.lower())
     if name is None:
-        raise RunError(f"--material: found {arguments.material or DEFAULT_MATERIAL}; allowed: {', '.join(known) or 'none is there'}")
+        raise RunError(f"--material: found {asked}; allowed: {', '.join(known) or 'none is there'}")
     path = os.path.join(MATERIALS, name + ".json")
     value, remark = {"file": path}, f"{read_config(path).get('name', name)}"
     remark += "" if arguments.material else "; --material names another"

@@ -10,8 +10,8 @@ WIDTH = 110
 
 @dataclasses.dataclass
 class Entry:
-    """A key of a config. `remark` says why it has this value. `value` may be a list of Entry without a key, one
-    for each object of a list."""
+    """A key of a config. `remark` says why it has this value. `value` may be a list of Entry without a key,
+    one for each object of a list."""
 
     key: str
     value: object

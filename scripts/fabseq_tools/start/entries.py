@@ -24,7 +24,7 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         material,
         Entry("sequence", {"type": "heat", "characteristic_length": float(f"{count * target:.6g}")},
               f"Number of layers times their thickness.{narrow_foot(found)}"),
-        Entry("layers", {"count": count}, f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more at least."),
+        Entry("layers", {"count": count}, f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more."),
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
         Entry("objective", [

@@ -26,6 +26,7 @@ import shlex
 import shutil
 import tempfile
 
+from fabseq_tools.geometry.placement import millimetres_of
 from fabseq_tools.run.command_line import RunError, parser_of, warn
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
@@ -35,7 +36,6 @@ from fabseq_tools.start.config_text import config_text
 COMMAND = "new"
 
 LARGE, SMALL = 5000.0, 5.0  # mm: a longest edge beyond is that of a file in another unit, more often than not
-MILLIMETRES = {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4}
 
 
 def main(words):
@@ -89,7 +89,7 @@ def parsed(words):
     parser.add_argument("--program", default=PROGRAM)
     arguments = parser.parse_args(words)
     arguments.ranks, arguments.rest = 1, []
-    arguments.millimetres = MILLIMETRES.get(arguments.unit)
+    arguments.millimetres = millimetres_of(arguments.unit)
     if arguments.iterations < 1:
         raise RunError(f"--iterations: found {arguments.iterations}; allowed: an integer >= 1")
     return arguments
