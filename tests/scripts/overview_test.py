@@ -123,7 +123,7 @@ class Pictures(unittest.TestCase):
     def test_without_xvfb_it_says_so(self):
         with tempfile.TemporaryDirectory() as empty:
             done = run("overview", self.solid, Path(empty) / "picture.png", PATH=empty, DISPLAY="")
-            self.assertEqual(done.returncode, 2)
+            self.assertEqual(done.returncode, 1)
             self.assertIn("fabseq-tools overview: needs a display, or Xvfb", done.stderr)
 
     def test_a_directory_without_a_run_is_refused(self):

@@ -47,3 +47,16 @@ class Progress:
 
     def __exit__(self, *_):
         self.clear()
+
+
+class Silent:
+    """For callers that say nothing."""
+
+    def say(self, text):
+        pass
+
+    def steps(self, items, _):
+        return items
+
+
+SILENT = Silent()

@@ -102,7 +102,7 @@ def cells_of(line, separator, place):
     return [cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in cells]
 
 
-def text_of(path):
+def text_of(path, allowed=ALLOWED):
     """A file's text, whichever of the usual encodings it has."""
     with open(path, "rb") as file:
         content = file.read()
@@ -119,4 +119,4 @@ def text_of(path):
             continue
         if not NO_TEXT.search(text):
             return text
-    raise RunError(f"{path}: is no text; allowed: {ALLOWED}")
+    raise RunError(f"{path}: is no text; allowed: {allowed}")
