@@ -55,6 +55,7 @@ WITHOUT_FILES = {"virtual-display"}
 STILL_DRAWN = {"an empty object", "other things"}  # what some can do without
 WITHOUT_FIELDS = "report", {"missing", "an empty file of HDF5"}  # figures only
 PROGRAM_LOOKS = {"part.stl": {"bytes": BYTES}, "paths.csv": {**NO_CONFIGS, "bytes": BYTES}, "finished.dat": {"bytes": BYTES}}
+IMAGE = np.zeros((40, 40, 3), np.uint8)
 
 
 class DamagedFilesTest(unittest.TestCase):
@@ -89,7 +90,8 @@ class DamagedFilesTest(unittest.TestCase):
         module = importlib.import_module(entry.find_commands()[command].module)
         said = io.StringIO()
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said), contextlib.ExitStack() as stack:
-            stack.enter_context(mock.patch.dict(os.environ, DISPLAY=":0"))
+            stack.enter_context(mock.patch.dict(os.environ, DISPLAY=":0"))  # which nobody looks at, as nothing is rendered
+            stack.enter_context(mock.patch("fabseq_tools.plot.render_part.render", lambda *_, **__: IMAGE))
             os.environ.pop("FABSEQ_TRACEBACK", None)
             try:
                 run_script(lambda: module.main(words), command, words)
