@@ -82,7 +82,8 @@ class Look:
 
     def coarse(self, edge):
         """A config that the program takes however thin walls are."""
-        return {"domain": {"element": edge}, "part": {"mesh": {**self.mesh(), "least_elements": 0}, "keep": "connected"},
+        return {"domain": {"element": edge, "unit": self.arguments.unit},
+                "part": {"mesh": {**self.mesh(), "least_elements": 0}, "keep": "connected"},
                 "sequence": {"type": "heat"}, "layers": {"count": self.layers}, "node_sets": {"all": {"all": True}},
                 "objective": [{"type": "distortion", "nodes": "all"}]}
 
