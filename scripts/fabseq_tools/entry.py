@@ -74,4 +74,4 @@ def main():
     if words[0] not in commands:
         refuse(words[0], commands)
     module = load(commands[words[0]].module)
-    run_script(lambda: module.main(words[1:]), words[0])
+    run_script(lambda: module.main(words[1:]), words[0], words[1:])

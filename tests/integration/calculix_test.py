@@ -77,7 +77,7 @@ class CalculixTest(FabseqTest):
         run, folder = self.check(config, (1, 3))
         other = shutil.copy(os.path.join(folder, "layer_0003.dat"), os.path.join(folder, "layer_0002.dat"))
         refused = run_tool("compare-calculix", run.output, other)
-        self.assertEqual(refused.returncode, 1)
+        self.assertEqual(refused.returncode, 2)
         self.assertIn("exceeds 1e-05", refused.stderr)
 
     def test_strain_that_turns_with_the_layers(self):
@@ -127,20 +127,20 @@ class CalculixTest(FabseqTest):
         for words, message in ((("--layer", 9), "--layer: found 9; allowed: a layer from 1 to 4"),
                                (("--layer", 0), "--layer: found 0; allowed")):
             refused = run_tool("calculix", run.output, *words)
-            self.assertEqual(refused.returncode, 1)
+            self.assertEqual(refused.returncode, 2)
             self.assertIn(message, refused.stderr)
         self.assertFalse(os.path.exists(run.path("calculix")))
         for name, message in (("layer_0002.dat", "simulate with -binary"), ("finished.dat", "simulate with -set layers.count=1"),
                               ("other.dat", "allowed: layer_ and a number")):
             refused = run_tool("compare-calculix", run.output, name)
-            self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (1, 1), refused.stderr)
+            self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (2, 1), refused.stderr)
             self.assertIn(message, refused.stderr)
-        self.assertEqual(run_tool("calculix", self.directory).returncode, 1)
+        self.assertEqual(run_tool("calculix", self.directory).returncode, 2)
         with h5py.File(run.path("result.h5"), "r+") as file:
             del file["model"]
         for command, *words in (("calculix",), ("compare-calculix", "finished.dat")):
             refused = run_tool(command, run.output, *words)
-            self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (1, 1), refused.stderr)
+            self.assertEqual((refused.returncode, len(refused.stderr.splitlines())), (2, 1), refused.stderr)
             self.assertIn("lacks the dataset model/supports, so an older version of fabseq has written it", refused.stderr)
 
 

@@ -106,7 +106,7 @@ class CalibrateTest(FabseqTest):
             with open(path, "w", encoding="utf-8") as file:
                 file.write("\n".join([header, "0.1,0.1" + more, "-1,1.2" + more, "0,1.7" + more, ""]))
             run = self.calibrate(plate_2d(), path, *tolerance)
-            self.assertEqual(run.returncode, 1)
+            self.assertEqual(run.returncode, 2)
             self.assertIn(words, run.stderr)
             self.assertIn("2 of 3 points lie", run.stderr)
             self.assertIn("point 2 at [-1,1.2], 1 away; point 3 at [0,1.7], 0.5 away", run.stderr)
@@ -167,13 +167,13 @@ end_header""")
     def test_errors(self):
         config = plate_2d()
         for text, words in (("x,y,ux\n0,0,0\n", ["uy"]), ("x,y,ux,uy\n", ["no points"]),
-                            ("x,y,ux,uy\n0,0.1,0,a\n", ["point 1", "uy", "'a'"]),
+                            ("x,y,ux,uy\n0,0.1,0,a\n", ["line 2", "uy", "'a'"]),
                             ("x,y,ux,uy\n5,0.1,0,0\n", ["point 1", "part"])):
             path = os.path.join(self.directory, "wrong.csv")
             with open(path, "w", encoding="utf-8") as file:
                 file.write(text)
             run = self.calibrate(config, path)
-            self.assertEqual(run.returncode, 1)
+            self.assertEqual(run.returncode, 2)
             self.assertTrue(run.stderr.startswith("fabseq-tools calibrate: "), run.stderr)
             for word in words:
                 self.assertIn(word, run.stderr)

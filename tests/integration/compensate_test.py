@@ -156,7 +156,7 @@ class CompensateTest(FabseqTest):
                                 ([straight, "--fill", 2], "/part/mesh/fill: found 2"),
                                 ([straight, "--program", "nothing"], "nothing: no such program")):
             done = self.script(*words)
-            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertEqual(done.returncode, 2, done.stderr)
             self.assertTrue(done.stderr.startswith("fabseq-tools compensate: "), done.stderr)
             self.assertIn(expected, done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)

@@ -9,6 +9,7 @@ from unittest import mock
 
 import run_fabseq
 from run_fabseq import DONE, FabseqTest, ROOT
+from small_meshes import write_box
 from small_parts import plate_2d
 
 BUILD = os.environ.get("FABSEQ_BUILD", os.path.join(ROOT, "build", "release"))
@@ -53,6 +54,9 @@ class InstallTest(FabseqTest):
             self.run_command(tools, "overview", "box", "--table")
             self.run_command(tools, "report", "box")
             self.run_command(tools, "compensate", "box", "--iterations", "1")
+            write_box(os.path.join(self.directory, "cube.stl"), (20.0, 20.0, 20.0))
+            self.run_command(tools, "new", "cube.stl", "--thickness", "8", "--output", "cube.json")
+            self.run_command(os.path.join(prefix, "bin", "fabseq"), "-config", "cube.json", "-task", "check")
         for name in ("overview.png", "report.html", "compensated/compensated.stl"):
             self.assertTrue(os.path.exists(os.path.join(self.directory, "box", name)), name)
 

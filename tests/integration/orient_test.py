@@ -171,7 +171,7 @@ class OrientTest(FabseqTest):
         for config, options, words in ((shape, [], "part.mesh is missing"), (angle(), ["--turn", "x"], '--turn "x": allowed'),
                                        (angle(), ["--turn", "w 90"], "found w 90"), ({}, [], "domain is missing")):
             run = self.orient(config, *options)
-            self.assertEqual(run.returncode, 1)
+            self.assertEqual(run.returncode, 2)
             self.assertTrue(run.stderr.startswith("fabseq-tools orient: "), run.stderr)
             self.assertIn(words, run.stderr)
             self.assertEqual(len(run.stderr.splitlines()), 1)

@@ -74,7 +74,7 @@ class ReproduceTest(FabseqTest):
         with open(os.path.join(output, "stop"), "w", encoding="utf-8") as file:
             file.write("1\n")
         stopped = self.reproduce("wall", "--", "-max_iterations", "3")
-        self.assertEqual(stopped.returncode, 1)
+        self.assertEqual(stopped.returncode, 2)
         self.assertIn("failed: wall", stopped.stderr)
         self.assertEqual(set(self.rows()), {"wall_free"})
         before = self.rows()["wall_free"]
@@ -127,7 +127,7 @@ class ReproduceTest(FabseqTest):
                          "-set constraints.layer_thickness.target=0.35 -set layers.count=9\n")
         for words, message in ((["wal"], "no such case"), ([], "no case given")):
             refused = self.reproduce(*words)
-            self.assertEqual(refused.returncode, 1)
+            self.assertEqual(refused.returncode, 2)
             self.assertIn(message, refused.stderr)
 
     def test_all_published_cases_are_accepted(self):

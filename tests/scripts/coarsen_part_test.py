@@ -70,7 +70,7 @@ class CoarsenPart(unittest.TestCase):
             self.assertIn(message, done.stderr)
             self.assertFalse(self.coarse.exists())
         done = self.coarsen(2, 0.5, fine=self.fine.with_name("none.h5"))
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
 
 
 if __name__ == "__main__":

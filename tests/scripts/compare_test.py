@@ -61,7 +61,7 @@ class Pictures(ScriptTest):
         self.assertIn("stopped_quiet", done.stderr)
         self.assert_drawn("s.png", 1, 2)
         done = self.run_tool("plot-settings", "nothing")
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
 
     def test_history_over_seconds(self):
         runs = [self.write_run("a"), self.write_run("b")]
@@ -98,7 +98,7 @@ class Compare(ScriptTest):
         self.assertEqual([(row["status"], row["optimized/objective_0"]) for row in rows],
                          [("stopped", ""), ("iteration_limit", "0.00045")])
         done = self.run_tool("compare", runs[0], self.folder / "nothing")
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 2)
         self.assertIn("nothing/config.json is missing", done.stderr)
 
     def test_several_keys(self):
@@ -106,7 +106,7 @@ class Compare(ScriptTest):
         self.assertEqual(self.run_tool("compare", *runs).returncode, 0)
         self.assertEqual(self.run_tool("compare", *runs, "--against", "layers.count").returncode, 0)
         done = self.run_tool("compare", *runs, "--against", "material.young")
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 2)
         self.assertIn("they do in: objective.layer_uniformity.weight, layers.count", done.stderr)
 
 
@@ -146,7 +146,7 @@ class Scaling(ScriptTest):
                               ([self.write_times("other", 2, 1.0, layers=3)], "different configs"),
                               (["--warm_up", 6], "no iteration after the first 6")):
             done = self.run_tool("scaling", one, *others)
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 2)
             self.assertIn(words, done.stderr)
 
 

@@ -242,7 +242,7 @@ class ExportLayersTest(unittest.TestCase):
         with open(os.path.join(self.run_directory, "layers", "layers.json"), encoding="utf-8") as file:
             self.assertEqual(len(json.load(file)["interfaces"]), 2)
         refused = subprocess.run([*command, "--of", "start"], capture_output=True, text=True, check=False)
-        self.assertEqual(refused.returncode, 1)
+        self.assertEqual(refused.returncode, 2)
         self.assertIn("has no start sequence; allowed here: optimized", refused.stderr)
         write_layers(self.run_directory, size[:2], np.ones(counts[:2], bool), 3, 1.0 - node_coordinates(counts[:2], size[:2])[1])
         refused = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -212,7 +212,7 @@ class PathsTest(unittest.TestCase):
         self.assert_way_back(alone, number, "--frame", "plate")
         for options in ((), ("--frame", "drawing")):
             done = self.call("import-paths", alone, self.run_directory, *options)
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 2)
             self.assertIn("waypoints lie outside of the config's box, which goes from [7,-30,0] to [47,-10,8]", done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1)
         (folder / "alone.json").write_text('{"another": "file"}')
@@ -260,13 +260,13 @@ class PathsTest(unittest.TestCase):
         for options, words in ((["--bead-width", "0.001"], "--bead-width: found 0.001; allowed: 0.0125 to 2"),
                                (["--bead-width", "0.1", "--outlines", "0"], "--outlines: found 0; allowed: 1 to 100")):
             done = self.call("paths", self.run_directory, "--no-picture", *options)
-            self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
+            self.assertEqual((done.returncode, words in done.stderr), (2, True), done.stderr)
         table = Path(self.run_directory) / "table.csv"
         for text, words in (("x,y,z\n0,0,0\n", "neither a column layer nor order"), ("x,y,layer\n0,0,1\n", "names no column z"),
-                            ("x,y,z,layer\n0,0,a,1\n", "point 1, column z: 'a' is no number")):
+                            ("x,y,z,layer\n0,0,a,1\n", "line 2, column z: found 'a'; allowed: a finite number")):
             table.write_text(text, encoding="utf-8")
             done = self.call("import-paths", table, self.run_directory)
-            self.assertEqual((done.returncode, words in done.stderr), (1, True), done.stderr)
+            self.assertEqual((done.returncode, words in done.stderr), (2, True), done.stderr)
         with self.assertRaisesRegex(RunError, "allowed: the config.json of a run"):
             import_paths.checked_config({"domain": {"element": 5}, "part": {"mesh": {}}}, "part.json")
 

@@ -70,7 +70,7 @@ class FindPythonTest(unittest.TestCase):
 
     def test_the_other_python_runs_the_tool(self):
         done = self.start(self.bare, TOOLS, "coarsen", "no such file.h5", "out.h5", "2", "0.5")
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr, r"^fabseq-tools coarsen: .*no such file\.h5")
 
     def test_the_other_python_runs_the_package(self):

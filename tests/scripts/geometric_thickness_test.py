@@ -150,7 +150,7 @@ class GeometricThicknessTest(unittest.TestCase):
         self.assertAlmostEqual(record["inner"]["mean"], 0.25)
         self.assertEqual(subprocess.run(command, capture_output=True, text=True, check=True).stdout, first)  # fixed seed
         refused = subprocess.run([*command[:3], self.directory + "/no"], capture_output=True, text=True, check=False)
-        self.assertEqual(refused.returncode, 1)
+        self.assertEqual(refused.returncode, 2)
         self.assertIn("is missing", refused.stderr)
 
 

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import matplotlib.pyplot as plt
@@ -101,6 +102,39 @@ class Pictures(unittest.TestCase):
             self.assertGreater(red["marked"], 1000)
             self.assertEqual(red["unmarked"], 0)
 
+    def drawn_with(self, folder):
+        """Headline, sentences, largest displacements and labels of the pictures."""
+        with mock.patch.object(overview, "draw_sheet") as sheet, mock.patch.object(overview, "Pictures") as pictures:
+            pictures.return_value.largest_each = [0.1, 0.2]
+            overview.draw_optimization(Run(folder), "none.png")
+        _, title, sentences, _, labels, *_ = sheet.call_args.args
+        return title, sentences, pictures.call_args.args[2], [words for words, _ in labels]
+
+    def test_the_shape_of_the_headline(self):
+        """Released where the distortion is, if the file has that shape."""
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
+            fake_results.change(folder, "config.json", lambda config: config["objective"][0].update(after_release=True))
+            _, _, built, labels = self.drawn_with(folder)
+            self.assertEqual(labels[2:], ["planar, moved by up to 0.1", "optimized, moved by up to 0.2"])
+            fake_results.add_checks(folder)  # its release takes half of the displacement away
+            _, _, released, labels = self.drawn_with(folder)
+            self.assertEqual(labels[2:],
+                             ["planar, released, moved by up to 0.1 mm", "optimized, released, moved by up to 0.2 mm"])
+            for whole, half in zip(built, released):
+                np.testing.assert_allclose(half, 0.5 * whole)
+
+    def test_nothing_to_gain(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
+            self.assertNotIn("nothing to gain", " ".join(self.drawn_with(folder)[1]))
+            for value, words in ((0.405, "distortion of the top edge about as large as with planar layers"),
+                                 (0.82, "distortion of the top edge 1.4 times larger than with planar layers")):
+                fake_results.change(folder, "summary.json", lambda s, v=value: s["binary"]["responses"][0].update(value=v))
+                title, sentences, *_ = self.drawn_with(folder)
+                self.assertIn(words, title)
+                self.assertIn("there is nothing to gain from the sequence here", " ".join(sentences))
+
     def test_words_below_the_headline(self):
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
@@ -129,7 +163,7 @@ class Pictures(unittest.TestCase):
     def test_a_directory_without_a_run_is_refused(self):
         with tempfile.TemporaryDirectory() as empty:
             done = run("overview", empty)
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 2)
             self.assertIn("config.json is missing", done.stderr)
             self.assertNotIn("Traceback", done.stderr)
 

@@ -52,7 +52,7 @@ class PlotsTest(unittest.TestCase):
 
     def assert_refused(self, command, words):
         done = self.run_tool(command, self.folder)
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn(words, done.stderr)
 
 

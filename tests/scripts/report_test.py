@@ -242,7 +242,7 @@ class Contents(Report):
             self.assertEqual(report(run).returncode, 0)
             self.assertIn("going on or interrupted", Page(run / "report.html").text)
             done = report(run / "nothing")
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
             self.assertIn("config.json is missing", done.stderr)
 
     def test_simulation(self):

@@ -39,9 +39,9 @@ from fabseq_tools.calibration.measured_points import AXES, read_measurement, ref
 from fabseq_tools.calibration.voxel_model import VoxelModel
 from fabseq_tools.geometry.nearest_surface import mesh_surface
 from fabseq_tools.geometry.rigid_motions import rigid_motions
-from fabseq_tools.run.command_line import RunError, parse, parser_of, run_command, warn, write_json
+from fabseq_tools.run.command_line import RunError, parse, parser_of, run_program, warn, write_json
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import read_fields, read_json
+from fabseq_tools.run.read_run import read_config, read_fields, read_json
 
 COMMAND = "calibrate"
 
@@ -53,8 +53,7 @@ MOST_SEARCHES = 12   # for these; with noise, points at edges go to and fro for 
 def simulate(arguments, name, *options):
     """The effective config and the fields of a simulation."""
     output = os.path.join(arguments.output, name)
-    run_command([*(["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []), arguments.program, "-config",
-                 arguments.config, "-task", "simulate", "-output", output, "-overwrite", *arguments.rest, *options])
+    run_program(arguments, arguments.config, "simulate", "-output", output, "-overwrite", *options)
     return read_json(output, "config.json"), read_fields(os.path.join(output, "result.h5"))
 
 
@@ -179,9 +178,11 @@ class Scan:
 
 
 def calibrate(arguments):
-    printed = run_command([arguments.program, "-config", arguments.config, "-task", "check", *arguments.rest]).stdout
+    config = read_config(arguments.config)
+    printed = run_program(arguments, arguments.config, "check")
     dimension = re.search(r"^bounding box.*?\[(.*?)\]", printed, re.MULTILINE)[1].count(",") + 1
-    points, displacements = read_measurement(arguments.measured, dimension)
+    unit = config.get("domain", {}).get("unit")
+    points, displacements = read_measurement(arguments.measured, dimension, unit)
     os.makedirs(arguments.output, exist_ok=True)
     config, model = single_layer(arguments)
     measurement = (Scan(model, points, config, arguments.tolerance) if displacements is None else

@@ -4,28 +4,31 @@ points (PLY)."""
 
 import numpy as np
 
+from fabseq_tools.geometry.length_columns import lengths
 from fabseq_tools.geometry.nearest_surface import READERS, read_poly_data
+from fabseq_tools.geometry.placement import millimetres_of
 from fabseq_tools.geometry.vtk_data import points_of
 from fabseq_tools.run.command_line import RunError
-from fabseq_tools.run.tables import numbers, read_table
+from fabseq_tools.run.tables import read_table
 
 AXES = "xyz"
 MOST_NAMED = 20  # points in one message
 
 
-def read_measurement(path, dimension):
+def read_measurement(path, dimension, unit):
     """Positions (n, axis) and displacements (n, axis), NaN where nothing was measured; None in place of them
-    for a scan, which has positions only."""
+    for a scan, which has positions only. `unit`: the config's, to which columns of another one are
+    converted."""
     if path.lower().endswith(".ply"):
         data = read_poly_data(READERS[".ply"], path)
         if data.GetNumberOfPoints() == 0:
             raise RunError(f"{path}: holds no points")
         return points_of(data)[:, :dimension], None
-    header, rows = read_table(path)
+    table = read_table(path)
     measured = ["u" + axis for axis in AXES[:dimension]]
-    is_scan = not any(name in header for name in measured)
+    is_scan = not any(name in table.header for name in measured)
     columns = [*AXES[:dimension], *([] if is_scan else measured)]
-    values = numbers(path, header, rows, columns)
+    values = lengths(table, columns, millimetres_of(unit), may_be_empty=measured)
     return values[:, :dimension], None if is_scan else values[:, dimension:]
 
 

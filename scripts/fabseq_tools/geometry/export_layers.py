@@ -25,6 +25,7 @@ from fabseq_tools.geometry.part_body import drawn_surface
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.surface_files import boundary, surface_of, write_surface
 from fabseq_tools.run.command_line import RunError, parser_of, write_json
+from fabseq_tools.run.progress import SILENT, Progress
 
 COMMAND = "layers"
 
@@ -42,22 +43,23 @@ def main(words):
     if arguments.finer is not None and not 1 <= arguments.finer <= 8:
         raise RunError(f"--finer: found {arguments.finer}; allowed: 1 to 8")
     output = arguments.output or os.path.join(arguments.run, "layers")
-    part = LayeredPart(arguments.run, arguments.of, arguments.finer)
     formats = ["stl", "vtp"] if arguments.format == "both" else [arguments.format]
-    record = {"name": part.name, "of": arguments.of, **export(part, output, formats)}
+    with Progress(COMMAND) as progress:
+        part = LayeredPart(arguments.run, arguments.of, arguments.finer, progress)
+        record = {"name": part.name, "of": arguments.of, **export(part, output, formats, progress)}
     write_json(os.path.join(output, "layers.json"), record)
     print(table(record))
     print(f"in {output}")
 
 
-def export(part, output, formats):
+def export(part, output, formats, progress=SILENT):
     """Writes all files but the index, and returns what is in that."""
     os.makedirs(output, exist_ok=True)
     placement = Placement(part.config)
     faces, own, other = part.body.triangles()
     volumes = np.bincount(part.body.label, part.body.volumes()) * placement.scale**3
     rows, interfaces = [], []
-    for number, layer in part.layers.items():
+    for number, layer in progress.steps(part.layers.items(), "writing layer"):
         bounding = faces[own == number]
         row = export_surface(part, placement, layer, bounding, os.path.join(output, f"layer_{number:03}"), formats)
         rows.append({"layer": number, **span(layer, placement), **row, "volume": volumes[number]})

@@ -27,7 +27,7 @@ from fabseq_tools.geometry.nearest_surface import Surface
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time
 from fabseq_tools.geometry.vtk_data import DOUBLE, corners_of, filtered, points_of
 from fabseq_tools.run.command_line import RunError, parser_of, write_json
-from fabseq_tools.run.read_run import read_json
+from fabseq_tools.run.read_run import check_grid, read_json
 
 COMMAND = "thickness"
 
@@ -147,6 +147,7 @@ def read_times(directory, config, count):
     path = os.path.join(directory, "result.h5")
     try:
         with h5py.File(path, "r") as file:
+            check_grid(path, file, config)
             values, origin = nodal_time(file, config)
             return NodalTime(values, file["density"][()] > 0, config["domain"]["size"], origin), layer_times(file, count)
     except (OSError, KeyError) as error:

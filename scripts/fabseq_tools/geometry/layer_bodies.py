@@ -13,7 +13,8 @@ from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_n
 from fabseq_tools.geometry.part_body import body_of
 from fabseq_tools.geometry.slopes import node_slopes
 from fabseq_tools.run.command_line import RunError
-from fabseq_tools.run.read_run import Run
+from fabseq_tools.run.progress import SILENT
+from fabseq_tools.run.read_run import Run, check_grid
 
 GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
 BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
@@ -43,7 +44,8 @@ class LayeredPart:
     those that are not empty, by number; `source`: what the body is cut off at; `origin`: where times come
     from."""
 
-    def __init__(self, directory, of="optimized", finer=None):
+    def __init__(self, directory, of="optimized", finer=None, progress=SILENT):
+        self.progress = progress
         run = Run(directory, with_fields=False, simulations=True)
         self.config, self.name = run.config, run.name
         if len(self.config["domain"]["size"]) == 2:
@@ -56,6 +58,7 @@ class LayeredPart:
         path = os.path.join(directory, "result.h5")
         try:
             with h5py.File(path, "r") as file:
+                check_grid(path, file, self.config)
                 self.read(file, GROUPS[of], len(blocks[0]["layers"]), finer)
                 self.label(self.planes(file, blocks[0]["layers"]) if multi_planar else
                            [Layer(number, lower, upper) for number, (lower, upper) in
@@ -64,6 +67,7 @@ class LayeredPart:
             raise RunError(f"{path} cannot be read: {error}") from error
 
     def read(self, file, group, count, finer):
+        self.progress.say("reading the part")
         density = file[group + "density"][()] if group + "density" in file else file["density"][()]
         time, self.origin = nodal_time(file, self.config, group)
         slopes = node_slopes(time, element_edges(self.config)[::-1])
@@ -94,7 +98,7 @@ class LayeredPart:
             for stamp, rows in zip(stamps, groups[1:]):
                 self.cut(rows[0], body.fields["time"] - stamp, SNAPPED / len(layers), body.label > 0)
         for rows in groups:
-            for before, layer in itertools.pairwise(rows):
+            for before, layer in self.progress.steps(itertools.pairwise(rows), "cutting off layer"):
                 self.cut(layer, layer.values(body) - before.upper, SNAPPED * (layer.upper - layer.lower),
                          body.label == before.number)
         self.layers = {layer.number: layer for layer in layers if (body.label == layer.number).any()}

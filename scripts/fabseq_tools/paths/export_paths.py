@@ -29,6 +29,7 @@ from fabseq_tools.paths.files import COLUMNS, compas_points, irbcam_targets, row
 from fabseq_tools.paths.torch_paths import all_passes, summary
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, parser_of, warn, write_json
+from fabseq_tools.run.progress import Progress
 
 COMMAND = "paths"
 
@@ -54,10 +55,11 @@ def main(words):
     arguments = parser.parse_args(words)
     if not arguments.no_picture:
         ensure_display()
-    part = LayeredPart(arguments.run, arguments.of)
-    width = checked_width(arguments, part)
     output = arguments.output or os.path.join(arguments.run, "paths")
-    passes = all_passes(part, width, arguments.outlines, arguments.hatch, arguments.turn, arguments.at)
+    with Progress(COMMAND) as progress:
+        part = LayeredPart(arguments.run, arguments.of, progress=progress)
+        width = checked_width(arguments, part)
+        passes = all_passes(part, width, arguments.outlines, arguments.hatch, arguments.turn, arguments.at, progress)
     placement = Placement(part.config, arguments.frame)
     record = {"name": part.name, "of": arguments.of, "outlines": arguments.outlines, "hatch": arguments.hatch,
               "turn": arguments.turn, "at": arguments.at, **export(part, passes, width, output, placement, arguments)}

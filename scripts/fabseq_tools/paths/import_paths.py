@@ -15,12 +15,17 @@ JSON file of the same name beside it, if that has the same waypoints; else they 
 
 Each element takes the layer of the waypoint next to it, or its order if there are no layers. SEQUENCE.h5
 (default: PATHS_sequence.h5 beside the table) holds the pseudo-time. --at: height of the waypoints in their
-layer, from 0 to 1 (default: 0.5); another one needs the columns of axis and height. Prints the command that
-simulates the sequence.
+layer, from 0 to 1 (default: 0.5); without the columns of axis and height these follow from the waypoints of
+the layer and of the next one below. A warning says where waypoints seem to lie at the top or the bottom of
+their layers. Prints the command that simulates the sequence.
+
+Cells stand apart by comma, semicolon or tab; with the last two a decimal comma is taken, too. Columns may
+name a unit, such as "x [mm]", which is then converted. UTF-8 and UTF-16 are read.
 """
 
 import json
 import os
+import shlex
 
 import h5py
 import numpy as np
@@ -28,16 +33,17 @@ from scipy.spatial import KDTree
 
 from fabseq_tools.geometry.grid import element_edges, origin_of
 from fabseq_tools.geometry.placement import FRAMES, Placement
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.paths.waypoints import Beads, Waypoints
+from fabseq_tools.run.command_line import RunError, parser_of, warn
 from fabseq_tools.run.read_run import Run, read_config
-from fabseq_tools.run.tables import numbers, read_table
+from fabseq_tools.run.tables import Table, read_table, text_of
 
 COMMAND = "import-paths"
 
 OTHER_LAYERS = 2  # before and after that of the nearest waypoint, which an element may belong to
-AXIS = ("axis_x", "axis_y", "axis_z")
 LEAST_IN_BOX = 0.5  # of the waypoints: with fewer, they are in other coordinates or in another unit
-COLUMNS = ("layers", "passes", "heights", "spacings", "axes")  # of waypoints, which may be missing
+LEAST_EXTENT = 0.02  # of the box's longest edge: paths that reach over less are in another unit
+USUAL_FACTORS = 1000.0, 25.4, 10.0, 100.0, 1e6  # between units
 
 
 def main(words):
@@ -45,19 +51,26 @@ def main(words):
     parser.add_argument("paths")
     parser.add_argument("config")
     parser.add_argument("--output", help="HDF5 file (default: PATHS_sequence.h5)")
-    parser.add_argument("--at", type=float, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
+    parser.add_argument("--at", type=share, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
     parser.add_argument("--frame", choices=FRAMES, help="whose coordinates (default: what paths.json says, or drawing)")
     arguments = parser.parse_args(words)
     path = arguments.config
     path = os.path.join(path, "config.json") if os.path.isdir(path) else path
     config = checked_config(read_config(path), path)
     output = arguments.output or os.path.splitext(arguments.paths)[0] + "_sequence.h5"
-    header, rows, frame = read_waypoints(arguments.paths)
+    table, frame = read_waypoints(arguments.paths)
     placement = Placement(config, arguments.frame or frame)
     print(f"coordinates of {arguments.paths}: {placement.system} (frame: {placement.frame})"
           f"{f' in {placement.unit}' if placement.unit else ''}")
-    waypoints = Waypoints(arguments.paths, header, rows, placement, arguments.at)
+    waypoints = Waypoints(table, placement)
     check_box(arguments.paths, waypoints.points, config)
+    if waypoints.layers is not None:
+        beads = Beads(waypoints, config)
+        beads.move(arguments.at)
+        if arguments.at == 0.5 and beads.seem_at() is not None:
+            warn(COMMAND, beads.words())
+    elif arguments.at != 0.5:
+        raise RunError(f"--at: found {arguments.at:g}; allowed: 0.5 where {arguments.paths} has no column layer")
     time, layer = sequence(waypoints, config)
     with h5py.File(output, "w") as file:
         file["time"] = time
@@ -66,7 +79,14 @@ def main(words):
     count = int(layer.max()) if layer is not None else None
     layers = f" -set 'layers={{\"type\": \"curved\", \"count\": {count}}}'" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
-    print(f"fabseq -config {path} -task simulate -sequence {output}{layers} -binary -output OUTPUT")
+    print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{layers} -binary -output OUTPUT")
+
+
+def share(text):
+    value = float(text)
+    if not 0 <= value <= 1:
+        raise ValueError(text)
+    return value
 
 
 def layers_of_config(config, path):
@@ -90,95 +110,60 @@ def checked_config(config, path):
 
 
 def read_waypoints(path):
-    """Names of the columns, rows as texts, and the frame."""
+    """The table and its frame."""
     stem, ending = os.path.splitext(path)
     if ending.lower() == ".json":
         return read_record(path)
-    header, rows = read_table(path)
+    table = read_table(path)
     if not os.path.exists(stem + ".json"):
-        return header, rows, "drawing"
+        return table, "drawing"
     try:
-        _, same_rows, frame = read_record(stem + ".json")
+        same, frame = read_record(stem + ".json")
     except RunError:  # something else of that name
-        return header, rows, "drawing"
-    return header, rows, frame if len(same_rows) == len(rows) else "drawing"
+        return table, "drawing"
+    return table, frame if len(same.rows) == len(table.rows) else "drawing"
 
 
 def read_record(path):
     """The same of paths.json; before there were frames, all was in the drawing's."""
-    with open(path, encoding="utf-8") as file:
-        try:
-            record = json.load(file)
-            header, rows = record["columns"], [list(map(str, row)) for row in record["waypoints"]]
-            frame = record.get("frame", "drawing")
-        except (ValueError, KeyError, TypeError) as error:
-            raise RunError(f"{path}: has no columns and waypoints; allowed: a table (CSV), or paths.json of "
-                           "fabseq-tools paths") from error
+    try:
+        record = json.loads(text_of(path))
+        header, rows = list(map(str, record["columns"])), [list(map(str, row)) for row in record["waypoints"]]
+        frame = record.get("frame", "drawing")
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise RunError(f"{path}: has no columns and waypoints; allowed: a table (CSV), or paths.json of "
+                       "fabseq-tools paths") from error
     if not rows or frame not in FRAMES:
         raise RunError(f"{path}: holds {len(rows)} waypoints, frame {frame}; allowed: one or more, frame {' or '.join(FRAMES)}")
-    return header, rows, frame
+    return Table(path, header, rows, [f"waypoint {number}" for number in range(1, len(rows) + 1)]), frame
 
 
 def check_box(path, points, config):
-    """Refuses waypoints most of which lie more than an element outside of the config's box."""
+    """Refuses waypoints most of which lie more than an element outside of the config's box, or that reach
+    over next to nothing of it."""
     edges, low = np.array(element_edges(config)), origin_of(config)
     high = low + config["domain"]["size"]
     within = np.all((points >= low - edges) & (points <= high + edges), axis=1)
-    if within.mean() >= LEAST_IN_BOX:
+    extent = np.ptp(points, axis=0).max()
+    small = len(points) > 1 and extent < LEAST_EXTENT * np.max(high - low)
+    if within.mean() >= LEAST_IN_BOX and not small:
         return
     spans = [f"[{','.join(f'{x:.6g}' for x in end)}]" for end in (points.min(axis=0), points.max(axis=0), low, high)]
-    raise RunError(f"{path}: {np.count_nonzero(~within)} of {len(points)} waypoints lie outside of the config's box, which goes "
-                   f"from {spans[2]} to {spans[3]}: placed there, they go from {spans[0]} to {spans[1]}; allowed: coordinates of "
-                   "the drawing in its unit (--frame drawing), or of the config in its own (--frame plate)")
+    found = (f"{len(points)} waypoints reach over {extent:.3g} only of the config's box" if small else
+             f"{np.count_nonzero(~within)} of {len(points)} waypoints lie outside of the config's box")
+    raise RunError(f"{path}: {found}, which goes "
+                   f"from {spans[2]} to {spans[3]}: placed there, they go from {spans[0]} to {spans[1]}"
+                   f"{factor_words(extent / np.max(high - low))}; allowed: coordinates of "
+                   "the drawing in its unit (--frame drawing), or of the config in its own (--frame plate), or columns that "
+                   "name theirs, such as x [mm]")
 
 
-class Waypoints:
-    """`points` (n, 3) in the middle of their layers, in the config's coordinates; `layers` from 1, or None;
-    `times`: share of the waypoints up to each; `axes`, `heights`, `spacings`: None if the table has none."""
-
-    def __init__(self, path, header, rows, placement, at):
-        self.points = placement.to_config(numbers(path, header, rows, ["x", "y", "z"]))
-        if "layer" not in header and "order" not in header:
-            raise RunError(f"{path}: the first line names neither a column layer nor order; needed: one of them")
-
-        def column(name, unit=1.0):
-            return numbers(path, header, rows, [name])[:, 0] / unit if name in header else None
-
-        self.layers, self.passes = column("layer"), column("pass")
-        self.heights, self.spacings = column("height", placement.scale), column("spacing", placement.scale)
-        self.times = (np.arange(len(rows)) + 0.5) / len(rows)
-        self.axes = None
-        if all(name in header for name in AXIS):
-            axes = numbers(path, header, rows, list(AXIS)) @ np.linalg.inv(placement.inverse).T
-            self.axes = axes / np.linalg.norm(axes, axis=1)[:, None]
-        if at != 0.5:
-            if self.axes is None or self.heights is None:
-                raise RunError(f"--at: found {at:g}; allowed: 0.5, or {path} with the columns {', '.join(AXIS)}, height")
-            self.points = self.points + ((0.5 - at) * self.heights)[:, None] * self.axes
-        if "order" in header:
-            self.take(np.argsort(column("order"), kind="stable"), "points", *COLUMNS)
-        if self.layers is not None:
-            self.layers = np.unique(self.layers, return_inverse=True)[1] + 1
-
-    def take(self, chosen, *names):
-        for name in names:
-            values = getattr(self, name)
-            setattr(self, name, None if values is None else values[chosen])
-
-    def filled(self, step):
-        """With waypoints at such steps, at most, between those of a pass."""
-        if self.passes is None:
-            return
-        same = self.passes[1:] == self.passes[:-1]
-        if self.layers is not None:
-            same &= self.layers[1:] == self.layers[:-1]
-        count = np.where(same, np.ceil(np.linalg.norm(np.diff(self.points, axis=0), axis=1) / step), 1).astype(int)
-        count = np.append(np.maximum(count, 1), 1)
-        first = np.repeat(np.arange(len(count)), count)
-        share = (np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)) / count[first]
-        second = np.minimum(first + 1, len(count) - 1)
-        self.points = self.points[first] + share[:, None] * (self.points[second] - self.points[first])
-        self.take(first, "times", *COLUMNS)
+def factor_words(ratio):
+    """Of the extent of paths over that of the box."""
+    for factor in USUAL_FACTORS:
+        if 0.6 < ratio / factor < 1.4 or 0.6 < ratio * factor < 1.4:
+            return f", about {factor:g} times as {'far' if ratio > 1 else 'little'} as the box, as in another unit"
+    return ""
 
 
 def sequence(waypoints, config):

@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 from fabseq_tools.paths.layer_paths import SHORTEST, PathSurface
 from fabseq_tools.paths.order import ordered, passes
 from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.progress import SILENT
 
 STEP = 0.5          # between waypoints, in beads
 LONGEST_LINK = 1.5  # ways between lines up to so many beads are deposited, without a stop
@@ -35,11 +36,11 @@ class Pass:
         return 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
 
 
-def all_passes(part, width, outlines, angle, turn, at):
+def all_passes(part, width, outlines, angle, turn, at, progress=SILENT):
     """Passes of all layers, in order; a layer smaller than a bead has none. `angle`: of the hatch, `turn`:
     what is added to it in each layer, `at`: height of the waypoints in the layer, from 0 to 1."""
     result, position = [], None
-    for count, layer in enumerate(part.layers.values()):
+    for count, layer in enumerate(progress.steps(part.layers.values(), "paths of layer")):
         surface = PathSurface(part, layer, width)
         lines = ordered(surface.lines(outlines, angle + count * turn), position, LONGEST_LINK * width)
         found = [joined(layer.number, lines, width) for lines in

@@ -20,7 +20,7 @@ from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.check_words import check_sentences, failing_elements
 from fabseq_tools.run.command_line import parser_of
 from fabseq_tools.run.read_run import Run
-from fabseq_tools.run.words import duration, factor, quantity
+from fabseq_tools.run.words import alike, duration, factor, quantity
 
 COMMAND = "overview"
 
@@ -43,6 +43,7 @@ def draw_optimization(run, path):
     pictures = pictures_of(run)
     kinds, colours = ("planar", "optimized"), (PLANAR, OPTIMIZED)
     words = [f"{kind}, {len(run.layers(block))} layers" for kind, block in zip(kinds, ("baseline", "optimized"))]
+    kinds = [kind + ", released" * is_released(run) for kind in kinds]
     words += [f"{kind}, moved by up to {quantity(length, run.unit)}" for kind, length in zip(kinds, pictures.largest_each)]
     constrained = run.config.get("constraints") and any(line["worst_constraint"] is not None for line in run.history)
     plots = [charts.plot_distortion] + [charts.plot_violation] * bool(constrained)
@@ -50,16 +51,31 @@ def draw_optimization(run, path):
     planar, binary = run.length("baseline"), run.length("binary")
     nodes = run.distortion_config.get("nodes")
     place = f" of the {nodes.replace('_', ' ')}" if nodes else ""
-    draw_sheet(path, f"{title_name(run)}: distortion{place} {compared(planar, binary)} than with planar layers",
+    draw_sheet(path, f"{title_name(run)}: distortion{place} {compared(planar, binary)} with planar layers",
                sentences(run), pictures, [*zip(words, 2 * colours)], [partial(plot, run=run) for plot in plots], run.unit)
 
 
 def pictures_of(run):
-    """Planar beside optimized: two pictures of layers, two of the distorted shape with binary layers."""
-    fields = run.fields
-    optimized = fields["binary/displacement" if "binary/displacement" in fields else "displacement"]
-    return Pictures(run, [fields["planar/layer"], fields["layer"]], [fields["planar/displacement"], optimized],
+    """Planar beside optimized: two pictures of layers, two of the distorted shape with binary layers. That is
+    the released one where the headline is of it."""
+    fields, moved = run.fields, [shape_of(run, group) for group in ("planar/", optimized_group(run))]
+    return Pictures(run, [fields["planar/layer"], fields["layer"]], moved,
                     [failing_elements(run, group) for group in ("planar/", "")])
+
+
+def optimized_group(run):
+    return "binary/" if "binary/displacement" in run.fields else ""
+
+
+def is_released(run):
+    """Whether the headline is of the released part, and the file has its shape."""
+    return bool(run.distortion_config.get("after_release")) and all(
+        group + "release_displacement" in run.fields for group in ("planar/", optimized_group(run)))
+
+
+def shape_of(run, group):
+    displacement = run.fields[group + "displacement"]
+    return displacement + run.fields[group + "release_displacement"] if is_released(run) else displacement
 
 
 def title_name(run):
@@ -68,7 +84,10 @@ def title_name(run):
 
 
 def compared(planar, other):
-    return f"{factor(planar / other)} times smaller" if other <= planar else f"{factor(other / planar)} times larger"
+    """How a distortion compares with another one, which is named next."""
+    if alike(planar, other):
+        return "about as large as"
+    return f"{factor(planar / other)} times smaller than" if other <= planar else f"{factor(other / planar)} times larger than"
 
 
 def sentences(run):

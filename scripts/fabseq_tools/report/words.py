@@ -3,7 +3,7 @@
 
 import math
 
-from fabseq_tools.run.words import duration, factor, number, quantity
+from fabseq_tools.run.words import alike, duration, factor, number, quantity
 
 STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
           "optimized": "optimized, smooth", "binary": "optimized, binary", "simulated": "simulated"}
@@ -60,7 +60,7 @@ def sentence(term):
 
 def less(value):
     """How a length compares with one that is `value` times as long, which is named next."""
-    if 0.95 < value < 1.05:
+    if alike(value, 1.0):
         return "about as much as"
     return f"{factor(value)} times less than" if value > 1 else f"{factor(1 / value)} times more than"
 

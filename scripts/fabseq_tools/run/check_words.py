@@ -4,7 +4,7 @@ overview."""
 
 import numpy as np
 
-from fabseq_tools.run.words import number, quantity
+from fabseq_tools.run.words import alike, number, quantity
 
 LARGEST_TILT = 180.0  # degrees
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
@@ -29,10 +29,21 @@ def failing_elements(run, group):
 
 
 def check_sentences(run):
-    """Sentences on elements that begin in the air or that the torch does not reach, on its tilt, and on
-    stress beyond the yield stress."""
-    return [sentence for sentence in (planar_words(run), hanging_words(run), reach_words(run), tilt_words(run),
+    """Sentences on a sequence that gains nothing, on elements that begin in the air or that the torch does
+    not reach, on its tilt, and on stress beyond the yield stress."""
+    return [sentence for sentence in (gain_words(run), planar_words(run), hanging_words(run), reach_words(run), tilt_words(run),
                                       stress_words(run)) if sentence]
+
+
+def gain_words(run):
+    """Nothing where the sequence is better than planar layers."""
+    if not {"baseline", "binary"} <= set(run.summary) or run.distortion_config.get("type") != "distortion":
+        return ""
+    planar, optimized = run.length("baseline"), run.length("binary")
+    if optimized < planar and not alike(planar, optimized):
+        return ""
+    return ("For what is measured there is nothing to gain from the sequence here: planar layers do as well or better. A drawing "
+            "that is scaled or compensated (fabseq-tools compensate) takes the distortion away.")
 
 
 def planar_words(run):

@@ -10,6 +10,10 @@ import sys
 
 from fabseq_tools.run.places import ENVIRONMENT, NAME
 
+BAD_INPUT = 2  # the exit status, as of the program
+INTERRUPTED = 130
+TRACEBACK = "FABSEQ_TRACEBACK"  # the variable with which errors of Python show where they come from
+
 
 class RunError(Exception):
     """What a script cannot go on with, and why."""
@@ -32,13 +36,30 @@ def parse(parser, words=None):
     return options
 
 
-def run_script(main, command=None):
-    """Ends the command, or the script, with one line and status 1 where something is missing or cannot be
-    used."""
+def run_script(main, command=None, words=()):
+    """Ends the command, or the script, with one line and status 2 where something is missing or cannot be
+    used. `words`: its own, among which are the files that it reads."""
     try:
         main()
-    except (RunError, OSError) as error:
-        sys.exit(f"{f'{NAME} {command}' if command else os.path.basename(sys.argv[0])}: {error}")
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+    except Exception as error:
+        if TRACEBACK in os.environ:
+            raise
+        name = f"{NAME} {command}" if command else os.path.basename(sys.argv[0])
+        print(f"{name}: {reason(error, words)}".replace("\n", " "), file=sys.stderr)
+        sys.exit(BAD_INPUT)
+
+
+def reason(error, words):
+    """Why a command cannot go on. Readers say it of what is missing or of another kind (RunError). What lies
+    deeper in a damaged file is met by whoever uses it, as an error of any kind."""
+    if isinstance(error, (RunError, OSError)):
+        return error
+    given = ", ".join(word for word in words if os.path.exists(word)) or "what it was given"
+    what = f"{type(error).__name__} {error}".strip()
+    return (f"cannot use {given}: a file there is damaged, of another version or of another kind of run ({what[:200]}); "
+            f"allowed: whole files of this version; with {TRACEBACK}=1 in the environment you see where")
 
 
 def warn(command, text):

@@ -11,6 +11,11 @@ import h5py
 import numpy as np
 
 from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.tables import text_of
+
+KINDS = {dict: "an object", list: "a list", str: "a text", int: "a number", float: "a number", bool: "true or false",
+         type(None): "null"}
+SECTIONS = {"domain": dict, "part": dict, "sequence": dict, "objective": list, "constraints": list}
 
 
 class Run:
@@ -93,39 +98,52 @@ def lacking(dataset, path):
                     "simulate its design again with -task simulate -design FILE")
 
 
-def open_text(directory, name):
+def text_of_run(directory, name):
+    """The path of a file of a run, and its text."""
     path = os.path.join(directory, name)
     try:
-        return open(path, encoding="utf-8")
-    except FileNotFoundError as error:
+        return path, text_of(path, "a text file of a run")
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise RunError(f"{path} is missing: not the output directory of a finished run") from error
 
 
 def read_json(directory, name):
-    with open_text(directory, name) as file:
-        try:
-            return json.load(file)
-        except ValueError as error:
-            raise RunError(f"{file.name} is no JSON: {error}") from error
+    path, text = text_of_run(directory, name)
+    return object_of(text, path)
+
+
+def object_of(text, place):
+    """The object that a JSON text is. Sections of a config are checked, too: another file has others."""
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise RunError(f"{place}: is no JSON ({error}); allowed: an object") from error
+    if not isinstance(content, dict):
+        raise RunError(f"{place}: found {KINDS[type(content)]}; allowed: an object")
+    for key, kind in SECTIONS.items():
+        if key in content and not isinstance(content[key], kind):
+            raise RunError(f"{place}: /{key}: found {KINDS[type(content[key])]}; allowed: {KINDS[kind]}")
+    return content
 
 
 def read_config(path):
     """A config as it was written, which may have comments."""
-    with open(path, encoding="utf-8") as file:
-        text = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', lambda found: found[1] or " ", file.read(), flags=re.DOTALL)
-    try:
-        config = json.loads(text)
-    except ValueError as error:
-        raise RunError(f"{path} is no JSON: {error}") from error
-    if not isinstance(config, dict):
-        raise RunError(f"{path}: holds no object")
-    return config
+    text = text_of(path, "a config (JSON)")
+    text = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', lambda found: found[1] or " ", text, flags=re.DOTALL)
+    return object_of(text, path)
 
 
 def read_history(directory):
     """A dictionary per iteration; a last line that is still being written is left out."""
-    with open_text(directory, "history.jsonl") as file:
-        return [json.loads(line) for line in file if line.endswith("\n")]
+    path, text = text_of_run(directory, "history.jsonl")
+    return [object_of(line, f"{path}, line {number}") for number, line in enumerate(text.split("\n")[:-1], start=1)]
+
+
+def check_grid(path, file, config):
+    """Refuses a result whose elements are not those of the config beside it."""
+    found, allowed = file["density"].shape, tuple(config["domain"]["elements"][::-1])
+    if found != allowed:
+        raise RunError(f"{path}: density: found the shape {list(found)}; allowed: {list(allowed)}, as config.json has elements")
 
 
 def read_fields(path):

@@ -1,37 +1,122 @@
 # SPDX-License-Identifier: MIT
-"""Tables of numbers (CSV) with named columns."""
+"""Tables of numbers (CSV) with named columns, as programs and spreadsheets write them: cells apart by comma,
+semicolon or tab, decimals after a point or, unless commas part the cells, a comma; UTF-8 or UTF-16, or the
+encoding of Windows; units in the first line, such as "x [mm]"."""
 
 import csv
+import re
 
 import numpy as np
 
 from fabseq_tools.run.command_line import RunError
 
-
-def read_table(path):
-    """The names of the columns of a table (CSV), and its rows as texts."""
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        lines = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
-        header, *rows = [[cell.strip() for cell in line] for line in lines] or [[]]
-    if not rows:
-        raise RunError(f"{path}: holds no points")
-    return header, rows
+ALLOWED = "a table (CSV) whose first line names the columns, as UTF-8 or UTF-16"
+NO_TEXT = re.compile("[\x00-\x08\x0b\x0e-\x1f]")
+UNIT = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")  # of a column: x [mm]
+DECIMAL_COMMA = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")
 
 
-def numbers(path, header, rows, columns):
-    """Columns of a table as an array (row, column)."""
-    missing = [name for name in columns if name not in header]
-    if missing:
-        raise RunError(f"{path}: the first line names no column {', '.join(missing)}; needed: {', '.join(columns)}")
+class Table:
+    """`header`: names of the columns, in small letters; `units`: those of columns that name one; `rows`:
+    texts; `places`: words for each row in messages."""
 
-    def number(point, name, cell):
+    def __init__(self, path, header, rows, places):
+        self.path, self.rows, self.places, self.units = path, rows, places, {}
+        self.header = []
+        for cell in header:
+            found = UNIT.match(cell.strip())
+            name = (found[1] if found else cell.strip()).lower()
+            if found and found[2]:
+                self.units[name] = found[2]
+            self.header.append(name)
+
+    def column(self, name, may_be_empty=False):
+        """Its numbers; with `may_be_empty` NaN for an empty cell."""
+        if self.header.count(name) != 1:
+            raise RunError(f"{self.path}: the first line names {self.header.count(name) or 'no'} columns {name}; allowed: one")
+        index = self.header.index(name)
+        cells = [row[index] if index < len(row) else "" for row in self.rows]
+        return np.array([np.nan if may_be_empty and not cell else self.number(name, cell, place)
+                         for cell, place in zip(cells, self.places)])
+
+    def number(self, name, cell, place):
         try:
-            value = float(cell or (np.nan if name[0] == "u" else ""))
-        except ValueError as error:
-            raise RunError(f"{path}, point {point}, column {name}: '{cell}' is no number") from error
-        if cell and not np.isfinite(value):
-            raise RunError(f"{path}, point {point}, column {name}: '{cell}' is not finite")
+            value = float(cell)
+        except ValueError:
+            value = np.nan
+        if not np.isfinite(value):
+            raise self.refusal(name, cell, place, "a finite number")
         return value
 
-    return np.array([[number(point, name, dict(zip(header, row)).get(name, "")) for name in columns]
-                     for point, row in enumerate(rows, start=1)])
+    def refusal(self, name, found, place, allowed):
+        return RunError(f"{self.path}, {place}, column {name}: found '{found[:40]}'; allowed: {allowed}")
+
+    def numbers(self, columns, may_be_empty=()):
+        """Columns as an array (row, column)."""
+        missing = [name for name in columns if name not in self.header]
+        if missing:
+            there = ", ".join(self.header)
+            raise RunError(f"{self.path}: the first line names no column {', '.join(missing)}; needed: {', '.join(columns)}; "
+                           f"found: {there[:100]}{'...' * (len(there) > 100)}")
+        return np.stack([self.column(name, name in may_be_empty) for name in columns], axis=1)
+
+    def whole_numbers(self, name):
+        values = self.column(name)
+        for value, place in zip(values, self.places):
+            if value != np.floor(value):
+                raise self.refusal(name, f"{value:g}", place, "a whole number")
+        return values
+
+
+def read_table(path):
+    lines = [(number, line) for number, line in enumerate(re.split("\r\n|\n|\r", text_of(path)), start=1)
+             if line.strip(" \t;,") and not line.startswith("#")]
+    given = re.fullmatch(r"sep=(.)", lines[0][1].strip("\r\n ")) if lines else None  # a spreadsheet's own line
+    lines = lines[1:] if given else lines
+    if len(lines) < 2:
+        raise RunError(f"{path}: holds no points; allowed: {ALLOWED}")
+    separator = given[1] if given else separator_of(lines[0][1])
+    header, *rows = [cells_of(line, separator, f"{path}, line {number}") for number, line in lines]
+    while header and not header[-1]:
+        header.pop()
+    for row, (number, _) in zip(rows, lines[1:]):
+        while len(row) > len(header) and not row[-1]:
+            row.pop()
+        if len(row) > len(header):
+            raise RunError(f"{path}, line {number}: found {len(row)} cells; allowed: {len(header)}, as many as the first line has"
+                           f"{' (decimal commas need semicolons or tabs between cells)' * (separator == ',')}")
+    return Table(path, header, rows, [f"line {number}" for number, _ in lines[1:]])
+
+
+def separator_of(header):
+    return next((one for one in ";\t" if one in header), ",")
+
+
+def cells_of(line, separator, place):
+    try:
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True), [])]
+    except csv.Error as error:
+        raise RunError(f"{place}: found {error}; allowed: quotes around a whole cell") from error
+    if separator == ",":
+        return cells
+    return [cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in cells]
+
+
+def text_of(path, allowed=ALLOWED):
+    """A file's text, whichever of the usual encodings it has."""
+    with open(path, "rb") as file:
+        content = file.read()
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encodings = ["utf-16"]
+    elif b"\0" in content[:2]:  # UTF-16 whose first character is a usual letter
+        encodings = ["utf-16-be" if content[:1] == b"\0" else "utf-16-le"]
+    else:
+        encodings = ["utf-8-sig", "cp1252"]
+    for encoding in encodings:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if not NO_TEXT.search(text):
+            return text
+    raise RunError(f"{path}: is no text; allowed: {allowed}")

@@ -13,6 +13,11 @@ def factor(value):
     return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
 
 
+def alike(first, second):
+    """Whether two lengths differ by less than what a sentence should make of them."""
+    return 0.95 * second < first < 1.05 * second
+
+
 def number(value):
     """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
     if value == 0 or 1e-2 <= abs(value) < 1e4:

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The first config of a part."""

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Writes a config for a part from a mesh, and says what it has chosen and why.
+
+    fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
+                     [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
+                     [--elements N | --memory GB] [--material NAME] [--iterations N]
+                     [--program build/release/fabseq]
+
+PART is a file that part.mesh takes: STL, OBJ, PLY or 3MF. The program looks at it (-task check) with elements
+of several sizes. What is chosen stands in the config, each with the reason as a comment, and on the terminal:
+
+- The layers' thickness: --thickness, or the height of a bead. Without either: four elements.
+- The element: a quarter of a layer, and no more than a third of the thinnest wall. --elements bounds how many
+  the part has (default: 50,000), --memory what a run takes on one rank. Where the bound does not leave three
+  elements across a wall, or where the part runs out to an edge, part.mesh.least_elements lets it pass.
+- The number of layers: the geodesic height over the thickness, and 5 % more.
+- The objective: the shape of the skin after the release, and even layers. Constraints: the thickness of each
+  layer and, place by place, the range of tool.thickness; a whole last layer; with --max-tilt the tilt.
+
+Lengths are in --unit, which names the config's unit (default: mm); --scale is the factor from the file's unit
+to it. CONFIG.json is PART.json beside the mesh unless given. The last line is the command that comes next.
+"""
+
+import os
+import shlex
+import shutil
+import tempfile
+
+from fabseq_tools.geometry.placement import millimetres_of
+from fabseq_tools.run.command_line import RunError, parser_of, warn
+from fabseq_tools.run.places import PROGRAM, SCRIPTS
+from fabseq_tools.run.progress import Progress
+from fabseq_tools.start.choices import Look, choose, known_materials, positive
+from fabseq_tools.start.config_text import config_text
+
+COMMAND = "new"
+
+LARGE, SMALL = 5000.0, 5.0  # mm: a longest edge beyond is that of a file in another unit, more often than not
+
+
+def main(words):
+    arguments = parsed(words)
+    output = arguments.output or os.path.splitext(arguments.part)[0] + ".json"
+    if os.path.lexists(output) and not arguments.overwrite:
+        raise RunError(f"{output} exists; allowed: another --output, or --overwrite")
+    if os.path.realpath(output) == os.path.realpath(arguments.part):
+        raise RunError(f"--output: {output} is the part")
+    for path in (arguments.part, arguments.program if os.sep in arguments.program else None):
+        if path and not os.path.isfile(path):
+            raise RunError(f"{path}: no such file")
+    if shutil.which(arguments.program) is None:
+        raise RunError(f"{arguments.program}: no such program")
+    with tempfile.TemporaryDirectory() as folder, Progress(COMMAND) as progress:
+        look = Look(arguments, folder, progress)
+        warn_of_unit(arguments, look.size)
+        entries, warnings = choose(arguments, look)
+    folder = os.path.dirname(os.path.abspath(output))
+    os.makedirs(folder, exist_ok=True)
+    head = f"{os.path.basename(arguments.part)}: what fabseq-tools new has chosen; all lengths in {arguments.unit}."
+    with open(output, "w", encoding="utf-8") as file:
+        file.write(config_text(head, with_mesh(entries, os.path.relpath(arguments.part, folder))))
+    for entry in entries:
+        for line in entry.lines():
+            print(line)
+    for text in warnings:
+        warn(COMMAND, text)
+    print(f"{output}: written; look at it, then run it with")
+    print(f"{shlex.join([arguments.program, '-config', output, '-task', 'check', '-picture'])}")
+    print(f"{shlex.join([os.path.join(SCRIPTS, 'use', 'run.sh'), '-config', output])}")
+
+
+def parsed(words):
+    parser = parser_of(__doc__, COMMAND)
+    parser.add_argument("part")
+    parser.add_argument("-o", "--output", metavar="CONFIG.json", help="default: PART.json, beside the mesh")
+    parser.add_argument("--overwrite", action="store_true")
+    parser.add_argument("--unit", default="mm", help="of the config and of all lengths here (default: %(default)s)")
+    parser.add_argument("--scale", type=positive, default=1.0, help="from the file's unit to the config's")
+    thickness = parser.add_mutually_exclusive_group()
+    thickness.add_argument("--thickness", type=positive, metavar="T", help="of a layer")
+    thickness.add_argument("--bead-height", type=positive, metavar="H", help="a layer is as thick as a bead is high")
+    parser.add_argument("--bead-width", type=positive, metavar="W")
+    parser.add_argument("--max-tilt", type=positive, metavar="DEGREES", help="between torch and plate's normal")
+    bound = parser.add_mutually_exclusive_group()
+    bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
+    bound.add_argument("--memory", type=positive, metavar="GB", help="of a run on one rank, at most")
+    parser.add_argument("--material", metavar="NAME", help=f"{', '.join(known_materials())} (default: ER70S-6)")
+    parser.add_argument("--iterations", type=int, default=120, metavar="N", help="default: %(default)s")
+    parser.add_argument("--program", default=PROGRAM)
+    arguments = parser.parse_args(words)
+    arguments.ranks, arguments.rest = 1, []
+    arguments.millimetres = millimetres_of(arguments.unit)
+    if arguments.iterations < 1:
+        raise RunError(f"--iterations: found {arguments.iterations}; allowed: an integer >= 1")
+    return arguments
+
+
+def with_mesh(entries, path):
+    """The entries, with the mesh relative to the config."""
+    for entry in entries:
+        if entry.key == "part":
+            entry.value["mesh"]["file"] = path
+    return entries
+
+
+def warn_of_unit(arguments, size):
+    longest = max(size)
+    if arguments.millimetres and not SMALL <= longest * arguments.millimetres <= LARGE:
+        sizes = " × ".join(f"{edge:.6g}" for edge in size)
+        warn(COMMAND, f"the part would be {sizes} {arguments.unit}: is the file in another unit? --scale is the factor from it")

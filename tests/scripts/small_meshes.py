@@ -1,0 +1,1 @@
+../integration/small_meshes.py
