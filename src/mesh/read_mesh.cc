@@ -7,11 +7,14 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/shells.h"
+#include "mesh/stray_triangles.h"
 
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <utility>
 
 namespace fabseq {
 
@@ -64,13 +67,19 @@ void broadcast_entries(MPI_Comm comm, std::vector<T>& entries) {
 
 }  // namespace
 
-TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
+namespace {
+
+/// read_mesh(), where rank 0 calls prepare(mesh, notes) before the other ranks get the mesh.
+template <class Prepare>
+TriangleMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::string& key,
+                              const Prepare& prepare) {
   TriangleMesh result;
   run_on_first(comm, [&] {
     const std::string file = key + ": '" + path + "': ";
     try {
       std::vector<std::string> notes;
       result = read_alone(path, notes);
+      prepare(result, notes);
       for (const std::string& note : notes) warn(MPI_COMM_SELF, file + note);
     } catch (const InputError& error) {
       throw InputError(file + error.what());
@@ -79,6 +88,19 @@ TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string
   broadcast_entries(comm, result.points);
   broadcast_entries(comm, result.triangles);
   return result;
+}
+
+}  // namespace
+
+TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
+  return read_and_prepare(comm, path, key, [](TriangleMesh&, std::vector<std::string>&) {});
+}
+
+TriangleMesh read_body(MPI_Comm comm, const std::string& path, const std::string& key) {
+  return read_and_prepare(comm, path, key, [](TriangleMesh& mesh, std::vector<std::string>& notes) {
+    for (const auto& step : {remove_stray_triangles, turn_shells})
+      for (std::string& note : step(mesh)) notes.push_back(std::move(note));
+  });
 }
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/mesh/triangle_mesh.h"
 
+#include "mesh/mesh_pieces.h"
 #include "mesh/vectors.h"
 
 #include <algorithm>
@@ -8,21 +9,56 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Triangles whose height is a smaller share of their longest edge have no area: single precision does not
+/// hold more.
+constexpr double least_height = 1e-7;
+
+constexpr Bounds around_nothing() {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  return {{far, far, far}, {-far, -far, -far}};
+}
+
+bool has_area(const std::array<Point<3>, 3>& corners) {
+  const Point<3> a = difference(corners[1], corners[0]), b = difference(corners[2], corners[0]),
+                 c = difference(corners[2], corners[1]), normal = cross(a, b);
+  const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
+  return norm(normal) > least_height * longest;
+}
+
+void enlarge(Bounds& box, const std::array<Point<3>, 3>& corners) {
+  if (!has_area(corners)) return;
+  for (const Point<3>& point : corners) box = join(box, {point, point});
+}
+
+}  // namespace
+
 Bounds bounds(const TriangleMesh& mesh) {
+  Bounds result = around_nothing();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) enlarge(result, mesh.corners(t));
+  return result;
+}
+
+Bounds bounds(const TriangleMesh& mesh, std::span<const std::int32_t> triangles) {
+  Bounds result = around_nothing();
+  for (const std::int32_t t : triangles) enlarge(result, mesh.corners(static_cast<std::size_t>(t)));
+  return result;
+}
+
+Bounds join(const Bounds& a, const Bounds& b) {
   Bounds result;
-  result.low.fill(std::numeric_limits<double>::infinity());
-  result.high.fill(-std::numeric_limits<double>::infinity());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto corners = mesh.corners(t);
-    const Point<3> normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
-    if (normal == Point<3>{}) continue;
-    for (const Point<3>& point : corners)
-      for (int axis = 0; axis < 3; ++axis) {
-        result.low[axis] = std::min(result.low[axis], point[axis]);
-        result.high[axis] = std::max(result.high[axis], point[axis]);
-      }
+  for (int axis = 0; axis < 3; ++axis) {
+    result.low[axis] = std::min(a.low[axis], b.low[axis]);
+    result.high[axis] = std::max(a.high[axis], b.high[axis]);
   }
   return result;
+}
+
+double volume(const Bounds& box) {
+  double product = 1.0;
+  for (int axis = 0; axis < 3; ++axis) product *= std::max(0.0, box.high[axis] - box.low[axis]);
+  return product;
 }
 
 TriangleMesh transformed(TriangleMesh mesh, const std::array<Point<3>, 3>& matrix, const Point<3>& shift) {

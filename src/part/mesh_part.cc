@@ -75,7 +75,7 @@ IndexBox<3> own_planes(MPI_Comm comm, const Index<3>& elements) {
 
 PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate) {
   matrix_ = scaled_rotation(description);
-  const TriangleMesh read = read_mesh(comm, description.file, "/part/mesh/file");
+  const TriangleMesh read = read_body(comm, description.file, "/part/mesh/file");
   if (!description.as_is) {
     const Bounds turned = bounds(placed(read));
     shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];

@@ -24,4 +24,8 @@ namespace fabseq {
 /// finite. Collective on `comm`.
 TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key);
 
+/// The same for the surface of a body: stray triangles are left out (remove_stray_triangles()) and closed
+/// pieces turned (turn_shells()), with a warning that says so. Collective on `comm`.
+TriangleMesh read_body(MPI_Comm comm, const std::string& path, const std::string& key);
+
 }  // namespace fabseq
