@@ -25,6 +25,7 @@ UNWANTED = r"usr/(include|lib)|__pycache__|\.pyc$|\.py\.in$|node_modules|package
 PYTHON = ["python3", "python3-numpy", "python3-scipy", "python3-h5py", "python3-matplotlib", "python3-pil"]
 
 
+@run_fabseq.only_release  # the package is made of that one
 @unittest.skipUnless(shutil.which("dpkg-deb") and shutil.which("dpkg-shlibdeps") and shutil.which("file"),
                      "no dpkg-dev or file here")
 class PackageTest(FabseqTest):
