@@ -97,9 +97,9 @@ void compare_boxes(std::vector<Shell>& shells) {
   for (const std::int32_t number : order) {
     std::erase_if(open,
                   [&](std::int32_t other) { return shells[other].box.high[0] < shells[number].box.low[0]; });
-    for (const std::int32_t other : open) {
-      compare(number, other);
-      compare(other, number);
+    for (const std::int32_t earlier : open) {
+      compare(number, earlier);
+      compare(earlier, number);
     }
     open.push_back(number);
   }
