@@ -52,8 +52,8 @@ Config read_settings(const Json& document, const std::string& directory,
 /// The second half, and what makes a config of settings that were changed: sets what follows from others and
 /// checks relations between keys. Throws InputError. Not collective.
 void complete(Config& config);
-/// The same of settings that were derived from those of another config: brings `effective` to them first.
-/// Terms may have been left out, but not added or changed.
+/// complete() for settings that came from those of another config and were changed. Brings `effective` to
+/// them first. Terms may have been left out, but not added or changed.
 void complete_derived(Config& config);
 
 /// Checks relations between the keys of a config whose single values are valid, as complete() does at its
