@@ -3,6 +3,7 @@
 #include "fabseq/part/part_settings.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace fabseq {
 
@@ -128,7 +129,8 @@ Shape make_shape(const Json& value, const KeyPlace& place) {
 
 void write_shape(const Shape& shape, Json& object) {
   if (make_shape(object, {"", 0}) == shape) return;
-  for (const ConfigKey& key : keys_of_shapes().declarations().front().keys) object.erase(key.name);
+  const std::vector<SectionKeys> declared = keys_of_shapes().declarations();
+  for (const ConfigKey& key : declared.front().keys) object.erase(key.name);
   Shape same = shape;
   keys_of_shapes().write(same, object);
 }
