@@ -21,9 +21,8 @@ namespace fabseq {
 /// members refer to each other.
 template <int Dim>
 struct PlacedPart {
-  /// `description`: that of the settings, which may be quiet. Collective on `world`, which must outlive the
-  /// object, as the settings must. Throws InputError for anything wrong with part, node sets, start region,
-  /// layers or terms.
+  /// `description`: the settings' part, maybe without its warnings. Collective on `world`; both must outlive
+  /// the object. Throws InputError for anything wrong with part, node sets, start region, layers or terms.
   PlacedPart(MPI_Comm world, const ModelSettings& settings_, const GroupChoice& choice_,
              const PartDescription& description);
   PlacedPart(PlacedPart&&) = delete;

@@ -18,9 +18,9 @@ from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from fabseq_tools.plot.drawing import INK, SOFT_INK, plain_text, save
+from fabseq_tools.plot.drawing import INK, SOFT_INK, draw_directory
 from fabseq_tools.plot.voxel_view import Box, faces_of_cells, side
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.command_line import RunError
 
 COMMAND = "plot-check"
 
@@ -121,10 +121,4 @@ def draw(check):
 
 
 def main(words):
-    parser = parser_of(__doc__, COMMAND)
-    parser.add_argument("directory", metavar="OUTPUT_DIR")
-    parser.add_argument("--picture", metavar="FILE", help="picture to write (default: OUTPUT_DIR/check.svg)")
-    arguments = parser.parse_args(words)
-    check = Check(os.path.join(arguments.directory, "check.h5"))
-    with plain_text():
-        save(draw(check), arguments.picture or os.path.join(arguments.directory, "check.svg"), 100)
+    draw_directory(words, __doc__, COMMAND, "check.svg", lambda directory: draw(Check(os.path.join(directory, "check.h5"))), 100)

@@ -16,8 +16,7 @@ import numpy as np
 from matplotlib import ticker
 from matplotlib.figure import Figure
 
-from fabseq_tools.plot.drawing import plain_text, save, tidy
-from fabseq_tools.run.command_line import parser_of
+from fabseq_tools.plot.drawing import draw_directory, tidy
 from fabseq_tools.run.read_run import read_json
 
 COMMAND = "plot-gradients"
@@ -51,11 +50,7 @@ def draw(check, title):
 
 
 def main(words):
-    parser = parser_of(__doc__, COMMAND)
-    parser.add_argument("directory", metavar="OUTPUT_DIR")
-    parser.add_argument("--picture", metavar="FILE", help="picture to write (default: OUTPUT_DIR/gradient_check.svg)")
-    arguments = parser.parse_args(words)
-    check = read_json(arguments.directory, "gradient_check.json")
-    title = f"Gradients of {check.get('name', os.path.basename(os.path.normpath(arguments.directory)))}"
-    with plain_text():
-        save(draw(check, title), arguments.picture or os.path.join(arguments.directory, "gradient_check.svg"), 150)
+    def draw_check(directory):
+        check = read_json(directory, "gradient_check.json")
+        return draw(check, f"Gradients of {check.get('name', os.path.basename(os.path.normpath(directory)))}")
+    draw_directory(words, __doc__, COMMAND, "gradient_check.svg", draw_check, 150)

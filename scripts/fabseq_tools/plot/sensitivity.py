@@ -9,14 +9,11 @@ the planar layers' value to the sequence's: length of the first distortion term,
 part's displacement.
 """
 
-import os
-
 import numpy as np
 from matplotlib import ticker
 from matplotlib.figure import Figure
 
-from fabseq_tools.plot.drawing import INK, plain_text, save, tidy
-from fabseq_tools.run.command_line import parser_of
+from fabseq_tools.plot.drawing import INK, draw_directory, tidy
 from fabseq_tools.run.read_run import read_json
 
 COMMAND = "plot-sensitivity"
@@ -61,10 +58,5 @@ def style_ratios(axis, ratios):
 
 
 def main(words):
-    parser = parser_of(__doc__, COMMAND)
-    parser.add_argument("directory", metavar="OUTPUT_DIR")
-    parser.add_argument("--picture", metavar="FILE", help="picture to write (default: OUTPUT_DIR/sensitivity.svg)")
-    arguments = parser.parse_args(words)
-    table = read_json(arguments.directory, "sensitivity.json")
-    with plain_text():
-        save(draw(table), arguments.picture or os.path.join(arguments.directory, "sensitivity.svg"), 150)
+    draw_directory(words, __doc__, COMMAND, "sensitivity.svg", lambda directory: draw(read_json(directory, "sensitivity.json")),
+                   150)
