@@ -90,7 +90,7 @@ After.
                 self.make_up(marks)
                 before = {path: path.read_bytes() for path in self.folder.iterdir()}
                 done = self.write_again("--cases", self.root / "cases.json")
-                self.assertEqual(done.returncode, 1)
+                self.assertEqual(done.returncode, 2)
                 self.assertIn(words, done.stderr)
                 self.assertEqual({path: path.read_bytes() for path in self.folder.iterdir()}, before)
                 self.assertIn("old", (self.root / "results.md").read_text(encoding="utf-8"))
