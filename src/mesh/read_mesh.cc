@@ -2,17 +2,23 @@
 #include "fabseq/mesh/read_mesh.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/other_formats.h"
 #include "mesh/shells.h"
 #include "mesh/stray_triangles.h"
+#include "mesh/text_values.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -30,28 +36,59 @@ void require_regular_file(const std::string& path) {
     throw InputError("is a directory, pipe or device, needs a regular file");
 }
 
-/// The first bytes of a file, which say more about its format than its name does.
-std::string first_bytes(const std::string& path) {
-  std::string start(4, '\0');
+std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(file.gcount()));
-  return start;
+  if (!file) throw InputError("cannot be opened, needs a readable file");
+  std::string bytes(static_cast<std::size_t>(std::filesystem::file_size(path)), '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
+
+/// Coordinates that have single precision and lie far from the origin have lost digits that the mesh needs.
+void note_lost_digits(const TriangleMesh& mesh, std::vector<std::string>& notes) {
+  constexpr double tolerated = 1e-4;  // of the extent
+  constexpr auto next = static_cast<double>(std::numeric_limits<float>::epsilon());
+  double farthest = 0.0, extent = 0.0;
+  const Bounds box = bounds(mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    farthest = std::max({farthest, std::abs(box.low[axis]), std::abs(box.high[axis])});
+    extent = std::max(extent, box.high[axis] - box.low[axis]);
+  }
+  const bool coarse = std::isfinite(farthest) && farthest * next > tolerated * extent;
+  const auto is_single = [](const Point<3>& point) {
+    return std::all_of(point.begin(), point.end(),
+                       [](double x) { return x == static_cast<double>(static_cast<float>(x)); });
+  };
+  if (coarse && std::all_of(mesh.points.begin(), mesh.points.end(), is_single))
+    notes.push_back(formatted(
+        "coordinates up to %.3g in single precision are %.2g apart, in a mesh of %.3g: move it to the origin "
+        "before it is exported",
+        farthest, farthest * next, extent));
 }
 
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
+TriangleMesh read_format(const std::string& path, std::vector<std::string>& notes) {
+  const std::string bytes = bytes_of(path);
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  if (bytes.starts_with("PK\3\4")) return read_three_mf(path, notes);
+  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
+  const std::string needs = "needs an intact STL, OBJ, PLY or 3MF file";
+  if (extension == ".obj" && looks_like_obj(bytes)) return read_obj(bytes);
+  if (looks_like_stl(bytes, false)) return read_stl(bytes, notes);
+  const std::string other = other_format(bytes);
+  if (!other.empty()) throw InputError("is " + other + "; " + needs);
+  if (looks_like_stl(bytes, extension == ".stl")) return read_stl(bytes, notes);
+  if (extension == ".obj" || looks_like_obj(bytes)) return read_obj(bytes);
+  throw InputError("is no surface that can be read, " + needs);
+}
+
 TriangleMesh read_alone(const std::string& path, std::vector<std::string>& notes) {
   require_regular_file(path);
-  const PlainNumbers plain;  // assimp and lib3mf read some by strtod()
-  SurfaceBuilder surface;
-  const std::string start = first_bytes(path);
-  if (start == "PK\3\4")
-    notes = read_three_mf(path, surface);
-  else if (start == "ply\n" || start == "ply\r")
-    read_ply(path, surface);
-  else
-    read_stl_or_obj(path, surface);
-  return surface.take();
+  const PlainNumbers plain;  // lib3mf reads some by strtod()
+  TriangleMesh mesh = read_format(path, notes);
+  note_lost_digits(mesh, notes);
+  return mesh;
 }
 
 /// Copies rank 0's entries to all ranks. Collective.

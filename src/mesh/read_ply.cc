@@ -4,7 +4,6 @@
 #include "mesh/mesh_formats.h"
 #include "mesh/ply_values.h"
 
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -163,11 +162,10 @@ void add_faces(const PlyElement& element, PlyValues& values, SurfaceBuilder& sur
 
 }  // namespace
 
-void read_ply(const std::string& path, SurfaceBuilder& surface) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const PlyHeader header = read_header(content);
-  PlyValues values(std::string_view(content).substr(header.end), header.form);
+TriangleMesh read_ply(std::string_view file) {
+  const PlyHeader header = read_header(file);
+  PlyValues values(file.substr(header.end), header.form);
+  SurfaceBuilder surface;
   bool has_vertices = false;
   for (const PlyElement& element : header.elements) {
     const bool faces = element.name == "face" || element.name == "tristrips";
@@ -184,6 +182,7 @@ void read_ply(const std::string& path, SurfaceBuilder& surface) {
         read_row(element, values, row);
     }
   }
+  return surface.take();
 }
 
 }  // namespace fabseq

@@ -224,7 +224,8 @@ std::string purpose_apart(DWORD type) {
 
 }  // namespace
 
-std::vector<std::string> read_three_mf(const std::string& path, SurfaceBuilder& surface) {
+TriangleMesh read_three_mf(const std::string& path, std::vector<std::string>& notes) {
+  SurfaceBuilder surface;
   const ThreeMfModel model(path);
   std::map<std::string, int> left_out;
   model.for_each_item([&](NMR::PLib3MFBase* object, const Placement& placement) {
@@ -234,11 +235,10 @@ std::vector<std::string> read_three_mf(const std::string& path, SurfaceBuilder& 
     else
       ++left_out[purpose];
   });
-  std::vector<std::string> notes;
   for (const auto& [purpose, count] : left_out)
     notes.push_back(std::to_string(count) + (count == 1 ? " object" : " objects") + " of type \"" + purpose +
                     "\" left out of the part");
-  return notes;
+  return surface.take();
 }
 
 }  // namespace fabseq

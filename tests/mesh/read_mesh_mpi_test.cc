@@ -147,6 +147,39 @@ TEST_F(ReadMeshTest, RefusesOtherFormatsAndDamage) {
   EXPECT_TRUE(contains(refusal_of("short.ply", ply(box).substr(0, 100)), "needs an intact PLY file"));
 }
 
+TEST_F(ReadMeshTest, NamesOtherFormats) {
+  const std::string iges = std::string(72, ' ') + "S      1\n" + std::string(72, ' ') + "G      1\n";
+  const std::pair<std::string, std::string> files[] = {
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:4d\nsize 12345\n", "a pointer of Git LFS"},
+      {"\n<!DOCTYPE html><html></html>", "an HTML page"},
+      {"\x1f\x8b\b" + std::string(100, '\1'), "a gzip archive"},
+      {"ISO-10303-21;\nHEADER;\n", "a STEP file, which has no triangles"},
+      {iges, "an IGES file, which has no triangles"},
+      {"%PDF-1.4", "a PDF document"},
+      {"", "is empty"},
+      {" \n", "is empty"},
+      {"no surface", "no surface that can be read"}};
+  for (const auto& [content, words] : files)
+    EXPECT_TRUE(contains(refusal_of("part.stl", content), words)) << words;
+}
+
+TEST_F(ReadMeshTest, FormatsUnderOtherNames) {
+  expect_box(read("part.obj", ascii_stl(box)));
+  expect_box(read("part.obj", binary_stl(box)));
+  expect_box(read("part.stl", obj(box)));
+  expect_box(read("part", ply(box)));
+}
+
+/// With a count that no longer fits.
+TEST_F(ReadMeshTest, ToldWhatIsDone) {
+  testing::internal::CaptureStderr();
+  expect_box(read("more.stl", binary_stl(box) + "more"));
+  const std::string told = testing::internal::GetCapturedStderr();
+  if (is_first()) {
+    EXPECT_TRUE(contains(told, "more.stl': 4 bytes behind the last triangle are left out")) << told;
+  }
+}
+
 TEST_F(ReadMeshTest, RefusesFilesWithoutTriangles) {
   const std::string needs = "needs a surface";
   EXPECT_TRUE(contains(refusal_of("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\nl 1 2\n"), needs));

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <fstream>
 
 namespace fabseq {
 namespace {
@@ -56,19 +55,10 @@ std::string binary_ply(const TriangleMesh& mesh, bool big_endian, const std::str
 
 class ReadPlyTest : public testing::Test {
  protected:
-  TriangleMesh read(const std::string& content) const {
-    SurfaceBuilder surface;
-    const std::string path = scratch_.file("part.ply");
-    std::ofstream(path, std::ios::binary) << content;
-    read_ply(path, surface);
-    return surface.take();
-  }
-  std::string refusal_of(const std::string& content) const {
+  static TriangleMesh read(const std::string& content) { return read_ply(content); }
+  static std::string refusal_of(const std::string& content) {
     return test::error_text<InputError>([&] { (void)read(content); });
   }
-
- private:
-  test::ScratchDirectory scratch_;
 };
 
 void expect_equal(const TriangleMesh& found, const TriangleMesh& expected) {

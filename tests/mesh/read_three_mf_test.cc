@@ -23,11 +23,10 @@ const TriangleMesh box = box_mesh({1, 2, 3}, {2, 4, 7});
 class ReadThreeMfTest : public testing::Test {
  protected:
   TriangleMesh read(const std::string& content) {
-    SurfaceBuilder surface;
     const std::string path = scratch_.file("part.3mf");
     std::ofstream(path, std::ios::binary) << content;
-    notes_ = read_three_mf(path, surface);
-    return surface.take();
+    notes_.clear();
+    return read_three_mf(path, notes_);
   }
   std::string refusal_of(const std::string& content) {
     return test::error_text<InputError>([&] { (void)read(content); });

@@ -10,14 +10,11 @@
 namespace fabseq {
 
 /// Reads all surfaces of an STL, OBJ, PLY or 3MF file as one mesh: rank 0 reads, all ranks of `comm` get it.
-/// Coordinates are those of the file, which has single precision for assimp; axes stay as they are. Objects
-/// stand where their transformations put them. Points at the same position become one. Polygons are divided
-/// into fans: where one is not convex, triangles overlap, and the winding number, which sees their
-/// orientation, is still that of the polygon. Triangles in which all points differ stay even if their area is
-/// 0, since a surface may be open without them; others, lines and points do not count.
-///
-/// assimp does not notice every kind of damage: text files and PLY files that are cut off may lack triangles,
-/// which leaves the mesh open, and 3MF or PLY files with wrong bits can make it crash.
+/// Axes stay as they are. Objects stand where their transformations put them. Points at the same position
+/// become one. Polygons are divided into fans: where one is not convex, triangles overlap, and the winding
+/// number, which sees their orientation, is still that of the polygon. Triangles in which all points differ
+/// stay even if their area is 0, since a surface may be open without them; others, lines and points do not
+/// count. What the file lacks or has too much, and coordinates that have lost digits, are warned of.
 ///
 /// Throws InputError on all ranks, with `key` and the file in the message, if there is no such file, if it is
 /// damaged or has another format, if it has no triangle or more than 2^31 - 1, or a coordinate that is not

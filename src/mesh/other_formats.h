@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace fabseq {
+
+/// What a file is, by its first bytes, if it is known and no surface that can be read: "a gzip archive,
+/// unpack it first". "" for all others.
+std::string other_format(std::string_view file);
+
+}  // namespace fabseq
