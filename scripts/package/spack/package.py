@@ -38,7 +38,6 @@ class Fabseq(CMakePackage):
     depends_on("hdf5@1.10: +mpi+hl")
     depends_on("openblas threads=none +pic")
     depends_on("nlohmann-json@3.11:")
-    depends_on("assimp@5")
     depends_on("lib3mf@1.8")
 
     with when("+tools"):
