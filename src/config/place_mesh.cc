@@ -122,7 +122,9 @@ std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, cons
   const Json complete = complete_section(*mesh, "/part/mesh", "part.mesh", 3, directory);
   mesh_keys().read(description, complete, {"/part/mesh", 3});
   const BuildPlate plate = plate_of(document);
-  auto placed = std::make_shared<const PlacedMesh>(comm, description, plate);
+  const Json* unit = find_member(document, "domain", "unit");
+  const std::string named = unit != nullptr && unit->is_string() ? unit->get<std::string>() : "";
+  auto placed = std::make_shared<const PlacedMesh>(comm, description, plate, named);
   complete_domain(comm, *placed, description, plate, document);
   return placed;
 }

@@ -32,7 +32,10 @@ Section<DomainSettings> domain_keys() {
            {.type = KeyType::lengths, .range = "[0, inf)", .unit = "length"}, refuse_without_mesh)
       .key("thickness", &Its::thickness, "Thickness in plane stress",
            {.range = "(0, inf)", .dimension = 2, .unit = "length"})
-      .key("unit", &Its::unit, "Name of the length unit, such as mm: a label in tables and pictures", {});
+      .key("unit", &Its::unit,
+           "Name of the length unit, such as mm: a label in tables and pictures, and the unit to which 3MF "
+           "files are converted, if it is um, mm, cm, m, in, ft or a name of these",
+           {});
 }
 
 }  // namespace fabseq

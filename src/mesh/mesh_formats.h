@@ -30,10 +30,10 @@ TriangleMesh read_obj(std::string_view file);
 TriangleMesh read_ply(std::string_view file);
 
 /// 3MF, through lib3mf, which has single precision: what the build's items name, where their transformations
-/// put it. A transformation that mirrors turns triangles round, so that they still face outward. Objects that
-/// are not to be part of the product (support, other) are left out. Throws InputError, before it follows
-/// them, for components that contain themselves, or that come to more than 10,000 bodies, 10 million
-/// triangles or 100 levels.
-TriangleMesh read_three_mf(const std::string& path, std::vector<std::string>& notes);
+/// put it; sets the file's unit. A transformation that mirrors turns triangles round, so that they still face
+/// outward. What is not to be part of the product (of type support or other, not printable) is left out, with
+/// a note. Throws InputError, before it follows them, for components that contain themselves, or that come to
+/// more than 10,000 bodies, 10 million triangles or 100 levels.
+TriangleMesh read_three_mf(std::string file, std::vector<std::string>& notes, std::string& unit);
 
 }  // namespace fabseq

@@ -4,9 +4,9 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
-#include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
+#include "mesh/length_units.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/other_formats.h"
 #include "mesh/shells.h"
@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -68,10 +69,10 @@ void note_lost_digits(const TriangleMesh& mesh, std::vector<std::string>& notes)
 }
 
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
-TriangleMesh read_format(const std::string& path, std::vector<std::string>& notes) {
-  const std::string bytes = bytes_of(path);
+TriangleMesh read_format(const std::string& path, std::vector<std::string>& notes, std::string& unit) {
+  std::string bytes = bytes_of(path);
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  if (bytes.starts_with("PK\3\4")) return read_three_mf(path, notes);
+  if (bytes.starts_with("PK\3\4")) return read_three_mf(std::move(bytes), notes, unit);
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
   const std::string needs = "needs an intact STL, OBJ, PLY or 3MF file";
   if (extension == ".obj" && looks_like_obj(bytes)) return read_obj(bytes);
@@ -83,12 +84,33 @@ TriangleMesh read_format(const std::string& path, std::vector<std::string>& note
   throw InputError("is no surface that can be read, " + needs);
 }
 
-TriangleMesh read_alone(const std::string& path, std::vector<std::string>& notes) {
+/// The factor from the unit of a file, if its format names one, to that of the config.
+double unit_factor(const std::string& unit, const std::string& wanted, std::vector<std::string>& notes) {
+  const std::optional<double> from = metres_in(unit), to = metres_in(wanted);
+  if (!from) return 1.0;
+  const std::string is_in = "is in " + unit + ", ";
+  const bool same = to && std::abs(*from / *to - 1.0) < 1e-12;
+  if (same || (!to && unit == "millimeter")) return 1.0;
+  if (to)
+    notes.push_back(is_in + "converted to " + wanted);
+  else
+    notes.push_back(is_in +
+                    "but domain.unit names no unit of length: its coordinates are taken as they stand");
+  return to ? *from / *to : 1.0;
+}
+
+/// Reads the file on this rank, with lengths in `unit`.
+ReadMesh read_alone(const std::string& path, const std::string& unit, std::vector<std::string>& notes) {
   require_regular_file(path);
-  const PlainNumbers plain;  // lib3mf reads some by strtod()
-  TriangleMesh mesh = read_format(path, notes);
-  note_lost_digits(mesh, notes);
-  return mesh;
+  std::string unit_of_file;
+  ReadMesh result;
+  result.mesh = read_format(path, notes, unit_of_file);
+  note_lost_digits(result.mesh, notes);
+  result.unit_factor = unit_factor(unit_of_file, unit, notes);
+  if (result.unit_factor != 1.0)
+    for (Point<3>& point : result.mesh.points)
+      for (double& coordinate : point) coordinate *= result.unit_factor;
+  return result;
 }
 
 /// Copies rank 0's entries to all ranks. Collective.
@@ -108,33 +130,34 @@ namespace {
 
 /// read_mesh(), where rank 0 calls prepare(mesh, notes) before the other ranks get the mesh.
 template <class Prepare>
-TriangleMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::string& key,
-                              const Prepare& prepare) {
-  TriangleMesh result;
+ReadMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::string& key,
+                          const std::string& unit, const Prepare& prepare) {
+  ReadMesh result;
   run_on_first(comm, [&] {
     const std::string file = key + ": '" + path + "': ";
     try {
       std::vector<std::string> notes;
-      result = read_alone(path, notes);
-      prepare(result, notes);
+      result = read_alone(path, unit, notes);
+      prepare(result.mesh, notes);
       for (const std::string& note : notes) warn(MPI_COMM_SELF, file + note);
     } catch (const InputError& error) {
       throw InputError(file + error.what());
     }
   });
-  broadcast_entries(comm, result.points);
-  broadcast_entries(comm, result.triangles);
+  broadcast_entries(comm, result.mesh.points);
+  broadcast_entries(comm, result.mesh.triangles);
+  broadcast(comm, std::span(&result.unit_factor, 1));
   return result;
 }
 
 }  // namespace
 
-TriangleMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key) {
-  return read_and_prepare(comm, path, key, [](TriangleMesh&, std::vector<std::string>&) {});
+ReadMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key, const std::string& unit) {
+  return read_and_prepare(comm, path, key, unit, [](TriangleMesh&, std::vector<std::string>&) {});
 }
 
-TriangleMesh read_body(MPI_Comm comm, const std::string& path, const std::string& key) {
-  return read_and_prepare(comm, path, key, [](TriangleMesh& mesh, std::vector<std::string>& notes) {
+ReadMesh read_body(MPI_Comm comm, const std::string& path, const std::string& key, const std::string& unit) {
+  return read_and_prepare(comm, path, key, unit, [](TriangleMesh& mesh, std::vector<std::string>& notes) {
     for (const auto& step : {remove_stray_triangles, turn_shells})
       for (std::string& note : step(mesh)) notes.push_back(std::move(note));
   });

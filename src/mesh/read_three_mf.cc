@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/error.h"
+#include "fabseq/base/plain_numbers.h"
 #include "mesh/mesh_formats.h"
+#include "mesh/three_mf_package.h"
 
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <algorithm>
@@ -135,18 +137,36 @@ class UnfoldedSizes {
 /// The objects that the items of a build name.
 class ThreeMfModel {
  public:
-  explicit ThreeMfModel(const std::string& path) {
+  explicit ThreeMfModel(std::string& archive) {
     NMR::PLib3MFBase* created = nullptr;
     if (NMR::lib3mf_createmodel(&created) != LIB3MF_OK) throw InputError("cannot be read: no memory");
     model_.reset(created);
     const Handle reader = handle(NMR::lib3mf_model_queryreader, model_.get(), "3mf");
     call(NMR::lib3mf_reader_setprogresscallback, reader.get(), &ThreeMfModel::on_progress,
          static_cast<void*>(this));
-    const LIB3MFRESULT result = NMR::lib3mf_reader_readfromfileutf8(reader.get(), path.c_str());
+    const LIB3MFRESULT result = NMR::lib3mf_reader_readfrombuffer(
+        reader.get(), reinterpret_cast<BYTE*>(archive.data()), static_cast<ULONG64>(archive.size()));
     if (refusal_) std::rethrow_exception(refusal_);
     require(result, reader.get());
   }
   ThreeMfModel(ThreeMfModel&&) = delete;  // lib3mf has its address
+
+  std::string unit() const {
+    switch (value<DWORD>(NMR::lib3mf_model_getunit, model_.get())) {
+      case NMR::MODELUNIT_MICROMETER:
+        return "micron";
+      case NMR::MODELUNIT_CENTIMETER:
+        return "centimeter";
+      case NMR::MODELUNIT_METER:
+        return "meter";
+      case NMR::MODELUNIT_INCH:
+        return "inch";
+      case NMR::MODELUNIT_FOOT:
+        return "foot";
+      default:
+        return "millimeter";
+    }
+  }
 
   /// Calls f(object, placement) for the items of the build, one after the other.
   template <class F>
@@ -224,20 +244,28 @@ std::string purpose_apart(DWORD type) {
 
 }  // namespace
 
-TriangleMesh read_three_mf(const std::string& path, std::vector<std::string>& notes) {
+TriangleMesh read_three_mf(std::string file, std::vector<std::string>& notes, std::string& unit) {
+  ThreeMfPackage package = prepare_three_mf(std::move(file));
+  const PlainNumbers plain;  // lib3mf reads some by strtod()
+  const ThreeMfModel model(package.bytes);
+  unit = model.unit();
   SurfaceBuilder surface;
-  const ThreeMfModel model(path);
   std::map<std::string, int> left_out;
+  std::size_t item = 0;
   model.for_each_item([&](NMR::PLib3MFBase* object, const Placement& placement) {
+    const bool printable = item >= package.printable.size() || package.printable[item];
+    ++item;
     const std::string purpose = purpose_apart(value<DWORD>(NMR::lib3mf_object_gettype, object));
-    if (purpose.empty())
-      add_object(object, placement, surface);
+    if (!printable)
+      ++left_out["not to be printed"];
+    else if (!purpose.empty())
+      ++left_out["of type \"" + purpose + '"'];
     else
-      ++left_out[purpose];
+      add_object(object, placement, surface);
   });
-  for (const auto& [purpose, count] : left_out)
-    notes.push_back(std::to_string(count) + (count == 1 ? " object" : " objects") + " of type \"" + purpose +
-                    "\" left out of the part");
+  for (const auto& [reason, count] : left_out)
+    notes.push_back(std::to_string(count) + (count == 1 ? " object " : " objects ") + reason +
+                    " left out of the part");
   return surface.take();
 }
 

@@ -73,9 +73,12 @@ IndexBox<3> own_planes(MPI_Comm comm, const Index<3>& elements) {
 
 }  // namespace
 
-PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate) {
+PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
+                       const std::string& unit)
+    : unit_(unit) {
   matrix_ = scaled_rotation(description);
-  const TriangleMesh read = read_body(comm, description.file, "/part/mesh/file");
+  const auto [read, unit_factor] = read_body(comm, description.file, "/part/mesh/file", unit);
+  unit_factor_ = unit_factor;
   if (!description.as_is) {
     const Bounds turned = bounds(placed(read));
     shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];
@@ -98,7 +101,10 @@ TriangleMesh PlacedMesh::placed(TriangleMesh mesh) const {
 
 std::array<std::array<double, 4>, 3> PlacedMesh::placement() const {
   std::array<std::array<double, 4>, 3> result;
-  for (int i = 0; i < 3; ++i) result[i] = {matrix_[i][0], matrix_[i][1], matrix_[i][2], shift_[i]};
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) result[i][k] = matrix_[i][k] * unit_factor_;
+    result[i][3] = shift_[i];
+  }
   return result;
 }
 

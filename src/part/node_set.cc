@@ -37,7 +37,8 @@ std::vector<char> near_nodes(const Part<Dim>& part, const NearMesh& near, double
                              const std::string& key) {
   const Grid<Dim>& grid = part.grid();
   if constexpr (Dim == 3) {
-    TriangleMesh mesh = read_mesh(grid.comm(), near.file, key + "/near/mesh");
+    const std::string unit = part.mesh() != nullptr ? part.mesh()->unit() : "";
+    TriangleMesh mesh = read_mesh(grid.comm(), near.file, key + "/near/mesh", unit).mesh;
     if (part.mesh() != nullptr) mesh = part.mesh()->placed(std::move(mesh));
     return nodes_near(mesh, near.distance + tolerance, grid.domain(), grid.owned_nodes());
   }

@@ -37,7 +37,9 @@ Section<MeshFile> mesh_keys() {
   using Its = MeshFile;
   return Section<Its>("part.mesh", "Part from the surface of a body: STL, OBJ, PLY or 3MF")
       .key("file", &Its::file, "Mesh file", {.type = KeyType::path, .required = true})
-      .key("scale", &Its::scale, "Factor from the file's unit of length to the config's",
+      .key("scale", &Its::scale,
+           "Factor from the file's unit of length to the config's; a 3MF file, which names its unit, is "
+           "converted to domain.unit before",
            {.range = "(0, inf)"})
       .key("rotate", "Turns of the scaled mesh, one after the other, as pairs of axis and degrees",
            {.type = KeyType::turns, .default_value = "[]"},

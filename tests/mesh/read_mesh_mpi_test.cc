@@ -36,7 +36,7 @@ class ReadMeshTest : public testing::Test {
     return scratch_.file(name);
   }
   TriangleMesh read(const std::string& name, const std::string& text) const {
-    return read_mesh(PETSC_COMM_WORLD, write(name, text), "/part/mesh/file");
+    return read_mesh(PETSC_COMM_WORLD, write(name, text), "/part/mesh/file").mesh;
   }
   static std::string refusal_of(const std::string& path) {
     std::string text =
@@ -161,6 +161,26 @@ TEST_F(ReadMeshTest, NamesOtherFormats) {
       {"no surface", "no surface that can be read"}};
   for (const auto& [content, words] : files)
     EXPECT_TRUE(contains(refusal_of("part.stl", content), words)) << words;
+}
+
+/// 3MF names its unit.
+TEST_F(ReadMeshTest, Units) {
+  const std::string content = three_mf(three_mf_object(1, box), three_mf_item(1));
+  const std::string path = write("part.3mf", content);
+  for (const auto& [unit, factor] : std::vector<std::pair<std::string, double>>{{"mm", 1},
+                                                                                {"Millimetres", 1},
+                                                                                {"", 1},
+                                                                                {"rod", 1},
+                                                                                {"cm", 0.1},
+                                                                                {"m", 1e-3},
+                                                                                {"um", 1e3},
+                                                                                {"inch", 1 / 25.4},
+                                                                                {"in", 1 / 25.4},
+                                                                                {"feet", 1 / 304.8}}) {
+    const ReadMesh found = read_mesh(PETSC_COMM_WORLD, path, "/part/mesh/file", unit);
+    EXPECT_NEAR(found.unit_factor / factor, 1.0, 1e-12) << unit;
+    EXPECT_NEAR(bounds(found.mesh).high[2], 7 * found.unit_factor, 1e-9) << unit;
+  }
 }
 
 TEST_F(ReadMeshTest, FormatsUnderOtherNames) {

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 namespace fabseq {
 namespace {
 
@@ -23,19 +21,15 @@ const TriangleMesh box = box_mesh({1, 2, 3}, {2, 4, 7});
 class ReadThreeMfTest : public testing::Test {
  protected:
   TriangleMesh read(const std::string& content) {
-    const std::string path = scratch_.file("part.3mf");
-    std::ofstream(path, std::ios::binary) << content;
     notes_.clear();
-    return read_three_mf(path, notes_);
+    return read_three_mf(content, notes_, unit_);
   }
   std::string refusal_of(const std::string& content) {
     return test::error_text<InputError>([&] { (void)read(content); });
   }
 
   std::vector<std::string> notes_;
-
- private:
-  test::ScratchDirectory scratch_;
+  std::string unit_;
 };
 
 TEST_F(ReadThreeMfTest, PreviewImage) {
@@ -71,14 +65,58 @@ TEST_F(ReadThreeMfTest, SupportsAreLeftOut) {
                                               "1 object of type \"support\" left out of the part"}));
 }
 
+TEST_F(ReadThreeMfTest, WhatIsNotToBePrintedIsLeftOut) {
+  const std::string apart = "<item objectid=\"2\" printable=\"0\"/>";
+  const TriangleMesh found =
+      read(three_mf(three_mf_object(1, box) + three_mf_object(2, box_mesh({5, 5, 5}, {9, 9, 9})),
+                    "<item objectid=\"1\" printable=\"1\"/>" + apart));
+  EXPECT_EQ(bounds(found).high, (Point<3>{2, 4, 7}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{"1 object not to be printed left out of the part"}));
+}
+
+/// Half of the part in a file of its own, which no relation names.
+TEST_F(ReadThreeMfTest, ObjectsInOtherFiles) {
+  const std::string model = "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">";
+  const std::string other = model + "<resources>" + three_mf_object(1, box_mesh({2, 2, 3}, {3, 4, 7})) +
+                            "</resources><build><item objectid=\"1\"/></build></model>";
+  const std::string whole =
+      three_mf_object(1, box) +
+      "<object id=\"2\"><components><component "
+      "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" "
+      "p:path=\"/3D/Objects/half.model\" objectid=\"1\"/>"
+      "<component objectid=\"1\"/></components></object>";
+  const TriangleMesh found = read(three_mf(whole, three_mf_item(2), {{"3D/Objects/half.model", other}}));
+  EXPECT_EQ(found.triangles.size(), 24u);
+  EXPECT_EQ(bounds(found).high, (Point<3>{3, 4, 7}));
+  EXPECT_TRUE(contains(refusal_of(three_mf(whole, three_mf_item(2))),
+                       "names the file \"3D/Objects/half.model\", which is not in its archive"));
+}
+
+TEST_F(ReadThreeMfTest, Packed) {
+  const std::string packed = three_mf(three_mf_object(1, box), three_mf_item(1), {}, true);
+  EXPECT_EQ(read(packed).triangles.size(), 12u);
+  std::string damaged = packed;
+  damaged[packed.find("<vertex") + 12] = '9';
+  EXPECT_TRUE(contains(refusal_of(damaged), "\"3D/3dmodel.model\" in its archive: "));
+}
+
+TEST_F(ReadThreeMfTest, Unit) {
+  std::string content = three_mf(three_mf_object(1, box), three_mf_item(1));
+  (void)read(content);
+  EXPECT_EQ(unit_, "millimeter");
+  content = three_mf(three_mf_object(1, box), three_mf_item(1), {}, false, "inch");
+  (void)read(content);
+  EXPECT_EQ(unit_, "inch");
+}
+
 TEST_F(ReadThreeMfTest, IndexBeyondTheVertices) {
   TriangleMesh damaged = box;
-  damaged.triangles[4][1] = 8;
-  EXPECT_TRUE(
-      contains(refusal_of(three_mf(three_mf_object(1, damaged), three_mf_item(1))), "intact 3MF file"));
-  damaged.triangles[4][1] = 2000000000;
-  EXPECT_TRUE(
-      contains(refusal_of(three_mf(three_mf_object(1, damaged), three_mf_item(1))), "intact 3MF file"));
+  for (const std::int32_t bad : {8, 2000000000, -1}) {
+    damaged.triangles[4][1] = bad;
+    EXPECT_TRUE(contains(
+        refusal_of(three_mf(three_mf_object(1, damaged), three_mf_item(1))),
+        " (allowed: 0 to 7) in triangle 5 of object 1 of \"3D/3dmodel.model\" in its archive"));
+  }
 }
 
 TEST_F(ReadThreeMfTest, ComponentsThatContainThemselves) {
@@ -88,6 +126,7 @@ TEST_F(ReadThreeMfTest, ComponentsThatContainThemselves) {
   EXPECT_TRUE(contains(refusal_of(three_mf(mesh + three_mf_components(2, {3}) + three_mf_components(3, {2}),
                                            three_mf_item(2))),
                        "intact"));
+  EXPECT_TRUE(contains(refusal_of(three_mf(mesh, three_mf_item(7))), "intact"));
 }
 
 /// Each object has the one before twice: a million million bodies in all.
@@ -103,6 +142,24 @@ TEST_F(ReadThreeMfTest, ComponentsThatUnfoldWithoutEnd) {
 
 TEST_F(ReadThreeMfTest, NoArchive) {
   EXPECT_TRUE(contains(refusal_of("PK\3\4 and nothing more"), "needs an intact 3MF file"));
+  EXPECT_TRUE(contains(refusal_of(test::zip({{"readme.txt", "no model"}})), "a ZIP archive without a model"));
+  const std::string whole = three_mf(three_mf_object(1, box), three_mf_item(1));
+  for (std::size_t size = 0; size < whole.size(); size += 37)
+    EXPECT_TRUE(contains(refusal_of(whole.substr(0, size)), "needs an intact 3MF file")) << size;
+}
+
+/// Whatever byte is wrong: the mesh, or a refusal.
+TEST_F(ReadThreeMfTest, BytesThatAreWrong) {
+  const std::string whole = three_mf(three_mf_object(1, box), three_mf_item(1));
+  for (std::size_t at = 0; at < whole.size(); ++at)
+    for (const char wrong : {'\0', '\xff'}) {
+      std::string damaged = whole;
+      damaged[at] = wrong;
+      try {
+        EXPECT_EQ(read(damaged).triangles.size(), 12u) << at;
+      } catch (const InputError&) {
+      }
+    }
 }
 
 }  // namespace

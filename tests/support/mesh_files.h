@@ -73,17 +73,22 @@ inline std::uint32_t checksum(const std::string& text) {
   return ~value;
 }
 
-/// A zip archive whose entries are not compressed.
-inline std::string zip(const std::vector<std::pair<std::string, std::string>>& entries) {
+/// A zip archive whose entries are not compressed, or have the form of compressed ones.
+inline std::string zip(const std::vector<std::pair<std::string, std::string>>& entries,
+                       bool deflated = false) {
   std::string text, directory;
   for (const auto& [name, content] : entries) {
-    const auto size = static_cast<std::uint32_t>(content.size());
-    const std::string common = bytes<std::uint16_t>(20) + std::string(8, '\0') + bytes(checksum(content)) +
-                               bytes(size) + bytes(size) + bytes(static_cast<std::uint16_t>(name.size())) +
-                               bytes<std::uint16_t>(0);
+    const auto size = static_cast<std::uint16_t>(content.size());
+    const std::string packed =
+        (deflated ? "\1" + bytes(size) + bytes(static_cast<std::uint16_t>(~size)) : "") + content;
+    const std::string common = bytes<std::uint16_t>(20) + bytes<std::uint16_t>(0) +
+                               bytes<std::uint16_t>(deflated ? 8 : 0) + std::string(4, '\0') +
+                               bytes(checksum(content)) + bytes(static_cast<std::uint32_t>(packed.size())) +
+                               bytes(static_cast<std::uint32_t>(content.size())) +
+                               bytes(static_cast<std::uint16_t>(name.size())) + bytes<std::uint16_t>(0);
     directory += "PK\1\2" + bytes<std::uint16_t>(20) + common + std::string(10, '\0') +
                  bytes(static_cast<std::uint32_t>(text.size())) + name;
-    text += "PK\3\4" + common + name + content;
+    text += "PK\3\4" + common + name + packed;
   }
   const auto count = static_cast<std::uint16_t>(entries.size());
   return text + directory + "PK\5\6" + std::string(4, '\0') + bytes(count) + bytes(count) +
@@ -118,12 +123,13 @@ inline std::string three_mf_item(int object, const std::string& transform = "1 0
 
 /// A 3MF file. `others` are further files in it, each with its relation to the package.
 inline std::string three_mf(const std::string& resources, const std::string& items,
-                            const std::vector<std::pair<std::string, std::string>>& others = {}) {
+                            const std::vector<std::pair<std::string, std::string>>& others = {},
+                            bool deflated = false, const std::string& unit = "millimeter") {
   const std::string declaration = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   const std::string model =
       declaration +
-      "<model unit=\"millimeter\" "
-      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>" +
+      "<model unit=\"" + unit +
+      "\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>" +
       resources + "</resources><build>" + items + "</build></model>";
   std::string relations =
       declaration +
@@ -146,7 +152,7 @@ inline std::string three_mf(const std::string& resources, const std::string& ite
                                                               {"_rels/.rels", relations + "</Relationships>"},
                                                               {"3D/3dmodel.model", model}};
   entries.insert(entries.end(), others.begin(), others.end());
-  return zip(entries);
+  return zip(entries, deflated);
 }
 
 }  // namespace fabseq::test

@@ -37,9 +37,10 @@ struct MeshFile {
 /// The mesh of a file in the coordinates of the config.
 class PlacedMesh {
  public:
-  /// Rank 0 reads, all ranks get the mesh. Collective on `comm`. Throws what read_mesh() throws, and
-  /// InputError on all ranks for a mesh without volume.
-  PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate);
+  /// Rank 0 reads, all ranks get the mesh, in the config's unit of length. Collective on `comm`. Throws what
+  /// read_body() throws, and InputError on all ranks for a mesh without volume.
+  PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
+             const std::string& unit = "");
   PlacedMesh(PlacedMesh&&) = delete;
 
   /// Corners of the bounding box, length unit.
@@ -48,6 +49,8 @@ class PlacedMesh {
   std::size_t triangle_count() const { return mesh_.triangles.size(); }
   /// The way from the file's coordinates x to the config's: [row][column] of A and b in A x + b.
   std::array<std::array<double, 4>, 3> placement() const;
+  /// Name of the config's unit of length; empty: none.
+  const std::string& unit() const { return unit_; }
   /// Another mesh of the same CAD file, in its place.
   TriangleMesh placed(TriangleMesh mesh) const;
   /// Volume inside, length unit cubed: what a closed mesh encloses. Where bodies overlap or the mesh is open,
@@ -69,6 +72,8 @@ class PlacedMesh {
   Bounds bounds_;
   double volume_ = 0.0;
   std::optional<MeshInterior> interior_;  ///< refers to mesh_
+  std::string unit_;
+  double unit_factor_ = 1.0;  ///< from the file's unit to the config's
 };
 
 }  // namespace fabseq

@@ -39,6 +39,8 @@ class Fabseq(CMakePackage):
     depends_on("openblas threads=none +pic")
     depends_on("nlohmann-json@3.11:")
     depends_on("lib3mf@1.8")
+    depends_on("libzip@1.7:")
+    depends_on("expat@2.4:")
 
     with when("+tools"):
         depends_on("python@3.11:", type="run")
