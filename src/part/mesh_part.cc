@@ -20,7 +20,13 @@ using Matrix = std::array<Point<3>, 3>;
 constexpr double least_share_of_box = 1e-6;
 /// Samples of a closed body find its volume within this share if so many elements are filled; where they do
 /// not, bodies overlap.
-constexpr double sampled_accuracy = 0.05, least_filled = 64.0;
+constexpr double sampled_accuracy = 0.05;
+constexpr int sampled_elements = 32;  // along each axis
+constexpr double least_share = 64.0 / (sampled_elements * sampled_elements * sampled_elements);
+
+double volume_between(const Point<3>& low, const Point<3>& high) {
+  return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+}
 
 Matrix product(const Matrix& a, const Matrix& b) {
   Matrix result{};
@@ -86,8 +92,7 @@ PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPl
   mesh_ = placed(read);
   bounds_ = bounds(mesh_);
   interior_.emplace(mesh_);
-  double volume_of_box = 1.0;
-  for (int axis = 0; axis < 3; ++axis) volume_of_box *= upper()[axis] - lower()[axis];
+  const double volume_of_box = volume_between(lower(), upper());
   if (volume_of_box > 0.0) volume_ = measured_volume(comm);
   if (!(volume_of_box > 0.0) || (interior_->closed() && volume_ < least_share_of_box * volume_of_box))
     throw InputError("/part/mesh/file: '" + description.file + "' encloses no volume between " +
@@ -120,21 +125,41 @@ std::int64_t PlacedMesh::count_filled(MPI_Comm comm, const Domain<3>& domain, do
                        shares.begin(), shares.end(), [least](double share) { return share >= least; })));
 }
 
-double PlacedMesh::measured_volume(MPI_Comm comm) const {
+double PlacedMesh::sampled_share(MPI_Comm comm, const Point<3>& low, const Point<3>& high) const {
   Domain<3> box;
-  box.origin = lower();
-  double element = 1.0;
+  box.origin = low;
   for (int axis = 0; axis < 3; ++axis) {
-    box.elements[axis] = 32;
-    box.size[axis] = upper()[axis] - lower()[axis];
-    element *= box.size[axis] / box.elements[axis];
+    box.elements[axis] = sampled_elements;
+    box.size[axis] = high[axis] - low[axis];
   }
   const std::vector<double> shares = fill(box, own_planes(comm, box.elements)).of_element;
   const double filled = sum(comm, std::accumulate(shares.begin(), shares.end(), 0.0));
-  const double sampled = element * filled, enclosed = std::abs(signed_volume(mesh_));
-  const bool trusted = filled < least_filled ||
+  return filled / (sampled_elements * sampled_elements * sampled_elements);
+}
+
+double PlacedMesh::measured_volume(MPI_Comm comm) const {
+  const double share = sampled_share(comm, lower(), upper());
+  const double sampled = share * volume_between(lower(), upper()), enclosed = std::abs(signed_volume(mesh_));
+  const bool trusted = share < least_share ||
                        (interior_->closed() && std::abs(enclosed - sampled) <= sampled_accuracy * enclosed);
   return trusted ? enclosed : sampled;
+}
+
+double PlacedMesh::share_within(MPI_Comm comm, const Domain<3>& domain) const {
+  constexpr double rounding = 1e-4;  // of an edge of the mesh
+  Point<3> low, high;
+  bool holds_all = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max(lower()[axis], domain.origin[axis]);
+    high[axis] = std::min(upper()[axis], domain.origin[axis] + domain.size[axis]);
+    if (high[axis] <= low[axis]) return 0.0;
+    const double cut_off = low[axis] - lower()[axis] + upper()[axis] - high[axis];
+    holds_all = holds_all && cut_off <= rounding * (upper()[axis] - lower()[axis]);
+  }
+  if (holds_all) return 1.0;
+  const double whole = sampled_share(comm, lower(), upper()) * volume_between(lower(), upper());
+  if (!(whole > 0.0)) return 1.0;  // too thin to be sampled
+  return std::min(1.0, sampled_share(comm, low, high) * volume_between(low, high) / whole);
 }
 
 }  // namespace fabseq

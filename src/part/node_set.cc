@@ -2,12 +2,15 @@
 #include "fabseq/part/node_set.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
 #include "fabseq/grid/element_halo.h"
 #include "fabseq/mesh/near_surface.h"
 #include "fabseq/mesh/read_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -31,15 +34,37 @@ std::vector<char> surface_nodes(const Part<Dim>& part) {
   return result;
 }
 
-/// Whether each owned node lies near a surface.
+/// Says how far a surface lies from the part, and how large it is, if its unit of length may be another; else
+/// "".
+template <int Dim>
+std::string doubt_about_unit(const Part<Dim>& part, const TriangleMesh& mesh) {
+  constexpr double far = 10.0, other_size = 500.0;  // of the part's length
+  const Bounds box = bounds(mesh);
+  double square = 0.0, size = 0.0;
+  for (int axis = 0; axis < Dim; ++axis) {
+    const double gap =
+        std::max({0.0, box.low[axis] - part.upper()[axis], part.lower()[axis] - box.high[axis]});
+    square += gap * gap;
+    size = std::max(size, box.high[axis] - box.low[axis]);
+  }
+  const double away = std::sqrt(square), length = part.longest_edge();
+  if (!(away > far * length || size * other_size < length || size > other_size * length)) return "";
+  return formatted(
+      "a mesh %.3g long that lies %.3g away from the part, which is %.3g long: perhaps its unit of "
+      "length is another",
+      size, away, length);
+}
+
+/// Whether each owned node lies near a surface; sets what doubt_about_unit() says.
 template <int Dim>
 std::vector<char> near_nodes(const Part<Dim>& part, const NearMesh& near, double tolerance,
-                             const std::string& key) {
+                             const std::string& key, std::string& doubt) {
   const Grid<Dim>& grid = part.grid();
   if constexpr (Dim == 3) {
     const std::string unit = part.mesh() != nullptr ? part.mesh()->unit() : "";
     TriangleMesh mesh = read_mesh(grid.comm(), near.file, key + "/near/mesh", unit).mesh;
     if (part.mesh() != nullptr) mesh = part.mesh()->placed(std::move(mesh));
+    doubt = doubt_about_unit(part, mesh);
     return nodes_near(mesh, near.distance + tolerance, grid.domain(), grid.owned_nodes());
   }
   throw InputError(key + "/near: in a plane, needs a domain of 3 dimensions");
@@ -47,12 +72,12 @@ std::vector<char> near_nodes(const Part<Dim>& part, const NearMesh& near, double
 
 template <int Dim>
 std::vector<int> find_owned_nodes(const Part<Dim>& part, const NodeSetDescription& description,
-                                  const std::string& key) {
+                                  const std::string& key, std::string& doubt) {
   const Grid<Dim>& grid = part.grid();
   const double tolerance = std::max(description.within, shape_tolerance * grid.smallest_spacing());
   const std::vector<char> surface = description.surface ? surface_nodes<Dim>(part) : std::vector<char>{};
   const std::vector<char> near =
-      description.near ? near_nodes(part, *description.near, tolerance, key) : std::vector<char>{};
+      description.near ? near_nodes(part, *description.near, tolerance, key, doubt) : std::vector<char>{};
   std::vector<int> owned;
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     if (!surface.empty() && surface[offset] == 0) return;
@@ -128,12 +153,15 @@ NodeSet make_node_set(const Part<Dim>& part, const std::string& name, const Node
   const std::string key = "/node_sets/" + name;
   NodeSet set;
   set.name = name;
-  set.owned = find_owned_nodes<Dim>(part, description, key);
+  std::string doubt;
+  set.owned = find_owned_nodes<Dim>(part, description, key, doubt);
   set.count = sum(comm, static_cast<std::int64_t>(set.owned.size()));
   if (set.count == 0)
     throw InputError(key +
                      ": no node that touches the part or the substrate lies in or on the shape or near the "
-                     "mesh, needs at least one");
+                     "mesh, needs at least one" +
+                     (doubt.empty() ? "" : "; found " + doubt));
+  if (!doubt.empty()) warn(key + "/near/mesh: found " + doubt);
   if (description.samples < 0 || description.samples > set.count)
     throw InputError(key + "/samples: " + std::to_string(description.samples) + " of a set of " +
                      std::to_string(set.count) + " nodes, needs 0 (all) to " + std::to_string(set.count));

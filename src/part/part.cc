@@ -42,7 +42,7 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
-  if (description.announce) warn_about_volume();
+  if (description.announce) warn_about_volume(share_of_mesh_in_box());
   const std::vector<double> distance = substrate_.contact_distance();
   PieceMap<Dim> map = find_pieces<Dim>(grid, density_, plate, distance);
   pieces_ = std::move(map.pieces);
@@ -61,13 +61,33 @@ void Part<Dim>::measure_share_of_mesh() {
 }
 
 template <int Dim>
-void Part<Dim>::warn_about_volume() const {
+double Part<Dim>::share_of_mesh_in_box() const {
+  constexpr double allowed = 0.5, tolerated = 0.01, rounding = 1e-3;
+  double share = 1.0;
+  if constexpr (Dim == 3)
+    if (mesh_) share = mesh_->share_within(grid_.comm(), grid_.domain());
+  const double cut_off = 1.0 - share;
+  if (cut_off <= tolerated) return share;
+  const std::string message =
+      formatted("/domain: %.3g %% of the mesh's volume lies outside the box ", 100.0 * cut_off) +
+      to_text<Dim>(grid_.domain().origin) + ".." +
+      to_text<Dim>(grid_.node_position(grid_.domain().elements)) + "; the mesh lies in " +
+      to_text<3>(mesh_->lower()) + ".." + to_text<3>(mesh_->upper());
+  if (cut_off > allowed + rounding)
+    throw InputError(message + formatted("; allowed: up to %g %%", 100.0 * allowed));
+  warn(message + "; it is cut off");
+  return share;
+}
+
+template <int Dim>
+void Part<Dim>::warn_about_volume(double share_in_box) const {
   constexpr double tolerated = 0.03;
-  if (std::abs(share_of_mesh_ - 1.0) <= tolerated) return;
-  warn(
-      formatted("/domain: the part's elements have %.4g times the volume of the mesh, which differs by more "
-                "than %g %%: smaller elements, or a box that holds all of the mesh, come nearer",
-                share_of_mesh_, 100.0 * tolerated));
+  const double share = share_of_mesh_ / share_in_box;
+  if (std::abs(share - 1.0) <= tolerated) return;
+  warn(formatted(
+      "/domain: the part's elements have %.4g times the volume of the mesh%s, which differs by more than "
+      "%g %%: smaller elements come nearer",
+      share, share_in_box < 1.0 ? " in the box" : "", 100.0 * tolerated));
 }
 
 template <int Dim>

@@ -2,6 +2,7 @@
 """Parts that come from a CAD program: where the mesh goes, the box that follows, the elements it fills."""
 
 import os
+import zipfile
 
 import h5py
 import numpy as np
@@ -145,9 +146,19 @@ class FillTest(MeshTest):
         self.assert_done(run)
         (warning,) = [line for line in run.messages() if "volume" in line]
         self.assertRegex(warning, r"^warning: /domain: the part's elements have (0|1)\.\d+ times the volume of the mesh")
-        config["domain"] = {"size": [30, 20, 10], "origin": LOW.tolist()[:2] + [0], "elements": [12, 8, 4]}
-        run = self.run_config(1, config, "-task", "check")
-        self.assertIn("have 0.5 times the volume of the mesh", run.stderr)
+
+    def test_a_box_that_cuts_the_mesh_off(self):
+        config = bar(least_elements=0)
+        for length, elements in ((30, 12), (57.5, 23), (60, 24)):
+            config["domain"] = {"size": [length, 20, 10], "origin": LOW.tolist()[:2] + [0], "elements": [elements, 8, 4]}
+            run = self.run_config(2, config, "-task", "check")
+            self.assert_done(run)
+            warnings = [line for line in run.messages() if "/domain" in line]
+            self.assertEqual(len(warnings), int(length < 60), str(run))
+            if warnings:
+                self.assertIn(f"/domain: {100 * (1 - length / 60):.3g} % of the mesh's volume lies outside the box", warnings[0])
+        config["domain"] = {"size": [27.5, 20, 10], "origin": LOW.tolist()[:2] + [0], "elements": [11, 8, 4]}
+        self.assert_refused(config, "/domain", "54.2 % of the mesh's volume", "[5,-30,0]..[32.5,-10,10]", "up to 50 %")
 
     def test_a_mesh_that_is_open(self):
         self.write_stl("bar.stl", box_triangles(LOW, HIGH)[:-2])
@@ -164,6 +175,84 @@ class FillTest(MeshTest):
         self.assertIn("node set all: 225 nodes", run.stdout)  # 25 x 9
         config["node_sets"]["all"]["near"]["distance"] = 2.5
         self.assertIn("node set all: 450 nodes", self.run_config(1, config, "-task", "check").stdout)
+
+    def test_a_face_in_another_unit(self):
+        self.write_stl("face.stl", box_triangles(LOW, HIGH)[-2:] / 1000)
+        config = bar(place="as_is")
+        config["node_sets"]["all"] = {"near": {"mesh": "face.stl", "distance": 0.5}}
+        self.assert_refused(config, "/node_sets/all", "a mesh 0.06 long", "which is 60 long", "its unit of length is another")
+        config["node_sets"]["all"]["near"]["distance"] = 20
+        run = self.run_config(1, config, "-task", "check")
+        self.assertIn("warning: /node_sets/all/near/mesh: found a mesh 0.06 long", run.stderr)
+
+
+class SurfaceTest(MeshTest):
+    def test_bodies_that_overlap_one_inside_out(self):
+        middle = np.array([HIGH[0] - 20, *HIGH[1:]])
+        turned = box_triangles(LOW + [20, 0, 0], HIGH)[:, ::-1]
+        self.write_stl("bar.stl", np.concatenate([box_triangles(LOW, middle), turned]))
+        run = self.simulate(bar(), ranks=3)
+        self.assertEqual(self.density(run).sum(), 24 * 8 * 4)
+        self.assertIn("1 closed surface, [25,-30,7]..[65,-10,17] in the file, not inside another", run.stderr)
+
+    def test_cavities(self):
+        inner = box_triangles(LOW + 2.5, HIGH - 2.5)
+        self.write_stl("bar.stl", np.concatenate([box_triangles(LOW, HIGH), inner[:, ::-1]]))
+        run = self.simulate(bar(least_elements=0))
+        self.assertEqual(self.density(run).sum(), 24 * 8 * 4 - 22 * 6 * 2)
+        self.assertIn("taken as a cavity", run.stderr)
+        self.write_stl("bar.stl", np.concatenate([box_triangles(LOW, HIGH), inner]))
+        run = self.simulate(bar(least_elements=0))
+        self.assertEqual(self.density(run).sum(), 24 * 8 * 4)
+        self.assertIn("taken as solid; if it is a cavity, turn it round", run.stderr)
+
+    def test_a_stray_triangle(self):
+        stray = np.array([[[1e5, 0, 0], [1e5, 0, 1e-3], [1e5, 1e-3, 0]]])
+        self.write_stl("bar.stl", np.concatenate([box_triangles(LOW, HIGH), stray]))
+        run = self.simulate(bar())
+        self.assertEqual(run.json("config.json")["domain"]["elements"], [24, 8, 4])
+        self.assertIn("1 stray triangle at [100000,0,0]", run.stderr)
+
+    def test_far_from_the_origin(self):
+        """Single precision has steps of 4 there."""
+        away = np.array([5e7, 0, 0])
+        with open(os.path.join(self.directory, "bar.stl"), "w", encoding="utf-8") as file:
+            file.write(stl_text(box_triangles(LOW + away, HIGH + away)).replace("e+07", "e7"))
+        run = self.simulate(bar())
+        self.assertEqual(self.density(run).sum(), 24 * 8 * 4)
+
+    def test_units(self):
+        self.write_three_mf("bar.3mf", box_triangles(LOW, HIGH) / 25.4, "inch")
+        config = bar(file="bar.3mf")
+        config["domain"]["unit"] = "mm"
+        run = self.simulate(config)
+        self.assertIn("is in inch, converted to mm", run.stderr)
+        np.testing.assert_allclose(run.json("config.json")["domain"]["size"], [60, 20, 10])
+        placement = np.array(run.json("config.json")["run"]["mesh_placement"])
+        np.testing.assert_allclose(placement @ [*LOW / 25.4, 1], [5, -30, 0], atol=1e-5)  # single precision
+        config["part"]["mesh"]["scale"] = 0.5
+        config["domain"]["element"] = 1.25
+        np.testing.assert_allclose(self.simulate(config).json("config.json")["domain"]["size"], [30, 10, 5])
+        config = bar(file="bar.3mf", scale=25.4)
+        run = self.simulate(config)
+        self.assertIn("is in inch, but domain.unit names no unit of length", run.stderr)
+        np.testing.assert_allclose(run.json("config.json")["domain"]["size"], [60, 20, 10])
+
+    def write_three_mf(self, name, triangles, unit):
+        vertices = "".join('<vertex x="{:.12g}" y="{:.12g}" z="{:.12g}"/>'.format(*x) for x in triangles.reshape(-1, 3))
+        numbers = "".join(f'<triangle v1="{3 * t}" v2="{3 * t + 1}" v3="{3 * t + 2}"/>' for t in range(len(triangles)))
+        model = (f'<model unit="{unit}" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
+                 f'<object id="1"><mesh><vertices>{vertices}</vertices><triangles>{numbers}</triangles></mesh></object>'
+                 '</resources><build><item objectid="1"/></build></model>')
+        packages = "http://schemas.openxmlformats.org/package/2006"
+        types = "".join(f'<Default Extension="{extension}" ContentType="application/{kind}+xml"/>' for extension, kind in (
+            ("rels", "vnd.openxmlformats-package.relationships"), ("model", "vnd.ms-package.3dmanufacturing-3dmodel")))
+        with zipfile.ZipFile(os.path.join(self.directory, name), "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("[Content_Types].xml", f'<Types xmlns="{packages}/content-types">{types}</Types>')
+            archive.writestr("_rels/.rels", f'<Relationships xmlns="{packages}/relationships"><Relationship Id="model" '
+                             'Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
+                             '</Relationships>')
+            archive.writestr("3D/3dmodel.model", model)
 
 
 class CheckTest(MeshTest):

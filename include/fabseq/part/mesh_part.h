@@ -62,9 +62,14 @@ class PlacedMesh {
   /// Number of elements of a domain of which `least` or more lies inside. Ranks share the work. Collective on
   /// `comm`.
   std::int64_t count_filled(MPI_Comm comm, const Domain<3>& domain, double least) const;
+  /// Share of the volume that lies in a domain's box, from samples; 1 if the box holds the mesh. Ranks share
+  /// the work. Collective on `comm`.
+  double share_within(MPI_Comm comm, const Domain<3>& domain) const;
 
  private:
   double measured_volume(MPI_Comm comm) const;
+  /// Share of a box that lies inside, from 128 samples along each axis.
+  double sampled_share(MPI_Comm comm, const Point<3>& low, const Point<3>& high) const;
 
   TriangleMesh mesh_;
   std::array<Point<3>, 3> matrix_{};  ///< turns and scale, [row][column]

@@ -155,7 +155,10 @@ class Part {
  private:
   void measure_share_of_mesh();
   void warn_about(const Clarity& clarity) const;
-  void warn_about_volume() const;
+  /// Share of the mesh's volume in the grid's box, 1 without a mesh. Warns of what is cut off; throws
+  /// InputError if that is more than half.
+  double share_of_mesh_in_box() const;
+  void warn_about_volume(double share_in_box) const;
   void refuse_empty_part(const PartDescription& description) const;
   void refuse_no_contact() const;
   void drop_or_refuse_hanging_pieces(const PartDescription& description,
