@@ -13,6 +13,34 @@ wait_for_end() {
   done
 }
 
+# Copies lines, but those with which Open MPI's mpirun comments on a status other than 0, as if the program had crashed:
+# the program has said why it ended. They stand between two lines of dashes; other lines may come in between.
+leave_out_exit_reports() {
+  local line held='' inside=no
+  trap '' HUP INT QUIT TERM USR1 USR2
+  while IFS= read -r line || [[ -n $line ]]; do
+    if [[ $inside == yes ]]; then
+      case $line in
+        ----------*) inside=no ;;
+        '' | 'a non-zero exit code.'* | 'the job to be terminated. The first'* | '  Process name: '* | '  Exit code: '*) ;;
+        *) printf '%s\n' "$line" ;;
+      esac
+    elif [[ -n $held && ($line == 'Primary job '*' terminated normally, but '* ||
+      $line == 'mpirun detected that one or more processes exited with non-zero status'*) ]]; then
+      held='' inside=yes
+    else
+      [[ -z $held ]] || printf '%s\n' "$held"
+      held=''
+      if [[ $line == ----------* ]]; then
+        held=$line # whatever comes next decides
+      else
+        printf '%s\n' "$line"
+      fi
+    fi
+  done
+  [[ -z $held ]] || printf '%s\n' "$held"
+}
+
 # Runs mpirun so that Ctrl-C, TERM and a closed terminal stop the program behind it with a checkpoint:
 #
 #   launch_stoppable NAME COMMAND [WORD]...     NAME begins the messages
@@ -22,16 +50,23 @@ wait_for_end() {
 # once; a third one, or Ctrl-\, kills mpirun. The status is that of COMMAND. What the terminal types does not reach the
 # ranks; other input does. The traps of the shell are as before afterwards.
 launch_stoppable() {
-  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 traps caught=(HUP INT QUIT TERM USR1 USR2)
+  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 errors filter traps caught=(HUP INT QUIT TERM USR1 USR2)
   shift
   trap - URG # until it sets one, a subshell lists the traps of its parent, which it does not have
   traps=$(trap -p "${caught[@]}")
   trap hand_on_stop "${caught[@]}"
   trap 'stops=2; hand_on_stop' QUIT
-  setsid "$@" <&0 & # without <&0 a script's background process reads nothing
+  exec {errors}> >(leave_out_exit_reports >&2)
+  filter=$!
+  setsid "$@" <&0 2>&"$errors" {errors}>&- & # without <&0 a script's background process reads nothing
   launcher=$!
+  exec {errors}>&-
   [[ $early == no ]] || hand_on_stop
   wait_for_end "$launcher" || status=$?
+  for ((last = 0; last < 40; ++last)); do # what it has got comes before the prompt; a rank that stays must not keep us
+    kill -0 "$filter" 2>/dev/null || break
+    sleep 0.05
+  done
   trap - "${caught[@]}"
   eval "$traps"
   ((status != 4 || signals == 0)) || echo "$name: stopped; the same command with -restart auto continues" >&2

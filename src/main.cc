@@ -80,8 +80,10 @@ void run_task(const CommandLine& command_line, const Config& config) {
   PhaseTimer timer;
   const Setup<Dim> setup(PETSC_COMM_WORLD, config);
   stop_if_signalled(setup.world());
-  // A run for a larger machine can be checked on a small one.
-  if (command_line.task != Task::check) setup.require_memory_of_layers();
+  if (command_line.task != Task::check) {
+    setup.require_walls();
+    setup.require_memory_of_layers();  // a run for a larger machine can be checked on a small one
+  }
   switch (command_line.task) {
     case Task::optimize:
       return optimize(command_line, setup, timer);
@@ -96,6 +98,7 @@ void run_task(const CommandLine& command_line, const Config& config) {
     case Task::check:
       run_check(setup);
       if (command_line.picture) write_check_picture(setup, command_line);
+      setup.require_walls();  // last: the picture shows where they are thin
   }
 }
 
@@ -116,6 +119,7 @@ int main(int argc, char** argv) {
   const StopRequests stop_requests(command_line.max_wall_time);
   return run_session(command_line.petsc_arguments, [&] {
     if (problem) std::rethrow_exception(problem);
+    refuse_own_options_of_petsc();
     if (command_line.help) return print(help_text());
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);

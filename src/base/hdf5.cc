@@ -39,6 +39,15 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
+/// Where else than in its file a dataset's values are, "" if nowhere. What it names may be anything: reading a
+/// pipe would never end, and a missing file reads as 0.
+std::string place_elsewhere(hid_t dataset) {
+  const Hdf5PropertyList creation(H5Dget_create_plist(dataset));
+  if (H5Pget_external_count(creation) > 0) return "keeps its values in external files";
+  if (H5Pget_layout(creation) == H5D_VIRTUAL) return "is virtual: its values are those of other datasets";
+  return "";
+}
+
 /// Opens a file on this rank alone.
 Hdf5File open_alone(const std::string& file_name, const std::string& file_key) {
   const std::string problem = reading_problem(file_name);
@@ -64,6 +73,10 @@ void check_alone(const std::string& file_name, const std::string& dataset_name, 
   if (!is_numeric(dataset))
     throw InputError(dataset_key + ": dataset '" + dataset_name + "' of '" + file_name +
                      "' is not numeric, needs integers or floating point numbers");
+  const std::string elsewhere = place_elsewhere(dataset);
+  if (!elsewhere.empty())
+    throw InputError(dataset_key + ": dataset '" + dataset_name + "' of '" + file_name + "' " + elsewhere +
+                     "; needs them in the dataset itself");
 }
 
 }  // namespace

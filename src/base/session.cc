@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/session.h"
 
+#include "base/launch.h"
 #include "base/processor.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
@@ -42,8 +43,11 @@ int refused(PetscErrorCode code) {
   return static_cast<int>(ExitStatus::bad_input);
 }
 
-/// PETSc options that were never read are most likely misspelt.
+/// PETSc options that were never read are most likely misspelt. With -options_left, PETSc lists them itself.
 void warn_about_unread_options() {
+  PetscBool listed = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-options_left", &listed));
+  if (listed) return;
   PetscInt count = 0;
   char** names = nullptr;
   char** values = nullptr;
@@ -140,7 +144,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
     return refused(code);
   PetscErrorPrintf = PetscErrorPrintfDefault;
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
-  const int status = guarded(program);
+  const int status = is_one_of_copies() ? static_cast<int>(ExitStatus::bad_input) : guarded(program);
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();
   return status;

@@ -3,6 +3,7 @@
 
 #include "config/config_keys.h"
 #include "fabseq/base/error.h"
+#include "fabseq/base/petsc.h"
 #include "fabseq/base/stop.h"
 
 #include <algorithm>
@@ -57,6 +58,11 @@ std::vector<std::string> with_solver_prefixes(const std::string& word) {
   return result;
 }
 
+/// Whether PETSc has an option of this name.
+bool is_petscs_too(std::string_view name) {
+  return name == "-help" || name == "--help" || name == "-h" || name == "-version" || name == "--version";
+}
+
 Task parse_task(const std::string& name) {
   const std::vector<std::string> names = split(task_names, ' ');
   const auto found = std::ranges::find(names, name);
@@ -84,6 +90,14 @@ std::string quoted(const std::string& word) {
 
 class Parser {
  public:
+  /// Names of all options that are not PETSc's.
+  static std::vector<std::string> own_names() {
+    std::vector<std::string> names;
+    for (const ConfigKey* key : keys_with_option()) names.push_back(key->option);
+    for (const OwnOption& option : own_options()) names.emplace_back(option.name);
+    return names;
+  }
+
   Parser(int argc, const char* const* argv) : words_(argv, argv + argc) {}
 
   CommandLine parse() {
@@ -201,9 +215,7 @@ class Parser {
 
   /// Refuses an option that nothing will read: better now than after hours of computing.
   static void refuse_misspelt(const std::string& word) {
-    std::vector<std::string> known;
-    for (const ConfigKey* key : keys_with_option()) known.push_back(key->option);
-    for (const OwnOption& option : own_options()) known.emplace_back(option.name);
+    const std::vector<std::string> known = own_names();
     if (begins_like_petscs(word) && nearest_word(word, known, 2).empty()) return;
     std::string nearest = nearest_word(word, known);
     if (nearest.empty()) nearest = nearest_word(word, with_solver_prefixes(word), 2);
@@ -220,5 +232,18 @@ class Parser {
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) { return Parser(argc, argv).parse(); }
+
+void refuse_own_options_of_petsc() {
+  for (const std::string& name : Parser::own_names()) {
+    if (is_petscs_too(name)) continue;
+    PetscBool given = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &given));
+    if (given != PETSC_FALSE)
+      throw InputError(
+          name +
+          ": found in PETSC_OPTIONS, .petscrc or a file of PETSc's options, where fabseq does not "
+          "look for it; allowed: on the command line, or its key in the config");
+  }
+}
 
 }  // namespace fabseq

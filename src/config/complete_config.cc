@@ -19,12 +19,28 @@ std::vector<std::string> names(const Keys& keys) {
 
 std::string name_list(const Keys& keys) { return join(names(keys), ", "); }
 
+/// The section that has a key of this name, if it is the only one; else "".
+std::string section_with(const std::string& name) {
+  std::string found;
+  for (const SectionKeys& section : config_sections())
+    for (const ConfigKey& key : section.keys)
+      if (key.name == name && section.path != found) {
+        if (!found.empty()) return "";
+        found = section.path.empty() ? "the config itself" : section.path;
+      }
+  return found;
+}
+
 [[noreturn]] void refuse_unknown_key(const std::string& pointer, const std::string& name,
                                      const std::string& variant, const Keys& keys) {
   std::string message = pointer_to(pointer, name) + ": unknown key";
   if (!variant.empty()) message += " for type \"" + variant + "\"";
   const std::string nearest = nearest_word(name, names(keys));
-  message += nearest.empty() ? ";" : "; did you mean \"" + nearest + "\"?";
+  const std::string home = nearest.empty() ? section_with(name) : "";
+  if (!home.empty())
+    message += "; it is a key of " + home + ";";
+  else
+    message += nearest.empty() ? ";" : "; did you mean \"" + nearest + "\"?";
   throw InputError(message + " allowed here: " + name_list(keys));
 }
 

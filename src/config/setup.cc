@@ -21,12 +21,10 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   (void)this->grid.exchange(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
   if (config.solver.path == SolverPath::reference)
     require_solver_options({solver_prefixes.begin(), solver_prefixes.end()});
-  require_walls();
   require_release();
   warn_about_method();
 }
 
-/// Refuses meshes on a grid that is too coarse for their walls.
 template <int Dim>
 void Setup<Dim>::require_walls() const {
   const auto* mesh = std::get_if<MeshFile>(&config.part.source);

@@ -80,6 +80,9 @@ std::unique_ptr<const RunLock> set_up(const fs::path& directory, bool overwrite)
   const fs::file_status status = fs::status(directory, error);
   if (fs::exists(status) && !fs::is_directory(status))
     fail("make output directory", directory, "it is a file");
+  if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(directory, error)))
+    fail("make output directory", directory,
+         "it is a link to '" + fs::read_symlink(directory, error).string() + "', which is not there");
   const bool holds_run = fs::exists(directory / mark_of_a_run, error);
   if (holds_run && !overwrite)
     throw InputError("output directory '" + directory.string() +

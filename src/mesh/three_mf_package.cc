@@ -121,7 +121,8 @@ std::string relations_text(const std::vector<Relation>& relations) {
 }
 
 /// The relations of a model with those that it lacks; none if it lacks none.
-std::optional<std::vector<Relation>> completed(std::vector<Relation> relations, const std::set<std::string>& files) {
+std::optional<std::vector<Relation>> completed(std::vector<Relation> relations,
+                                               const std::set<std::string>& files) {
   std::set<std::string> known;
   for (const Relation& relation : relations) known.insert(in_archive(relation.target));
   const std::size_t before = relations.size();
@@ -141,7 +142,8 @@ ThreeMfPackage prepare_three_mf(std::string bytes) {
   const Model model(archive, root);
   for (const std::string& file : model.files()) {
     if (!archive.has(file))
-      throw InputError("names the file \"" + file + "\", which is not in its archive, needs an intact 3MF file");
+      throw InputError("names the file \"" + file +
+                       "\", which is not in its archive, needs an intact 3MF file");
     (void)Model(archive, file);  // checks it
   }
   const std::size_t name = root.rfind('/') + 1;  // 0 where there is none
@@ -149,7 +151,8 @@ ThreeMfPackage prepare_three_mf(std::string bytes) {
   const auto wanted = completed(relations_in(archive, relations), model.files());
   ThreeMfPackage result;
   result.printable = model.printable();
-  result.bytes = wanted ? std::move(archive).with_file(relations, relations_text(*wanted)) : std::move(archive).take();
+  result.bytes =
+      wanted ? std::move(archive).with_file(relations, relations_text(*wanted)) : std::move(archive).take();
   return result;
 }
 

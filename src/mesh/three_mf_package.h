@@ -14,8 +14,8 @@ struct ThreeMfPackage {
   std::vector<bool> printable;  ///< of the items of the build, in their order
 };
 
-/// Looks through an archive's models. Errors are InputError: for what is damaged, for a triangle with a corner
-/// that is no vertex, for a model that names a file that is not there.
+/// Looks through an archive's models. Errors are InputError: for what is damaged, for a triangle with a
+/// corner that is no vertex, for a model that names a file that is not there.
 ThreeMfPackage prepare_three_mf(std::string bytes);
 
 }  // namespace fabseq

@@ -3,10 +3,9 @@
 
 #include "fabseq/base/error.h"
 
-#include <expat.h>
-
 #include <algorithm>
 #include <exception>
+#include <expat.h>
 #include <limits>
 #include <memory>
 #include <string>
@@ -62,7 +61,8 @@ void for_each_xml_element(std::string_view text,
   do {
     const std::string_view part = text.substr(0, most);
     text.remove_prefix(part.size());
-    status = XML_Parse(parser.get(), part.data(), static_cast<int>(part.size()), text.empty() ? XML_TRUE : XML_FALSE);
+    status = XML_Parse(parser.get(), part.data(), static_cast<int>(part.size()),
+                       text.empty() ? XML_TRUE : XML_FALSE);
   } while (status == XML_STATUS_OK && !text.empty());
   if (call.thrown) std::rethrow_exception(call.thrown);
   if (status != XML_STATUS_OK)

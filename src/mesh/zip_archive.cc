@@ -3,12 +3,11 @@
 
 #include "fabseq/base/error.h"
 
-#include <zip.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
+#include <zip.h>
 
 namespace fabseq {
 
@@ -47,7 +46,8 @@ ZipArchive::ZipArchive(std::string bytes) : bytes_(std::move(bytes)) {
       refuse("its archive: " + std::string(zip_strerror(archive_.get())));
     all += std::min(entry.size, largest_sum);
     if (entry.size > largest_file || all > largest_sum)
-      throw InputError("has files of more than 512 MiB, or 1 GiB in all, in its archive, which is not allowed");
+      throw InputError(
+          "has files of more than 512 MiB, or 1 GiB in all, in its archive, which is not allowed");
     const std::string name = entry.name;
     if (!name.ends_with('/')) names_.push_back(name);
   }

@@ -10,8 +10,8 @@ struct zip_source;
 
 namespace fabseq {
 
-/// A ZIP archive in memory, through libzip. Errors are InputError: what is damaged is refused, and files of more
-/// than 512 MiB, or 1 GiB in all.
+/// A ZIP archive in memory, through libzip. Errors are InputError: what is damaged is refused, and files of
+/// more than 512 MiB, or 1 GiB in all.
 class ZipArchive {
  public:
   /// Opens an archive by its bytes.

@@ -79,12 +79,11 @@ void print_responses(const SequenceNumbers& numbers) {
   }
 }
 
-void warn_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material) {
+void print_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material) {
   const auto& stress = numbers.build->stress;
   if (!stress || stress->share_beyond_yield == 0.0) return;
-  warn(formatted(
-      "the residual stress reaches %.4g; it is above the yield stress %.4g in %.3g %% of the part, where "
-      "a linear model overstates it",
+  print(formatted(
+      "residual stress, without plastic flow: up to %.4g, above the yield stress %.4g in %.3g %% of the part",
       stress->von_mises, *material.yield_stress, 100.0 * stress->share_beyond_yield));
 }
 

@@ -102,7 +102,7 @@ void Part<Dim>::warn_about(const Clarity& clarity) const {
   Point<3> place = clarity.least_clear;
   broadcast(grid_.comm(), place, first);
   warn("/part/mesh: the mesh has holes, or faces that are turned round: inside is not clear for " +
-       formatted("%.2g %% of %lld points, least at ",
+       formatted("%.3g %% of %lld points, least at ",
                  100.0 * static_cast<double>(unclear) / static_cast<double>(asked),
                  static_cast<long long>(asked)) +
        to_text<3>(place));

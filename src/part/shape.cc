@@ -2,6 +2,7 @@
 #include "fabseq/part/shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace fabseq {
@@ -52,38 +53,14 @@ bool in_cylinder(const Shape& cylinder, std::span<const double> point, double to
   return norm(offset) <= cylinder.radius + tolerance;
 }
 
-using PlanePoint = std::array<double, 2>;
-
-double distance_to_edge(const PlanePoint& point, const PlanePoint& start, const PlanePoint& end) {
-  const PlanePoint edge = {end[0] - start[0], end[1] - start[1]};
-  const PlanePoint offset = {point[0] - start[0], point[1] - start[1]};
-  const double square = dot(edge, edge);
-  const double along = square > 0.0 ? std::clamp(dot(offset, edge) / square, 0.0, 1.0) : 0.0;
-  return std::hypot(offset[0] - along * edge[0], offset[1] - along * edge[1]);
-}
-
-/// Whether the ray from `point` towards larger first coordinates crosses the edge.
-bool ray_crosses(const PlanePoint& point, const PlanePoint& start, const PlanePoint& end) {
-  if ((start[1] > point[1]) == (end[1] > point[1])) return false;
-  const double share = (point[1] - start[1]) / (end[1] - start[1]);
-  return point[0] < start[0] + share * (end[0] - start[0]);
-}
-
-bool in_polygon(const Shape& polygon, std::span<const double> point, double tolerance) {
-  PlanePoint projected{};
+bool in_polygon(const Shape& shape, std::span<const double> point, double tolerance) {
+  Polygon::Point projected{};
   std::size_t next = 0;
   for (std::size_t i = 0; i < point.size(); ++i) {
-    if (point.size() == 3 && static_cast<int>(i) == polygon.axis) continue;
+    if (point.size() == 3 && static_cast<int>(i) == shape.axis) continue;
     projected[next++] = point[i];
   }
-  bool inside = false;
-  PlanePoint start = polygon.points.back();
-  for (const PlanePoint& end : polygon.points) {
-    if (distance_to_edge(projected, start, end) <= tolerance) return true;
-    if (ray_crosses(projected, start, end)) inside = !inside;
-    start = end;
-  }
-  return inside;
+  return shape.polygon.contains(projected, tolerance);
 }
 
 }  // namespace

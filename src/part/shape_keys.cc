@@ -59,10 +59,10 @@ Section<Shape> polygon_keys() {
       .key(
           "points", "Corners, in three dimensions in the two other axes in ascending order",
           {.type = KeyType::points, .required = true, .unit = "length"},
-          [](Its& polygon, const Json& value, const KeyPlace&) {
-            polygon.points = value.get<std::vector<std::array<double, 2>>>();
+          [](Its& shape, const Json& value, const KeyPlace&) {
+            shape.polygon = Polygon(value.get<std::vector<Polygon::Point>>());
           },
-          [](Its& polygon, Json& object) { object["points"] = polygon.points; })
+          [](Its& shape, Json& object) { object["points"] = shape.polygon.corners(); })
       .key("axis", &Its::axis, "Axis along which it is extruded",
            {.type = KeyType::axis, .required = true, .dimension = 3});
 }

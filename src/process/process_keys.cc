@@ -40,7 +40,7 @@ Section<MaterialSettings> material_keys() {
       .key("mass_density", &Its::mass_density, "Density, from which the mass of wire follows",
            {.range = "(0, inf)", .words = "none", .unit = "kg/length^3"})
       .key("yield_stress", &Its::yield_stress,
-           "Yield stress: a run warns where the residual stress is above it",
+           "Yield stress: a run says in which share of the part the residual stress is above it",
            {.range = "(0, inf)", .words = "none", .unit = "stress", .option = "-yield_stress"})
       .key("inherent_strain",
            "Inherent strain: a Voigt vector, engineering shear, "

@@ -2,8 +2,11 @@
 #include "tasks/advice.h"
 
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/mpi.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace fabseq {
 
@@ -14,6 +17,8 @@ constexpr double least_elements_per_layer = 2.5;
 constexpr double most_vacant_layers = 0.2, least_vacant_layers = -0.02;
 /// At least this share of the iterations belongs to the last sharpness.
 constexpr double share_of_last_beta = 0.2;
+/// Of the largest cross-section along the plate.
+constexpr double least_foot = 0.05;
 
 /// How N times the target goes with what there is to build.
 template <int Dim>
@@ -56,6 +61,30 @@ void add_advice_on_sharpness(const Setup<Dim>& setup, std::vector<std::string>& 
                   steps * projection.interval, iterations));
 }
 
+/// Part elements in the layer of elements of the grid, along the plate, that has most of them. Collective.
+template <int Dim>
+std::int64_t largest_cross_section(const Setup<Dim>& setup) {
+  const int axis = setup.config.plate.axis;
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(setup.grid.domain().elements[axis]));
+  for (const int element : setup.part.elements())
+    ++counts[static_cast<std::size_t>(setup.grid.owned_elements().index(element)[axis])];
+  sum_in_place(setup.grid.comm(), counts);
+  return *std::max_element(counts.begin(), counts.end());
+}
+
+/// Whether the part stands on next to nothing.
+template <int Dim>
+void add_advice_on_foot(const Setup<Dim>& setup, std::vector<std::string>& result) {
+  if (setup.part.substrate().count() > 0) return;
+  const auto foot = setup.part.plate_contact(), largest = largest_cross_section(setup);
+  const double share = static_cast<double>(foot) / static_cast<double>(largest);
+  if (share < least_foot)
+    result.push_back(
+        formatted("/build_plate: the part stands on %lld elements, %.2g %% of its largest cross-section along "
+                  "the plate: turn it, cut it flat (domain.origin), or give it a foot",
+                  static_cast<long long>(foot), 100.0 * share));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -74,6 +103,7 @@ std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height)
                                elements, least_elements_per_layer));
   add_advice_on_count(setup, geodesic_height, result);
   add_advice_on_sharpness(setup, result);
+  add_advice_on_foot(setup, result);
   return result;
 }
 

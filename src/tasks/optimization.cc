@@ -160,7 +160,7 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
   const BestIterate& best = run.best;
   const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
-  warn_beyond_yield(reports.binary, setup.config.material);
+  print_beyond_yield(reports.binary, setup.config.material);
   if (!setup.config.output.sensitivity) return;
   try {
     write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);

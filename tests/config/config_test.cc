@@ -259,7 +259,7 @@ TEST(ConfigTest, ShapesOfPartAndNodeSets) {
   EXPECT_EQ(shape.operands[0].operands[1].radius, 0.5);
   EXPECT_EQ(shape.operands[1].second, (std::vector<double>{-1, 0, 1}));
   EXPECT_EQ(shape.operands[2].axis, 1);
-  EXPECT_EQ(shape.operands[2].points[2][1], 1.0);
+  EXPECT_EQ(shape.operands[2].polygon.corners()[2][1], 1.0);
   EXPECT_EQ(config.node_sets.at("edge").samples, 3);
   EXPECT_EQ(config.node_sets.at("edge").shape.kind, Shape::Kind::sphere);
   EXPECT_EQ(config.node_sets.at("top").samples, 0);

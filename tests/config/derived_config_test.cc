@@ -71,7 +71,7 @@ TEST(DerivedConfigTest, ShapesAreWritten) {
     sphere.kind = Shape::Kind::sphere;
     sphere.radius = 0.75;
     polygon.kind = Shape::Kind::polygon;
-    polygon.points = {{0.0, 0.0}, {2.0, 0.5}, {0.25, 1.5}};
+    polygon.polygon = Polygon({{0.0, 0.0}, {2.0, 0.5}, {0.25, 1.5}});
     if (config.dimension() == 3) polygon.axis = 1;
     for (std::size_t axis = 0; axis < config.size.size(); ++axis) {
       box.first.push_back(0.0);

@@ -79,12 +79,11 @@ TEST_F(ReadThreeMfTest, ObjectsInOtherFiles) {
   const std::string model = "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">";
   const std::string other = model + "<resources>" + three_mf_object(1, box_mesh({2, 2, 3}, {3, 4, 7})) +
                             "</resources><build><item objectid=\"1\"/></build></model>";
-  const std::string whole =
-      three_mf_object(1, box) +
-      "<object id=\"2\"><components><component "
-      "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" "
-      "p:path=\"/3D/Objects/half.model\" objectid=\"1\"/>"
-      "<component objectid=\"1\"/></components></object>";
+  const std::string whole = three_mf_object(1, box) +
+                            "<object id=\"2\"><components><component "
+                            "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" "
+                            "p:path=\"/3D/Objects/half.model\" objectid=\"1\"/>"
+                            "<component objectid=\"1\"/></components></object>";
   const TriangleMesh found = read(three_mf(whole, three_mf_item(2), {{"3D/Objects/half.model", other}}));
   EXPECT_EQ(found.triangles.size(), 24u);
   EXPECT_EQ(bounds(found).high, (Point<3>{3, 4, 7}));
@@ -113,9 +112,9 @@ TEST_F(ReadThreeMfTest, IndexBeyondTheVertices) {
   TriangleMesh damaged = box;
   for (const std::int32_t bad : {8, 2000000000, -1}) {
     damaged.triangles[4][1] = bad;
-    EXPECT_TRUE(contains(
-        refusal_of(three_mf(three_mf_object(1, damaged), three_mf_item(1))),
-        " (allowed: 0 to 7) in triangle 5 of object 1 of \"3D/3dmodel.model\" in its archive"));
+    EXPECT_TRUE(
+        contains(refusal_of(three_mf(three_mf_object(1, damaged), three_mf_item(1))),
+                 " (allowed: 0 to 7) in triangle 5 of object 1 of \"3D/3dmodel.model\" in its archive"));
   }
 }
 

@@ -45,7 +45,7 @@ Shape sphere(Point center, double radius) {
 Shape polygon(std::vector<std::array<double, 2>> points, int axis = 2) {
   Shape shape;
   shape.kind = Shape::Kind::polygon;
-  shape.points = std::move(points);
+  shape.polygon = Polygon(std::move(points));
   shape.axis = axis;
   return shape;
 }

@@ -127,10 +127,9 @@ inline std::string three_mf(const std::string& resources, const std::string& ite
                             bool deflated = false, const std::string& unit = "millimeter") {
   const std::string declaration = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   const std::string model =
-      declaration +
-      "<model unit=\"" + unit +
-      "\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>" +
-      resources + "</resources><build>" + items + "</build></model>";
+      declaration + "<model unit=\"" + unit +
+      "\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>" + resources +
+      "</resources><build>" + items + "</build></model>";
   std::string relations =
       declaration +
       "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship "

@@ -38,6 +38,10 @@ struct CommandLine {
 /// each other, or a missing -config (unless -help, -help_markdown or -version is given).
 CommandLine parse_command_line(int argc, const char* const* argv);
 
+/// Throws InputError if PETSc has one of fabseq's own options, from PETSC_OPTIONS, a file .petscrc or
+/// -options_file: it would have no effect. After PetscInitialize. Not collective.
+void refuse_own_options_of_petsc();
+
 /// Puts a value into a config. `path` consists of keys joined by dots. It selects entries of lists by index
 /// or by their "type" (the first entry that has it). Missing objects are created. `text` is JSON; text that
 /// is not JSON is taken as a string. Throws InputError if the path cannot be followed; make_config() finds

@@ -32,11 +32,12 @@ class Setup : public Model<Dim> {
   /// Throws InputError if the densities and displacements of all layers are more than the machines of this
   /// run can hold. Collective.
   void require_memory_of_layers() const;
+  /// Refuses meshes on a grid that is too coarse for their walls. Collective on the world.
+  void require_walls() const;
 
  private:
   /// The design's sequence and the planar baseline count.
   int most_layers_of_a_sequence() const { return std::max(this->layers->count(), this->baseline->count()); }
-  void require_walls() const;
   void require_release() const;
   void warn_about_method() const;
 };

@@ -3,7 +3,8 @@
 /// Constructive solid geometry: which points belong to a part, a node set, a start region.
 #pragma once
 
-#include <array>
+#include "fabseq/part/polygon.h"
+
 #include <span>
 #include <vector>
 
@@ -23,8 +24,8 @@ struct Shape {
   std::vector<double> second;  ///< box max, half_space normal, cylinder to
   double radius = 0.0;         ///< cylinder, sphere
   int axis = 2;                ///< polygon in 3D: axis along which it is extruded through the box
-  /// Corners of a polygon; in 3D, the coordinates along the two other axes in ascending order.
-  std::vector<std::array<double, 2>> points;
+  /// In 3D, its corners are the coordinates along the two other axes in ascending order.
+  Polygon polygon;
   std::vector<Shape> operands;  ///< union_of, intersection, difference (the first minus all others)
 
   /// Whether `point` (one coordinate per axis) lies inside or at most `tolerance` outside; both in length

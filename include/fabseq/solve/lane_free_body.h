@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/grid/grid.h"
+#include "fabseq/grid/unknown_numbering.h"
 #include "fabseq/multigrid/lane_cycle.h"
 #include "fabseq/solve/solve_report.h"
 
