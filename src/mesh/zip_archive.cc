@@ -31,13 +31,14 @@ void ZipArchive::Free::operator()(zip_source* source) const { zip_source_free(so
 ZipArchive::ZipArchive(std::string bytes) : bytes_(std::move(bytes)) {
   zip_error_t error;
   zip_error_init(&error);
-  source_.reset(zip_source_buffer_create(bytes_.data(), bytes_.size(), 0, &error));
-  if (source_ == nullptr) refuse("no memory for its archive");
-  archive_.reset(zip_open_from_source(source_.get(), 0, &error));
+  const std::unique_ptr<zip_source, Free> source(
+      zip_source_buffer_create(bytes_.data(), bytes_.size(), 0, &error));
+  if (source == nullptr) refuse("no memory for its archive");
+  archive_.reset(zip_open_from_source(source.get(), ZIP_RDONLY, &error));
   const std::string reason = archive_ == nullptr ? zip_error_strerror(&error) : "";
   zip_error_fini(&error);
   if (archive_ == nullptr) refuse("its archive: " + reason);
-  zip_source_keep(source_.get());  // the archive releases one of two
+  zip_source_keep(source.get());  // the archive releases one of two
   std::uint64_t all = 0;
   for (zip_int64_t i = 0; i < zip_get_num_entries(archive_.get(), 0); ++i) {
     zip_stat_t entry;
@@ -72,30 +73,38 @@ std::string ZipArchive::read(const std::string& name) const {
   return content;
 }
 
-std::string ZipArchive::with_file(const std::string& name, const std::string& content) && {
-  zip* const archive = archive_.get();
-  zip_source_t* const added = zip_source_buffer(archive, content.data(), content.size(), 0);
-  if (added == nullptr) refuse("no memory for its archive");
-  if (zip_file_add(archive, name.c_str(), added, ZIP_FL_OVERWRITE | ZIP_FL_ENC_UTF_8) < 0) {
-    zip_source_free(added);
-    refuse("its archive: " + std::string(zip_strerror(archive)));
+std::string ZipArchive::with_file(const std::string& name, const std::string& content) const {
+  std::vector<std::pair<std::string, std::string>> files = {{name, content}};  // libzip reads them at the end
+  for (const std::string& other : names_)
+    if (other != name) files.emplace_back(other, read(other));
+  zip_error_t error;
+  zip_error_init(&error);
+  const std::unique_ptr<zip_source, Free> memory(zip_source_buffer_create(nullptr, 0, 0, &error));
+  std::unique_ptr<zip, Discard> archive(
+      memory == nullptr ? nullptr : zip_open_from_source(memory.get(), ZIP_CREATE | ZIP_TRUNCATE, &error));
+  zip_error_fini(&error);
+  if (archive == nullptr) refuse("no memory for its archive");
+  zip_source_keep(memory.get());  // the archive releases one of two
+  for (const auto& [file, bytes] : files) {
+    zip_source_t* const added = zip_source_buffer(archive.get(), bytes.data(), bytes.size(), 0);
+    const zip_int64_t index =
+        added == nullptr ? -1 : zip_file_add(archive.get(), file.c_str(), added, ZIP_FL_ENC_UTF_8);
+    if (index < 0) {
+      zip_source_free(added);
+      refuse("its archive: " + std::string(zip_strerror(archive.get())));
+    }
+    (void)zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0);
   }
-  if (zip_close(archive) != 0) refuse("its archive: " + std::string(zip_strerror(archive)));
-  (void)archive_.release();  // NOLINT(bugprone-unused-return-value): closed
+  if (zip_close(archive.get()) != 0) refuse("its archive: " + std::string(zip_strerror(archive.get())));
+  (void)archive.release();  // NOLINT(bugprone-unused-return-value): zip_close() has freed it
   zip_stat_t written;
-  if (zip_source_stat(source_.get(), &written) != 0 || zip_source_open(source_.get()) != 0)
+  if (zip_source_stat(memory.get(), &written) != 0 || zip_source_open(memory.get()) != 0)
     refuse("no memory for its archive");
   std::string result(static_cast<std::size_t>(written.size), '\0');
-  const zip_int64_t count = zip_source_read(source_.get(), result.data(), result.size());
-  (void)zip_source_close(source_.get());
+  const zip_int64_t count = zip_source_read(memory.get(), result.data(), result.size());
+  (void)zip_source_close(memory.get());
   if (count != static_cast<zip_int64_t>(result.size())) refuse("no memory for its archive");
   return result;
-}
-
-std::string ZipArchive::take() && {
-  archive_.reset();
-  source_.reset();
-  return std::move(bytes_);
 }
 
 }  // namespace fabseq

@@ -16,16 +16,17 @@ class ZipArchive {
  public:
   /// Opens an archive by its bytes.
   explicit ZipArchive(std::string bytes);
+  ZipArchive(ZipArchive&&) = delete;
 
   /// The names of its files, without those of folders.
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const;
   /// The bytes of one of its files.
   std::string read(const std::string& name) const;
-  /// The archive's bytes, with one more file or another content of it. The archive ends with that.
-  std::string with_file(const std::string& name, const std::string& content) &&;
-  /// The archive's bytes as it was opened. The archive ends with that.
-  std::string take() &&;
+  /// An archive that has one more file, or another content of it. Its files are not compressed.
+  std::string with_file(const std::string& name, const std::string& content) const;
+  /// The archive's bytes.
+  const std::string& bytes() const { return bytes_; }
 
  private:
   struct Discard {
@@ -36,8 +37,7 @@ class ZipArchive {
   };
 
   std::string bytes_;
-  std::unique_ptr<zip_source, Free> source_;  ///< refers to bytes_
-  std::unique_ptr<zip, Discard> archive_;
+  std::unique_ptr<zip, Discard> archive_;  ///< refers to bytes_
   std::vector<std::string> names_;
 };
 
