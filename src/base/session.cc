@@ -2,6 +2,7 @@
 #include "fabseq/base/session.h"
 
 #include "base/launch.h"
+#include "base/one_line.h"
 #include "base/processor.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
@@ -38,7 +39,7 @@ int refused(PetscErrorCode code) {
     int initialized = 0;
     MPI_Initialized(&initialized);
     if (initialized == 0 || rank_of(MPI_COMM_WORLD) == 0)
-      write_text(STDERR_FILENO, std::string("fabseq: ") + error.what() + "\n");
+      write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
   }
   return static_cast<int>(ExitStatus::bad_input);
 }
@@ -63,8 +64,7 @@ int guarded(const std::function<void()>& program) {
     warn_about_unread_options();
     return static_cast<int>(ExitStatus::done);
   } catch (const Error& error) {
-    if (rank_of(PETSC_COMM_WORLD) == 0)
-      write_text(STDERR_FILENO, std::string("fabseq: ") + error.what() + "\n");
+    if (rank_of(PETSC_COMM_WORLD) == 0) write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
     (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
     return static_cast<int>(error.status());
   } catch (const std::exception& error) {
@@ -153,7 +153,7 @@ int run_session(const std::vector<std::string>& petsc_arguments, const std::func
 void warn(const std::string& message) { warn(PETSC_COMM_WORLD, message); }
 
 void warn(MPI_Comm comm, const std::string& message) {
-  if (rank_of(comm) == 0) write_text(STDERR_FILENO, "warning: " + message + "\n");
+  if (rank_of(comm) == 0) write_text(STDERR_FILENO, "warning: " + one_line(message) + "\n");
 }
 
 void print(const std::string& line) {

@@ -2,6 +2,7 @@
 #include "mesh/surface_builder.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 
 #include <algorithm>
 #include <bit>
@@ -55,8 +56,9 @@ std::int32_t SurfaceBuilder::number_of_vertex(std::int64_t vertex) {
   if (number == none) {
     Point<3> point = vertices_[static_cast<std::size_t>(vertex)];
     for (double& coordinate : point) {
-      if (!std::isfinite(coordinate))
-        throw InputError("has a point " + to_text<3>(point) + ", needs finite coordinates");
+      if (!(std::abs(coordinate) <= largest_mesh_coordinate))
+        throw InputError("has a point " + to_text<3>(point) +
+                         formatted(", needs coordinates up to %g", largest_mesh_coordinate));
       coordinate += 0.0;  // -0.0 becomes 0.0
     }
     number = number_of_point(point);

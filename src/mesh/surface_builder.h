@@ -22,7 +22,7 @@ class SurfaceBuilder {
   /// Begins a surface with vertices of its own, to which the polygons that follow refer.
   void begin(std::vector<Point<3>> vertices);
   /// Adds a polygon of the surface. Throws InputError if a corner is no index of a vertex, if a coordinate is
-  /// not finite, or if there are more than 2^31 - 1 triangles.
+  /// beyond largest_mesh_coordinate, or if there are more than 2^31 - 1 triangles.
   void add_polygon(std::span<const std::int64_t> corners);
   /// What was added. Throws InputError if there is no triangle.
   TriangleMesh take();

@@ -2,7 +2,9 @@
 #include "fabseq/part/mesh_part.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
 #include "fabseq/mesh/read_mesh.h"
 
 #include <algorithm>
@@ -91,6 +93,10 @@ PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPl
   }
   mesh_ = placed(read);
   bounds_ = bounds(mesh_);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::max(-lower()[axis], upper()[axis]) <= largest_mesh_coordinate))
+      refuse("/part/mesh/scale", formatted("%g", description.scale),
+             formatted("one that leaves the mesh's coordinates below %g", largest_mesh_coordinate));
   interior_.emplace(mesh_);
   const double volume_of_box = volume_between(lower(), upper());
   if (volume_of_box > 0.0) volume_ = measured_volume(comm);

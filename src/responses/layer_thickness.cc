@@ -75,7 +75,7 @@ class LayerThickness : public Response<Dim> {
   };
   Fade fade_of(double volume, int layers) const {
     const double whole = least_volume_ * context_.part.volume() / layers;
-    if (volume >= whole) return {};
+    if (!(whole > 0.0) || volume >= whole) return {};  // an empty layer may have less than 0, by rounding
     const double x = std::max(volume / whole, 0.0);
     return {x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / whole};
   }

@@ -26,8 +26,8 @@ struct ReadMesh {
 /// is said, as are coordinates that have lost digits, and what a file lacks or has too much.
 ///
 /// Throws InputError on all ranks, with `key` and the file in the message, if there is no such file, if it is
-/// damaged or has another format, if it has no triangle or more than 2^31 - 1, or a coordinate that is not
-/// finite. Collective on `comm`.
+/// damaged or has another format, if it has no triangle or more than 2^31 - 1, or a coordinate beyond
+/// largest_mesh_coordinate. Collective on `comm`.
 ReadMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key,
                    const std::string& unit = "");
 

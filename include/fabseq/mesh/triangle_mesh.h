@@ -9,6 +9,9 @@
 
 namespace fabseq {
 
+/// Moduli of coordinates are no larger: products of three lengths and more stay numbers.
+inline constexpr double largest_mesh_coordinate = 1e30;
+
 /// A surface of triangles in any order. It may be open, cut itself, or consist of several pieces.
 struct TriangleMesh {
   std::vector<Point<3>> points;  ///< length unit
