@@ -7,7 +7,7 @@ import struct
 import zipfile
 
 FORMATS = ("stl", "text.stl", "obj", "ply", "text.ply", "3mf")
-EXTREMES = ["nan", "inf", "-1e308", "1e-320", "0", "-1", "2147483648", "99999999999999999999", "1e5", "1,5", "", "x"]
+EXTREMES = ["nan", "inf", "-1e308", "1e-320", "0", "-1", "2147483648", "99999999999999999999", "1e3", "1,5", "", "x"]
 PACKAGES = "http://schemas.openxmlformats.org/package/2006"
 NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing"
 

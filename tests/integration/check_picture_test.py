@@ -13,6 +13,7 @@ import numpy as np
 
 import run_fabseq
 from run_fabseq import PROGRAM, ROOT, FabseqTest
+from small_meshes import write_box
 from small_parts import hook_3d, plate_2d
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -97,6 +98,18 @@ class CheckPictureTest(FabseqTest):
         self.assertEqual(np.argwhere(check.substrate.T).tolist(), np.argwhere(np.ones((4, 4, 2))).tolist())
         self.assertFalse((check.layer * check.substrate).any())
         self.assertIn("substrate", check.words)
+
+    def test_what_is_refused(self):
+        """Walls that are too thin: the picture shows where."""
+        write_box(os.path.join(self.directory, "bar.stl"), (60.0, 20.0, 4.0))
+        config = hook_3d()
+        config.update(domain={"element": 2.0}, part={"mesh": {"file": "bar.stl"}}, node_sets={"edge": {"all": True}, "top": {"all": True}})
+        path = self.write_config(config)
+        for ranks in run_fabseq.distinct(1, 2):
+            run = self.run_program(ranks, "-config", path, "-task", "check", "-picture")
+            self.assertEqual(run.status, run_fabseq.BAD_INPUT, str(run))
+            self.assertIn("fabseq: /part/mesh: found 2 elements across the wall", run.stderr)
+            self.assertEqual(Check(run).layer.shape, (2, 10, 30))
 
     def assert_not_drawn(self, ranks, program, reason):
         output = os.path.join(self.directory, "output")

@@ -3,7 +3,9 @@
 written."""
 
 import os
+import shutil
 import time
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -65,6 +67,11 @@ class ConfigErrorsTest(BadInputTest):
                 (("-set", "node_sets.top.samples=2147483647"), ["/node_sets/top/samples", "2147483647", "21"]),
                 (("-set", "objective.2147483647.weight=1"), ["/objective/2147483647", "0 to 1"])):
             self.assert_refused(plate_2d(), *arguments, words=words, timeout=60)
+
+    def test_a_key_of_another_section(self):
+        config = plate_2d()
+        config["part"] = {"box": {"min": [0, 0], "max": [2, 1.2], "keep": "connected"}}
+        self.assert_refused(config, words=["/part/box/keep: unknown key; it is a key of part;"])
 
     def test_missing_key(self):
         config = plate_2d()
@@ -251,6 +258,18 @@ class FileErrorsTest(BadInputTest):
         self.write_part(density)
         self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "1.5"])
 
+    def test_values_outside_the_dataset(self):
+        """Of a pipe nobody would ever see the end."""
+        os.mkfifo(os.path.join(self.directory, "pipe"))
+        with h5py.File(os.path.join(self.directory, "part.h5"), "w") as file:
+            file.create_dataset("density", (12, 20), "u1", external=[("pipe", 0, 240)])
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "external files"], timeout=60)
+        layout = h5py.VirtualLayout((12, 20), "u1")
+        layout[...] = h5py.VirtualSource("other.h5", "density", (12, 20))
+        with h5py.File(os.path.join(self.directory, "part.h5"), "w") as file:
+            file.create_virtual_dataset("density", layout)
+        self.assert_refused(self.voxel_config(), words=["/part/voxels/dataset", "is virtual"])
+
     def test_empty_voxel_part(self):
         self.write_part(np.full((12, 20), 0.3))
         self.assert_refused(self.voxel_config(threshold=0.5), words=["/part", "no element", "threshold"])
@@ -297,6 +316,12 @@ class OutputDirectoryTest(BadInputTest):
         with open(output, "w", encoding="utf-8") as file:
             file.write("mine\n")
         self.assert_refused(plate_2d(), words=["occupied"], output=output, status=OUTPUT_FAILURE)
+
+
+    def test_a_link_that_leads_nowhere(self):
+        output = os.path.join(self.directory, "link")
+        os.symlink("nowhere", output)
+        self.assert_refused(plate_2d(), words=["link", "'nowhere', which is not there"], output=output, status=OUTPUT_FAILURE)
 
 
 class CommandLineTest(FabseqTest):
@@ -352,6 +377,50 @@ class CommandLineTest(FabseqTest):
         result = self.run_config(1, post_on_substrate(2), "-max_iterations", 1, "-solver_path", "reference", *options)
         self.assert_done(result)
         self.assertEqual(result.messages(), [])
+
+    def test_own_options_that_only_petsc_would_see(self):
+        path = self.write_config(plate_2d())
+        options, petscrc = (os.path.join(self.directory, name) for name in ("options", ".petscrc"))
+        with open(options, "w", encoding="utf-8") as file:
+            file.write("-max_iterations 3\n")
+        for ranks in distinct(2, 1):
+            with mock.patch.dict(os.environ, {"PETSC_OPTIONS": "-layers 7"}):
+                from_environment = self.run_program(ranks, "-config", path)
+            from_file = self.run_program(ranks, "-config", path, "-options_file", options)
+            shutil.copy(options, petscrc)
+            from_folder = self.run_program(ranks, "-config", path)
+            os.remove(petscrc)
+            for run, word in ((from_environment, "-layers"), (from_file, "-max_iterations"), (from_folder, "-max_iterations")):
+                self.assertEqual(run.status, BAD_INPUT, str(run))
+                (message,) = run.messages()
+                self.assertIn(f"fabseq: {word}: found in PETSC_OPTIONS", message)
+        with mock.patch.dict(os.environ, {"PETSC_OPTIONS": "-heat_ksp_max_it 500"}):
+            self.assert_done(self.run_program(1, "-config", path, "-task", "check"))
+
+    def test_petscs_own_table_of_options(self):
+        run = self.run_config(1, plate_2d(), "-max_iterations", 1, "-options_left")
+        self.assert_done(run)
+        self.assertIn("#PETSc Option Table entries:", run.stdout)
+        self.assertIn("There are no unused options.", run.stdout)
+        self.assertEqual(run.messages(), [])
+
+    def test_copies_that_do_not_know_of_each_other(self):
+        """As srun starts them without PMIx, or the mpirun of another MPI."""
+        path = self.write_config(plate_2d())
+        for count, rank in (("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"), ("PMI_SIZE", "PMI_RANK")):
+            said = []
+            for number in "01":
+                with mock.patch.dict(os.environ, {count: "2", rank: number}):
+                    run = self.run_program(1, "-config", path)
+                self.assertEqual(run.status, BAD_INPUT, str(run))
+                said += run.messages()
+            self.assertEqual(len(said), 1, said)
+            self.assertIn("started 2 processes that do not know of each other", said[0])
+            with mock.patch.dict(os.environ, {count: "2", rank: "0"}):  # within a job: one run on purpose, and two ranks
+                status, _, stderr = run_fabseq.run_command(["mpirun", "-np", "1", PROGRAM, "-config", path, "-task", "check"],
+                                                           self.directory, 120)
+                self.assertEqual(status, DONE, stderr)
+                self.assert_done(self.run_program(2, "-config", path, "-task", "check"))
 
     def test_help_and_version(self):
         for ranks in distinct(3, 1):
