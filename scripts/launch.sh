@@ -17,7 +17,6 @@ wait_for_end() {
 # the program has said why it ended. They stand between two lines of dashes; other lines may come in between.
 leave_out_exit_reports() {
   local line held='' inside=no
-  trap '' HUP INT QUIT TERM USR1 USR2
   while IFS= read -r line || [[ -n $line ]]; do
     if [[ $inside == yes ]]; then
       case $line in
@@ -50,20 +49,23 @@ leave_out_exit_reports() {
 # once; a third one, or Ctrl-\, kills mpirun. The status is that of COMMAND. What the terminal types does not reach the
 # ranks; other input does. The traps of the shell are as before afterwards.
 launch_stoppable() {
-  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 errors filter traps caught=(HUP INT QUIT TERM USR1 USR2)
+  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 errors filter ready turn traps caught=(HUP INT QUIT TERM USR1 USR2)
   shift
+  exec {ready}<> <(:) # a pipe
+  exec {errors}> >(trap '' "${caught[@]}"; echo >&"$ready"; leave_out_exit_reports >&2)
+  filter=$!
+  read -r -t 10 <&"$ready" || exec {errors}>&2 # until then a signal may end it
+  exec {ready}>&-
   trap - URG # until it sets one, a subshell lists the traps of its parent, which it does not have
   traps=$(trap -p "${caught[@]}")
   trap hand_on_stop "${caught[@]}"
   trap 'stops=2; hand_on_stop' QUIT
-  exec {errors}> >(leave_out_exit_reports >&2)
-  filter=$!
   setsid "$@" <&0 2>&"$errors" {errors}>&- & # without <&0 a script's background process reads nothing
   launcher=$!
   exec {errors}>&-
   [[ $early == no ]] || hand_on_stop
   wait_for_end "$launcher" || status=$?
-  for ((last = 0; last < 40; ++last)); do # what it has got comes before the prompt; a rank that stays must not keep us
+  for ((turn = 0; turn < 40; ++turn)); do # what it has got comes before the prompt; a rank that stays must not keep us
     kill -0 "$filter" 2>/dev/null || break
     sleep 0.05
   done

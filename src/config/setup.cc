@@ -21,6 +21,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   (void)this->grid.exchange(Dim * std::min(this->lanes, most_layers_of_a_sequence()));
   if (config.solver.path == SolverPath::reference)
     require_solver_options({solver_prefixes.begin(), solver_prefixes.end()});
+  require_layers_that_fit();
   require_release();
   warn_about_method();
 }
@@ -34,6 +35,15 @@ void Setup<Dim>::require_walls() const {
   refuse("/part/mesh",
          formatted("%.2g elements across the wall at %s", wall.elements, to_text<Dim>(wall.at).c_str()),
          formatted("%g or more (smaller domain.element, or part.mesh.least_elements)", mesh->least_elements));
+}
+
+/// More layers than elements: most of them could only be empty.
+template <int Dim>
+void Setup<Dim>::require_layers_that_fit() const {
+  const LayerTraits& traits = this->layers->traits();
+  if (traits.count > this->part.count())
+    refuse(traits.key, std::to_string(traits.count),
+           "at most as many layers as the part has elements, " + std::to_string(this->part.count()));
 }
 
 /// Refuses terms after a release that there cannot be.
