@@ -11,6 +11,11 @@ export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
 # A rank that waits for another leaves its core to others. Otherwise it spins there, and beside busy processes keeps the
 # rank it waits for from running.
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
+# mpirun would bind its ranks to the first cores, and a second mpirun its own to the same ones. A job of Slurm has cores
+# of its own.
+if [ -z "${SLURM_JOB_ID:-}" ]; then
+  export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
+fi
 
 # Whether a process may read the memory of another one of the same user, as ranks of Open MPI do to get large messages.
 # Some containers forbid that (seccomp), and some kernels (ptrace_scope); it takes Perl 5 ms to try.

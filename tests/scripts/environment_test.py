@@ -9,6 +9,7 @@ import struct
 import subprocess
 import tempfile
 import unittest
+from unittest import mock
 
 from run_fabseq import ENVIRONMENT, PROGRAM
 from small_parts import plate_2d
@@ -52,6 +53,17 @@ class EnvironmentTest(unittest.TestCase):
 
     def test_what_is_set_stays(self):
         self.assertEqual(self.run_after_sourcing(f"echo ${MECHANISM}", **{MECHANISM: "emulated"}).stdout, "emulated\n")
+
+    def test_runs_side_by_side_share_no_core(self):
+        """One rank each: bound, both would be on the first core."""
+        say = "mpirun -np 1 grep Cpus_allowed_list /proc/self/status"
+        free = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_MCA_hwloc", "SLURM_"))}
+        with mock.patch.dict(os.environ, free, clear=True), mock.patch.dict(ENVIRONMENT):
+            ENVIRONMENT.pop("OMPI_MCA_hwloc_base_binding_policy", None)
+            allowed = self.run_after_sourcing(say, forbidden=False).stdout.split()[-1]
+            self.assertEqual(allowed, self.run_after_sourcing(say.split("1 ")[1], forbidden=False).stdout.split()[-1])
+            policy = self.run_after_sourcing("echo ${OMPI_MCA_hwloc_base_binding_policy-unset}", SLURM_JOB_ID="7").stdout
+        self.assertEqual(policy, "unset\n")
 
     def test_nothing_is_set_without_need(self):
         """Where this machine allows it; where it does not, that is found out, too."""

@@ -10,13 +10,14 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
 
 from fabseq_tools.geometry.layer_bodies import LayeredPart
 from fabseq_tools.paths import import_paths, order as path_order
-from fabseq_tools.paths.layer_paths import Line
+from fabseq_tools.paths.layer_paths import Line, PathSurface
 from fabseq_tools.paths.torch_paths import all_passes, summary
 from fabseq_tools.run.command_line import RunError
 
@@ -57,12 +58,23 @@ class PathsTest(unittest.TestCase):
                 self.assertLess(links, 0.1 * expected)
                 self.assertAlmostEqual(row["wire"] / 0.2, 1.0, delta=0.01)
                 self.assertAlmostEqual(row["angle"][1], 0.0, delta=1e-4)
+                self.assertEqual(row["missed"], 0.0)
+                self.assertLess(row["farthest"], 0.1)
         first = passes[0]
         np.testing.assert_allclose(first.points[:, 2], 0.05, atol=5e-3)
         inner = (first.kinds == "hatch") & np.all(np.abs(first.points[:, :2] - (1.0, 0.5)) < (0.5, 0.15), axis=1)
         np.testing.assert_allclose(first.heights[inner], 0.1, rtol=0.05)  # volume is counted in random places
         self.assertAlmostEqual(first.heights[inner].mean(), 0.1, delta=5e-4)
         self.assertAlmostEqual(first.spacings[inner].mean(), 0.1, delta=0.01)
+
+    def test_an_area_that_no_bead_reaches(self):
+        part = LayeredPart(self.box())
+        lines = PathSurface.lines
+        with mock.patch.object(PathSurface, "lines", lambda *words: lines(*words)[:1]):
+            rows = summary(part, all_passes(part, 0.1, 1, 0.0, 0.0, 0.5), UP)
+        for row in rows:  # the outline alone, which lies half a bead inside: all but 1.5 beads at the sides
+            self.assertAlmostEqual(row["missed"], 1.7 * 0.7 / 2.0, delta=0.01)
+            self.assertAlmostEqual(row["farthest"], 0.45, delta=0.03)
 
     def test_height_of_the_waypoints(self):
         part = LayeredPart(self.box())

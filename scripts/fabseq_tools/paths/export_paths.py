@@ -34,6 +34,7 @@ from fabseq_tools.run.progress import Progress
 COMMAND = "paths"
 
 RETRACT = 2.0  # beads from the part, between two passes
+MOST_MISSED = 0.01  # share of a layer's area beyond the beads that goes without a word
 FINEST = 0.25  # of an element's edge: least width of a bead
 
 
@@ -67,6 +68,10 @@ def main(words):
     if not arguments.no_picture:
         from fabseq_tools.paths.picture import draw  # loads VTK's renderer, which needs a display
         draw(part, passes, width, placement, os.path.join(output, "paths.png"))
+    for layer in record["layers"]:
+        if layer["missed"] > MOST_MISSED:
+            warn(COMMAND, f"layer {layer['layer']}: {100 * layer['missed']:.3g} % of its area lies more than a bead's width from "
+                 f"all paths, up to {layer['farthest']:.3g}{unit_of(record)}: no bead fills it")
     print(table(record))
     print(f"in {output}")
 
@@ -97,7 +102,7 @@ def export(part, passes, width, output, placement, options):
     rows = rows_of(passes, height * width * scale**2)
     for layer in layers:
         feeds = [row[-1] for row in rows if row[1] == layer["layer"]]
-        layer.update({key: layer[key] * scale for key in ("length", "travel")}, feed=[min(feeds), max(feeds)],
+        layer.update({key: layer[key] * scale for key in ("length", "travel", "farthest")}, feed=[min(feeds), max(feeds)],
                      height=[value * scale for value in layer["height"]],
                      **{key: layer[key] * scale**3 for key in ("wire", "volume")})
     common = {**placement.facts(), "bead_width": width * scale, "nominal_height": height * scale}
@@ -127,6 +132,10 @@ def target_height(part, passes):
     return targets[0] if targets else float(np.median(np.concatenate([one.heights for one in passes])))
 
 
+def unit_of(record):
+    return f" {record['unit']}" if record["unit"] else ""
+
+
 def table(record):
     """The summary as lines of text."""
     lines = [f"{'layer':>6}{'starts':>8}{'length':>10}{'travel':>10}{'height':>20}{'angle':>16}{'feed':>16}{'wire':>12}"]
@@ -134,7 +143,7 @@ def table(record):
         height, angle, feed = ("{:.3g} to {:.3g}".format(*row[key]) for key in ("height", "angle", "feed"))
         lines.append(f"{row['layer']:>6}{row['starts']:>8}{row['length']:>10.4g}{row['travel']:>10.4g}{height:>20}{angle:>16}"
                      f"{feed:>16}{row['wire']:>12.5g}")
-    unit = f" in {record['unit']}" if record["unit"] else ""
+    unit = f" in{unit_of(record)}" if record["unit"] else ""
     lines.append(f"{record['starts']} starts, {record['waypoints']} waypoints, length {record['length']:.5g}, travel "
                  f"{record['travel']:.4g}, lengths{unit}, angles of the torch with the plate's normal in degrees")
     lines.append(f"coordinates: {record['coordinates']} (frame: {record['frame']}){unit}")

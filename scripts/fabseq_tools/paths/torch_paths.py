@@ -15,13 +15,15 @@ from fabseq_tools.run.progress import SILENT
 STEP = 0.5          # between waypoints, in beads
 LONGEST_LINK = 1.5  # ways between lines up to so many beads are deposited, without a stop
 OFF_SURFACE = 0.4   # so far may such a way be off the layer, in beads
+FAR = 1.0           # from a path, in beads: beyond it nothing is welded
 WINDOW = 5          # waypoints over which axes, heights and spacings are averaged
 
 
 @dataclasses.dataclass
 class Pass:
     """What is deposited from a start to a stop. Arrays have a row per waypoint: `points` and unit `axes` (n,
-    3), local `heights` and `spacings` of the bead, `kinds` (outline, hatch or link)."""
+    3), local `heights` and `spacings` of the bead, `kinds` (outline, hatch or link). Of its whole layer:
+    `missed`, the share of the area that is farther than a bead from all paths, and `farthest`, how far."""
 
     layer: int
     points: np.ndarray
@@ -29,6 +31,8 @@ class Pass:
     axes: np.ndarray = None
     heights: np.ndarray = None
     spacings: np.ndarray = None
+    missed: float = 0.0
+    farthest: float = 0.0
 
     def lengths(self):
         """Of the bead that each waypoint stands for."""
@@ -92,12 +96,15 @@ def complete(surface, found, at):
     axes, below = surface.directions()[near], surface.below()[near]
     spots, areas = surface.spots()
     waypoints = KDTree(points)
-    areas = np.bincount(waypoints.query(spots)[1], areas, len(points))
+    away, nearest = waypoints.query(spots)
+    missed, farthest = areas[away > FAR * surface.width].sum() / areas.sum(), away.max()
+    areas = np.bincount(nearest, areas, len(points))
     volumes = np.bincount(waypoints.query(surface.pieces)[1], surface.volumes, len(points))
     first = 0
     for one in found:
         own = slice(first, first + len(one.points))
         first = own.stop
+        one.missed, one.farthest = float(missed), float(farthest)
         area, volume = moving_sum(areas[own]), moving_sum(volumes[own])
         axis = np.stack([moving_sum(component) for component in axes[own].T], axis=1)
         one.axes = axis / np.linalg.norm(axis, axis=1)[:, None]
@@ -131,5 +138,5 @@ def summary(part, found, up):
         rows.append({"layer": number, "starts": len(own), "waypoints": len(heights),
                      "length": float(sum(one.lengths().sum() for one in own)), "travel": travel,
                      "height": [float(heights.min()), float(heights.max())], "angle": [float(tilts.min()), float(tilts.max())],
-                     "wire": wire, "volume": float(volumes[number])})
+                     "wire": wire, "volume": float(volumes[number]), "missed": own[0].missed, "farthest": own[0].farthest})
     return rows
