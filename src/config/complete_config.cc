@@ -32,12 +32,12 @@ std::string section_with(const std::string& name) {
 }
 
 [[noreturn]] void refuse_unknown_key(const std::string& pointer, const std::string& name,
-                                     const std::string& variant, const Keys& keys) {
+                                     std::string_view path, const std::string& variant, const Keys& keys) {
   std::string message = pointer_to(pointer, name) + ": unknown key";
   if (!variant.empty()) message += " for type \"" + variant + "\"";
   const std::string nearest = nearest_word(name, names(keys));
   const std::string home = nearest.empty() ? section_with(name) : "";
-  if (!home.empty())
+  if (!home.empty() && home != path)
     message += "; it is a key of " + home + ";";
   else
     message += nearest.empty() ? ";" : "; did you mean \"" + nearest + "\"?";
@@ -95,7 +95,7 @@ class Completion {
       const auto same = [&name = name](const ConfigKey* key) { return key->name == name; };
       if (std::any_of(keys.begin(), keys.end(), same)) continue;
       refuse_other_dimension(pointer_to(pointer, name), found, path, name);
-      refuse_unknown_key(pointer, name, variant, keys);
+      refuse_unknown_key(pointer, name, path, variant, keys);
     }
   }
 
