@@ -32,7 +32,7 @@ void complete(Config& config) {
   if (config.layers.multi_planar)
     complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
   config.layers.target = target_of(config.constraints);
-  complete_move_limits(config.optimizer, config.sequence);
+  complete_move_limits(config.optimizer, config.sequence, config.objective);
   check_rules(config);
 }
 

@@ -82,6 +82,15 @@ Config Setup<Dim>::resolved() const {
 }
 
 template <int Dim>
+Json Setup<Dim>::effective() const {
+  Json result = config.effective;
+  SequenceSettings sequence = config.sequence;
+  sequence.kind->set_characteristic_length(sequence, this->characteristic_length);
+  sequence.kind->write(sequence, result["sequence"]);
+  return result;
+}
+
+template <int Dim>
 void Setup<Dim>::require_memory_of_layers() const {
   const int layer_count = most_layers_of_a_sequence(), group_count = this->groups.count();
   const double bytes =

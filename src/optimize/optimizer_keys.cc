@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/base/formatted.h"
 #include "fabseq/keys/section.h"
 #include "fabseq/optimize/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
+#include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>
@@ -9,6 +11,10 @@
 namespace fabseq {
 
 namespace {
+
+/// Largest step at the end of a run with least squares. With larger ones the iterates swing between two
+/// states (docs/formulation.md 9, docs/results/defaults.md).
+constexpr double last_move_of_squares = 0.001;
 
 Section<MmaSettings> asymptote_keys() {
   using Its = MmaSettings;
@@ -50,7 +56,9 @@ void add_steps(Section<OptimizerSettings>& keys) {
            ("Largest step of a variable, relative to its range; auto: " + first).c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
       .key("final_move_limit", &Its::given_final_move_limit,
-           ("The same at the end of the run; auto: " + last + ", else move_limit").c_str(),
+           ("The same at the end of the run; auto: " + formatted("%g", last_move_of_squares) +
+            " where a distortion may be handed over as squares, else " + last + ", else move_limit")
+               .c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-final_move_limit"})
       .section("asymptotes", &Its::mma, "Asymptotes", asymptote_keys(), {.default_value = "{}"})
       .key("constraint_margin", &Its::constraint_margin,
@@ -79,6 +87,19 @@ void add_phases(Section<OptimizerSettings>& keys) {
            "Iterations of a later run that the move limit is planned for", {.range = "[0, inf)"});
 }
 
+/// Whether the optimizer may get a term of the objective as a sum of squares: Problem, which knows the part,
+/// decides in each iteration.
+bool may_be_squares(const std::vector<Term>& objective) {
+  const auto counts = [](const Term& term) { return term.weight != 0.0; };
+  const auto largest = [&](const Term& term) { return counts(term) && term.type->facts(term).is_largest; };
+  if (std::any_of(objective.begin(), objective.end(), largest)) return false;
+  return std::any_of(objective.begin(), objective.end(), [&](const Term& term) {
+    const TermFacts facts = term.type->facts(term);
+    return counts(term) &&
+           (facts.asks_for_squares || (facts.offers_squares && term.scaling == TermScaling::current));
+  });
+}
+
 }  // namespace
 
 Section<OptimizerSettings> optimizer_keys() {
@@ -89,11 +110,14 @@ Section<OptimizerSettings> optimizer_keys() {
   return keys;
 }
 
-void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence) {
+void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence,
+                          const std::vector<Term>& objective) {
   const MoveLimits& automatic = sequence.facts.move_limits;
   optimizer.move_limit = optimizer.given_move_limit.value_or(automatic.first);
-  optimizer.final_move_limit = optimizer.given_final_move_limit.value_or(
-      std::min(automatic.last.value_or(optimizer.move_limit), optimizer.move_limit));
+  const double last =
+      may_be_squares(objective) ? last_move_of_squares : automatic.last.value_or(optimizer.move_limit);
+  optimizer.final_move_limit =
+      optimizer.given_final_move_limit.value_or(std::min(last, optimizer.move_limit));
 }
 
 Section<BaselineSettings> baseline_keys() {

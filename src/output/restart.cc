@@ -16,8 +16,8 @@ namespace fabseq {
 
 namespace {
 
-/// Changes with the layout of checkpoints.
-constexpr int format = 4;
+/// Changes with the layout of checkpoints, and with what "auto" stands for in the config they hold.
+constexpr int format = 5;
 
 /// Covers the densities and their places; a sum, so that it does not matter which rank has which elements.
 template <int Dim>
@@ -48,8 +48,7 @@ void require_same_problem(const Setup<Dim>& setup, const std::string& path) {
   if (found.integer("format") != format)
     throw InputError("-restart: " + name + " has format " + std::to_string(found.integer("format")) +
                      "; allowed: " + std::to_string(format));
-  const std::string difference =
-      config_difference(parse_json(found.text("config"), path), setup.config.effective);
+  const std::string difference = config_difference(parse_json(found.text("config"), path), setup.effective());
   if (!difference.empty()) refuse_other_problem(name, difference);
   if (found.text("part_checksum") != part_checksum(setup.part))
     refuse_other_problem(name, "/part has other elements or densities than it had");
@@ -81,7 +80,7 @@ std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& 
     throw InputError("-restart: no checkpoint in '" + directory +
                      "'; allowed: the output directory of a run that has left one, or auto");
   if (path.empty()) {
-    require_same_config(comm, directory, setup.config.effective);
+    require_same_config(comm, directory, setup.effective());
     if (coarse) return std::nullopt;  // which is where it goes on
     print("-restart auto: no checkpoint in '" + directory + "' yet, a new run begins");
     return std::nullopt;
@@ -99,7 +98,7 @@ void save_problem(const Setup<Dim>& setup, CheckpointState& state) {
   state.set_scalar("format", format);
   state.set_scalar("fabseq", FABSEQ_VERSION);
   state.set_scalar("name", setup.config.name);
-  state.set_scalar("config", to_text(setup.config.effective));
+  state.set_scalar("config", to_text(setup.effective()));
   state.set_scalar("part_checksum", part_checksum(setup.part));
 }
 

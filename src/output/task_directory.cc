@@ -10,18 +10,20 @@
 #include <petscsys.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace fabseq {
 
 namespace {
 
-Json config_record(const Config& config, const CommandLine& command_line, MPI_Comm comm) {
+/// `effective`: that of Setup.
+Json config_record(const Config& config, Json effective, const CommandLine& command_line, MPI_Comm comm) {
   char petsc[256];
   check(PetscGetVersion(petsc, sizeof petsc));
   char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
   int length = 0;
   MPI_Get_library_version(mpi, &length);
-  Json record = config.effective;
+  Json record = std::move(effective);
   record["run"] = Json::object({{"command_line", command_line.text},
                                 {"fabseq", FABSEQ_VERSION},
                                 {"petsc", petsc},
@@ -71,7 +73,8 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
   if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
-  directory.write("config.json", to_text(config_record(setup.config, command_line, comm), 2) + "\n");
+  directory.write("config.json",
+                  to_text(config_record(setup.config, setup.effective(), command_line, comm), 2) + "\n");
   return directory;
 }
 

@@ -27,11 +27,12 @@ void check_node_set(const TermPlace& place, const char* key, const std::string& 
 
 TermFacts DistortionSettings::facts() const {
   const bool of_displacement = measure != Measure::layerwise && measure != Measure::angle;
-  TermFacts result{
-      .measures_release = after_release,
-      .is_largest = aggregate == Aggregate::worst,
-      .is_quadratic = of_displacement && !norm && !after_release && aggregate == Aggregate::nominal,
-      .asks_for_squares = least_squares.value_or(false)};
+  const bool is_square = of_displacement && !norm && aggregate == Aggregate::nominal;
+  TermFacts result{.measures_release = after_release,
+                   .is_largest = aggregate == Aggregate::worst,
+                   .is_quadratic = is_square && !after_release,
+                   .asks_for_squares = least_squares.value_or(false),
+                   .offers_squares = is_square && !least_squares};
   for (const std::string& name : {nodes, to})
     if (!name.empty()) result.node_sets.push_back(name);
   return result;

@@ -91,6 +91,7 @@ const Registered<Uniformity, UniformitySettings> registered(
     {.name = "layer_uniformity",
      .layers = LayerKind::curved,
      .needs_time_gradient = true,
+     .weight = 0.3,  // measured at nominal positions (docs/results/defaults.md)
      .weight_option = "-alpha"},
     Section<UniformitySettings>("objective")
         .key("form", &UniformitySettings::form, "Form of the deviation of the thickness within each layer",

@@ -20,7 +20,7 @@ Section<Term> common_objective_keys() {
   for (const ResponseType* type : types)
     result.only_for(type->name)
         .key("weight", &Term::weight, "Weight of the term",
-             {.range = "[0, inf)", .option = type->weight_option});
+             {.default_value = to_text(type->weight), .range = "[0, inf)", .option = type->weight_option});
   result.only_for("").key("normalize", &Term::normalize, "Value the term is scaled to",
                           {.range = "(0, inf)"});
   for (const ResponseType* type : types)

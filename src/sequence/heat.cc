@@ -27,7 +27,8 @@ struct HeatKind {
         .key("drain", &Its::drain, "Drain, divided by the square of the characteristic length",
              {.range = "(0, inf)", .option = "-drain"})
         .key("characteristic_length", &Its::characteristic_length,
-             "Length of the drain; auto: longest edge of the part's bounding box",
+             "Length of the drain; auto: number of layers times the target of a layer_thickness constraint, "
+             "else longest edge of the part's bounding box",
              {.range = "(0, inf)", .words = "auto", .unit = "length", .option = "-characteristic_length"})
         .key("bounds", "Least and largest diffusivity in the part",
              {.type = KeyType::bounds,
@@ -55,7 +56,8 @@ struct HeatKind {
   static SequenceFacts facts(const Settings& settings) {
     const bool logarithmic = settings.scale == VariableScale::log;
     return {.move_limits = logarithmic ? MoveLimits{0.05, 0.004} : MoveLimits{0.2, std::nullopt},
-            .characteristic_length = settings.characteristic_length};
+            .characteristic_length = settings.characteristic_length,
+            .spans_layers = true};
   }
 
   template <int Dim>
@@ -65,7 +67,7 @@ struct HeatKind {
 
   template <int Dim>
   static std::unique_ptr<Sequence<Dim>> make(const Settings& settings, const SequenceContext<Dim>& context) {
-    auto heat = std::make_unique<const HeatModel<Dim>>(context.part, settings);
+    auto heat = std::make_unique<const HeatModel<Dim>>(context.part, settings, context.characteristic_length);
     auto solver = context.make_heat_solver(heat->domain, heat->lumped);
     return std::make_unique<HeatSequence<Dim>>(context.part, settings, context.target_gradient,
                                                std::move(heat), std::move(solver), context.across,

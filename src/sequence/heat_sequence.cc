@@ -72,9 +72,9 @@ constexpr double temperature_tolerance = 1e-9;
 }  // namespace
 
 template <int Dim>
-HeatModel<Dim>::HeatModel(const Part<Dim>& part, const HeatSettings& settings)
+HeatModel<Dim>::HeatModel(const Part<Dim>& part, const HeatSettings& settings, double characteristic_length)
     : element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
-      reaction(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
+      reaction(settings.drain / std::pow(characteristic_length, 2)),
       lumped(lump_mass(settings, reaction, part.grid().largest_spacing())) {
   const Grid<Dim>& grid = part.grid();
   grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {

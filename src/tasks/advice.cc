@@ -37,12 +37,6 @@ void add_advice_on_count(const Setup<Dim>& setup, double geodesic_height, std::v
         formatted("/layers/count: %d layers of %g are %.0f %% more than the geodesic height %.6g: the "
                   "last layers stay empty",
                   count, target->value, 100.0 * surplus, geodesic_height));
-  if (!setup.config.sequence.facts.characteristic_length &&
-      std::abs(setup.characteristic_length / height - 1.0) > most_vacant_layers)
-    result.push_back(
-        formatted("/sequence/characteristic_length: its default, the longest edge %.6g, is not near the "
-                  "number of layers times the target, %.6g, which it should be",
-                  setup.characteristic_length, height));
 }
 
 /// Whether the sharpness reaches its last value early enough.
@@ -79,10 +73,10 @@ void add_advice_on_foot(const Setup<Dim>& setup, std::vector<std::string>& resul
   const auto foot = setup.part.plate_contact(), largest = largest_cross_section(setup);
   const double share = static_cast<double>(foot) / static_cast<double>(largest);
   if (share < least_foot)
-    result.push_back(
-        formatted("/build_plate: the part stands on %lld elements, %.2g %% of its largest cross-section along "
-                  "the plate: turn it, cut it flat (domain.origin), or give it a foot",
-                  static_cast<long long>(foot), 100.0 * share));
+    result.push_back(formatted(
+        "/build_plate: the part stands on %lld elements, %.2g %% of its largest cross-section along "
+        "the plate: turn it, cut it flat (domain.origin), or give it a foot",
+        static_cast<long long>(foot), 100.0 * share));
 }
 
 }  // namespace

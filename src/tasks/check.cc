@@ -84,7 +84,8 @@ void run_check(const Setup<Dim>& setup) {
   print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
                   layers.count, layers.kind.c_str(), setup.baseline->count()));
   print(formatted("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
-                  elements_per_layer(setup, height), setup.characteristic_length, part.longest_edge()));
+                  elements_per_layer(setup, height), setup.characteristic_length,
+                  default_characteristic_length(setup.config, part, *setup.layers)));
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
   print(formatted("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),

@@ -78,9 +78,9 @@ TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   EXPECT_EQ(distortion.scaling, TermScaling::current);
   EXPECT_EQ(config.effective["objective"][1].at("form"), "sum_of_squares");
   EXPECT_EQ(uniformity.scaling, TermScaling::first);
-  EXPECT_EQ(uniformity.weight, 1.0);
+  EXPECT_EQ(uniformity.weight, 0.3);
   const OptimizerSettings& optimizer = config.optimizer;
-  EXPECT_EQ(optimizer.max_iterations, 400);
+  EXPECT_EQ(optimizer.max_iterations, 120);
   EXPECT_EQ(optimizer.change_tolerance, 0.0);
   EXPECT_EQ(optimizer.objective_tolerance, 0.0);
   EXPECT_EQ(optimizer.window, 5);
@@ -105,16 +105,44 @@ TEST(ConfigTest, DefaultsIn2d) {
   EXPECT_EQ(configure(plane, {{"domain.thickness", "0.25"}}).domain<2>().thickness, 0.25);
 }
 
+std::pair<double, double> move_limits(const Settings& settings) {
+  const OptimizerSettings optimizer = configure(solid, settings).optimizer;
+  return {optimizer.move_limit, optimizer.final_move_limit};
+}
+
 TEST(ConfigTest, AutomaticMoveLimitsFollowTheScale) {
-  const auto limits = [](const Settings& settings) {
-    const OptimizerSettings optimizer = configure(solid, settings).optimizer;
-    return std::pair(optimizer.move_limit, optimizer.final_move_limit);
+  const auto limits = [](Settings settings) {
+    settings.emplace_back("objective.0.least_squares", "false");
+    return move_limits(settings);
   };
   EXPECT_EQ(limits({}), std::pair(0.05, 0.004));
   EXPECT_EQ(limits({{"sequence.scale", "linear"}}), std::pair(0.2, 0.2));
   EXPECT_EQ(limits({{"sequence.scale", "linear"}, {"optimizer.move_limit", "0.1"}}), std::pair(0.1, 0.1));
   EXPECT_EQ(limits({{"optimizer.move_limit", "0.002"}}), std::pair(0.002, 0.002));
   EXPECT_EQ(limits({{"optimizer.final_move_limit", "0.01"}}), std::pair(0.05, 0.01));
+}
+
+TEST(ConfigTest, LastStepsAreSmallWithLeastSquares) {
+  EXPECT_EQ(move_limits({}), std::pair(0.05, 0.001));
+  EXPECT_EQ(move_limits({{"sequence.scale", "linear"}}), std::pair(0.2, 0.001));
+  EXPECT_EQ(move_limits({{"optimizer.move_limit", "0.0005"}}), std::pair(0.0005, 0.0005));
+  EXPECT_EQ(move_limits({{"optimizer.final_move_limit", "0.01"}}), std::pair(0.05, 0.01));
+  const std::pair<double, double> plain(0.05, 0.004);
+  EXPECT_EQ(move_limits({{"objective.0.scaling", "first"}}), plain);
+  EXPECT_EQ(move_limits({{"objective.0.scaling", "first"}, {"objective.0.least_squares", "true"}}),
+            std::pair(0.05, 0.001));
+  EXPECT_EQ(move_limits({{"objective.0.weight", "0"}}), plain);
+  EXPECT_EQ(move_limits({{"objective.0.norm", "8"}}), plain);
+  EXPECT_EQ(move_limits({{"objective.0", R"({"type": "distortion", "measure": "layerwise"})"}}), plain);
+  EXPECT_EQ(move_limits({{"objective.0", R"({"type": "distortion", "measure": "shape", "nodes": "top"})"}}),
+            std::pair(0.05, 0.001));
+  const Settings scenarios = {{"material.scenarios", "[[1.1, 1, 1]]"}};
+  EXPECT_EQ(move_limits(scenarios), std::pair(0.05, 0.001));
+  for (const char* aggregate : {"mean", "spread", "worst"}) {
+    Settings aggregated = scenarios;
+    aggregated.emplace_back("objective.0.aggregate", aggregate);
+    EXPECT_EQ(move_limits(aggregated), plain) << aggregate;
+  }
 }
 
 TEST(ConfigTest, ValuesReachTheirPlace) {
@@ -174,7 +202,8 @@ TEST(ConfigTest, OtherSequences) {
   EXPECT_EQ(file.sequence.kind->name, "file");
   EXPECT_EQ(file.sequence.as<FileSettings>().file, "/base/t.h5");
   EXPECT_EQ(file.sequence.as<FileSettings>().dataset, "time");
-  const Config on_elements = configure(plane, {{"sequence", R"({"type": "direct"})"}});
+  const Config on_elements =
+      configure(plane, {{"sequence", R"({"type": "direct"})"}, {"objective.0.least_squares", "false"}});
   EXPECT_EQ(on_elements.sequence.kind->name, "direct");
   EXPECT_EQ(on_elements.sequence.as<DirectSettings>().location, DesignLocation::elements);
   EXPECT_FALSE(on_elements.sequence.as<DirectSettings>().start);
@@ -204,7 +233,7 @@ TEST(ConfigTest, MultiPlanarLayers) {
   EXPECT_EQ(plain.layers.multi_planar->timestamps, (std::vector<double>{0.25, 0.5, 0.75}));
   EXPECT_EQ(plain.layers.multi_planar->thickness, 3.0);
   EXPECT_EQ(plain.layers.multi_planar->time_sharpness, 100.0);
-  EXPECT_EQ(plain.layers.multi_planar->slab_sharpness, 100.0);
+  EXPECT_EQ(plain.layers.multi_planar->slab_sharpness, 10.0);
   EXPECT_EQ(plain.layers.multi_planar->lowest_angles, std::vector<double>(4, 0.0));
   for (const double angle : plain.layers.multi_planar->angles) EXPECT_NEAR(angle, std::acos(0.0), 1e-15);
   EXPECT_FALSE(plain.layers.multi_planar->fixed_time);

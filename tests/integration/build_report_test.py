@@ -15,7 +15,8 @@ from run_fabseq import BAD_INPUT, ROOT, FabseqTest, distinct
 CRANE = {"name": "crane", "domain": {"size": [8, 2, 6], "elements": [8, 2, 6], "unit": "mm"},
          "part": {"union": [{"box": {"min": [0, 0, 0], "max": [2, 2, 4]}}, {"box": {"min": [0, 0, 4], "max": [8, 2, 6]}}]},
          "node_sets": {"tip": {"box": {"min": [8, 0, 4], "max": [8, 2, 6]}}},
-         "sequence": {"type": "heat"}, "layers": {"count": 4}, "objective": [{"type": "distortion", "nodes": "tip"}],
+         "sequence": {"type": "heat", "characteristic_length": 8}, "layers": {"count": 4},
+         "objective": [{"type": "distortion", "nodes": "tip"}],
          "constraints": [{"type": "layer_thickness", "target": 3.0}], "baseline": {"layers": 6}}
 STEEL = {"name": "steel", "young": 200e3, "yield_stress": 1.0, "mass_density": 0.5, "inherent_strain": [-0.01] * 3 + [0] * 3,
          "source": "a book", "comment": "at room temperature"}

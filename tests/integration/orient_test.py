@@ -102,6 +102,13 @@ class OrientTest(FabseqTest):
         self.assertGreater(min(left, middle), 0.05)
         self.assertLess(right, 0.05)
 
+    def test_multi_planar_layers(self):
+        """They have no number from which the length of the drain could follow."""
+        config = angle() | {"layers": {"type": "multi_planar", "subparts": 2, "thickness": 10}, "constraints": []}
+        run = self.orient(config, "--turn", "z 0")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertEqual(self.json("z0/simulated.json")["sequence"], {"type": "heat"})
+
     def counts(self, path):
         """Nodes of each set, as -task check says it."""
         run = self.run_program(1, "-config", path, "-task", "check", output="")

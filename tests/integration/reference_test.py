@@ -136,6 +136,9 @@ class ReferenceTest(FabseqTest):
     def test_released_bracket_2d(self):
         self.check_evaluation("released_bracket_2d")
 
+    def test_scenarios_arm_3d(self):
+        self.check_evaluation("scenarios_arm_3d")
+
     def test_post_substrate_3d(self):
         self.check_evaluation("post_substrate_3d")
 

@@ -163,6 +163,23 @@ class ReslicingTest(FabseqTest):
             else:
                 np.testing.assert_array_equal(cut["layer"][part], (result["layer"][part] + 1) // 2)
 
+    def test_a_design_keeps_its_times(self):
+        """The config that a run leaves says what its characteristic length came to, which follows from the
+        layers: with it, the design means the same times in any layers."""
+        config = plate_2d()
+        config["sequence"] = {"type": "heat"}
+        first = self.run_config(2, config, "-max_iterations", 2, "-tolerance", "1e-10")
+        self.assert_done(first)
+        self.assertAlmostEqual(first.json("config.json")["sequence"]["characteristic_length"], 4 * 0.3, places=12)
+        design = ("-task", "simulate", "-design", first.path("result.h5"), "-layers", 7, "-tolerance", "1e-10")
+        kept = self.run_program(1, "-config", first.path("config.json"), *design)
+        derived = self.run_config(1, config, *design)
+        self.assert_done(kept)
+        self.assert_done(derived)
+        expected = read_result(first)["time"]
+        assert_close(read_result(kept)["time"], expected, 1e-8, "time")
+        self.assertGreater(np.abs(read_result(derived)["time"] - expected).max(), 0.01)
+
     def test_a_time_of_ones_own(self):
         """A file without a word about layers: those of the config, with its sharpness; terms it cannot have
         are named."""

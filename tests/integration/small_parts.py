@@ -13,9 +13,9 @@ def plate_2d():
         "part": {"difference": [{"box": {"min": [0, 0], "max": [2, 1.2]}},
                                 {"sphere": {"center": [2.0, 0.6], "radius": 0.31}}]},
         "node_sets": {"top": {"box": {"min": [0, 1.2], "max": [2, 1.2]}}},
-        "sequence": {"type": "heat"},
+        "sequence": {"type": "heat", "characteristic_length": 2.0},
         "layers": {"count": 4},
-        "objective": [{"type": "distortion", "nodes": "top", "least_squares": False}, {"type": "layer_uniformity"}],
+        "objective": [{"type": "distortion", "nodes": "top", "least_squares": False}, {"type": "layer_uniformity", "weight": 1}],
         "constraints": [{"type": "layer_thickness", "target": 0.3}],
     }
 
@@ -45,11 +45,11 @@ def hook_3d():
                            {"box": {"min": [0, 0, 1.0], "max": [1.6, 0.8, 1.6]}}]},
         "node_sets": {"edge": {"box": {"min": [1.6, 0, 1.6], "max": [1.6, 0.8, 1.6]}},
                       "top": {"box": {"min": [0, 0, 1.6], "max": [1.6, 0.8, 1.6]}}},
-        "sequence": {"type": "heat"},
+        "sequence": {"type": "heat", "characteristic_length": 1.6},
         "layers": {"count": 3},
         "objective": [{"type": "distortion", "nodes": "edge", "least_squares": False},
                       {"type": "distortion", "measure": "flatness", "axis": "z", "nodes": "top", "least_squares": False},
-                      {"type": "layer_uniformity"}],
+                      {"type": "layer_uniformity", "weight": 1}],
         "constraints": [{"type": "layer_thickness", "target": 0.55}, {"type": "deposition_speed"}],
     }
 
@@ -66,7 +66,7 @@ def v_2d():
         "node_sets": {"tip": {"box": {"min": [1.7, 2], "max": [2, 2]}}},
         "sequence": {"type": "heat", "characteristic_length": 2.5},
         "layers": {"count": 8},
-        "objective": [{"type": "distortion", "nodes": "tip", "least_squares": False}, {"type": "layer_uniformity"}],
+        "objective": [{"type": "distortion", "nodes": "tip", "least_squares": False}, {"type": "layer_uniformity", "weight": 1}],
         "constraints": [{"type": "layer_thickness", "target": 0.3125, "tolerance": 0.15}],
     }
 
@@ -94,7 +94,7 @@ def post_on_substrate(dimension=3):
                       {"type": "distortion", "measure": "flatness", "axis": "y" if flat else "z", "nodes": "underside",
                        "after_release": True, "least_squares": False},
                       {"type": "distortion", "nodes": "arm", "least_squares": False},
-                      {"type": "layer_uniformity"}],
+                      {"type": "layer_uniformity", "weight": 1}],
         "constraints": [{"type": "layer_thickness", "target": 0.3}],
     }
 

@@ -141,7 +141,7 @@ TEST(SequenceKindTest, ConfigRefusesWhatDoesNotFit) {
 }
 
 TEST(SequenceKindTest, OptimizerTakesItsMoveLimits) {
-  const Config config = configure(plane, {{"sequence", type + "}"}});
+  const Config config = configure(plane, {{"sequence", type + "}"}, {"objective.0.least_squares", "false"}});
   EXPECT_EQ(config.optimizer.move_limit, 0.3);
   EXPECT_EQ(config.optimizer.final_move_limit, 0.01);
   EXPECT_NE(help_text().find("0.02 for times (direct), 0.3 for scaled ones"), std::string::npos);

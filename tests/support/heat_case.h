@@ -28,7 +28,8 @@ std::unique_ptr<HeatSolver<Dim>> exact_heat_solver(const Grid<Dim>& grid, const 
 template <int Dim>
 HeatSequence<Dim> heat_sequence(const Part<Dim>& part, const HeatSettings& settings,
                                 double target_gradient = 0.0, SolverPath path = SolverPath::reference) {
-  auto model = std::make_unique<const HeatModel<Dim>>(part, settings);
+  auto model = std::make_unique<const HeatModel<Dim>>(
+      part, settings, settings.characteristic_length.value_or(part.longest_edge()));
   auto solver = exact_heat_solver(part.grid(), *model, path);
   return {part, settings, target_gradient, std::move(model), std::move(solver)};
 }

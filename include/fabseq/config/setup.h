@@ -24,6 +24,9 @@ class Setup : public Model<Dim> {
   bool binary() const { return config.projection.binary || config.sequence.kind->binary; }
   /// The config with what "auto" stands for, so that this stays when other things change. Not collective.
   Config resolved() const;
+  /// The effective config with the number that the characteristic length comes to: a design means another
+  /// pseudo-time with another one, whatever layers it is cut into. Not collective.
+  Json effective() const;
   /// 1 on the owned elements of the substrate, as a field for files.
   std::vector<double> substrate_field() const {
     const auto& elements = this->part.substrate().elements();

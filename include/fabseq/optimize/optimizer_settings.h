@@ -4,9 +4,11 @@
 #pragma once
 
 #include "fabseq/mma/mma_settings.h"
+#include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence_settings.h"
 
 #include <optional>
+#include <vector>
 
 namespace fabseq {
 
@@ -14,12 +16,13 @@ template <class Settings>
 class Section;
 
 struct OptimizerSettings {
-  int max_iterations = 400;
+  int max_iterations = 120;
   double change_tolerance = 0.0;
   double objective_tolerance = 0.0;
   int window = 5;  ///< iterations over which both are looked at
-  std::optional<double> given_move_limit, given_final_move_limit;  ///< of the config; none: by the sequence
-  double move_limit = 0.05, final_move_limit = 0.004;              ///< of the variable's range
+  /// Of the config; none: what complete_move_limits() chooses.
+  std::optional<double> given_move_limit, given_final_move_limit;
+  double move_limit = 0.05, final_move_limit = 0.004;  ///< of the variable's range
   MmaSettings mma;
   double constraint_margin = 0.95;
   int binary_iterations = 0;                         ///< the last ones, judged by binary layers
@@ -30,7 +33,9 @@ struct OptimizerSettings {
 
 /// Section "optimizer". Its texts name all kinds of sequences that are registered.
 Section<OptimizerSettings> optimizer_keys();
-/// Sets the move limits: as given, or what suits the sequence.
-void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence);
+/// Sets the move limits: as given, or what suits the sequence; at the end of a run less where a term of the
+/// objective may reach the optimizer as a sum of squares (docs/formulation.md 9). Not collective.
+void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& sequence,
+                          const std::vector<Term>& objective);
 
 }  // namespace fabseq

@@ -17,6 +17,11 @@
 
 namespace fabseq {
 
+/// l_c where the settings of the sequence name none, length unit (docs/formulation.md 2.1). Not collective.
+template <int Dim>
+double default_characteristic_length(const ModelSettings& settings, const Part<Dim>& part,
+                                     const LayerModel<Dim>& layers);
+
 /// The groups of a run, the part as the ranks of each of them have it, and what its size follows from. Its
 /// members refer to each other.
 template <int Dim>

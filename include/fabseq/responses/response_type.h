@@ -38,6 +38,7 @@ struct ResponseTraits {
   LayerKind layers = LayerKind::any;         ///< kind of layers that it is defined for
   bool needs_time_gradient = false;          ///< it needs |grad t|, as thickness does
   TermScaling scaling = TermScaling::first;  ///< default scaling of an objective term
+  double weight = 1.0;                       ///< its default weight
   std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none
 };
 
@@ -47,6 +48,7 @@ struct TermFacts {
   bool is_largest = false;    ///< the optimizer gets it as the largest of several (Response::largest_of())
   bool is_quadratic = false;  ///< it is a quadratic form of the displacement alone, and of nothing else
   bool asks_for_squares = false;  ///< the config asks to hand it to the optimizer as a sum of squares
+  bool offers_squares = false;    ///< it may be handed over so unasked, with scaling current
   std::vector<std::string> node_sets = {};                ///< names of those that it measures
   std::optional<double> target_thickness = std::nullopt;  ///< of layers, that it aims at, length unit
 };

@@ -50,6 +50,7 @@ struct SequenceContext {
   const Part<Dim>& part;
   const DesignSupport<Dim>& support;  ///< SequencePlaces::support
   const std::optional<StartRegion>& start;
+  double characteristic_length;  ///< l_c (docs/formulation.md 2.1), length unit
   double target_gradient;  ///< |grad t| of layers as thick as they shall be, 1/length; 0: no target thickness
   MPI_Comm across;         ///< this rank and its copies in other layer groups
   int lanes;               ///< most rows that are solved side by side

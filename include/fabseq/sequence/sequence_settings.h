@@ -25,7 +25,10 @@ struct SequenceFacts {
   MoveLimits move_limits = {};
   /// The keys for which grad t is not defined, as messages have them: `type "file"`; empty: it is defined.
   std::string gradient_obstacle = "";
-  std::optional<double> characteristic_length = std::nullopt;  ///< length unit; none: the part's longest edge
+  std::optional<double> characteristic_length = std::nullopt;  ///< length unit; none: the model's default
+  /// Whether that default is the number of layers times their target thickness, where there is one; else it
+  /// is the part's longest edge (docs/formulation.md 2.1).
+  bool spans_layers = false;
   /// Keys of the section "sequence" that name HDF5 files, and the files' absolute paths.
   std::vector<std::pair<std::string, std::string>> files = {};
 };

@@ -209,8 +209,8 @@ def record_of(arguments, given, turn):
     try:
         sizes = sizes_of(run_program(arguments, path, "check"))
         turned["layers"] = layers_of(config, sizes["geodesic_height"] / target)
-        if turned["sequence"]["type"] == "heat":
-            turned["sequence"]["characteristic_length"] = turned["layers"].get("count", 1) * target
+        if turned["sequence"]["type"] == "heat" and "count" in turned["layers"]:
+            turned["sequence"]["characteristic_length"] = turned["layers"]["count"] * target
         write_json(path, turned)
         if config["sequence"]["type"] not in WITHOUT_START:
             run_program(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
