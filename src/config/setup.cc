@@ -67,7 +67,7 @@ Config Setup<Dim>::resolved() const {
   Config result = config;
   if (!result.layers.multi_planar) result.layers.count = this->layers->count();
   result.baseline.layers = this->baseline->count();
-  result.sequence.kind->set_characteristic_length(result.sequence, this->characteristic_length);
+  result.sequence = this->sequence_settings;
   return result;
 }
 

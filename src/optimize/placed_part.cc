@@ -19,6 +19,14 @@ ResponseList<Dim> make_responses(const std::vector<Term>& terms, const ResponseC
   return result;
 }
 
+template <int Dim>
+SequenceSettings with_lengths(const ModelSettings& settings, const Part<Dim>& part, int layers) {
+  SequenceSettings result = settings.sequence;
+  const auto& target = settings.layers.target;
+  result.kind->fix_lengths(result, part, target ? layers * target->value : 0.0);
+  return result;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -32,7 +40,8 @@ PlacedPart<Dim>::PlacedPart(MPI_Comm world, const ModelSettings& settings_, cons
       places(settings.sequence.kind->places(settings.sequence, part)),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
-      characteristic_length(settings.sequence.facts.characteristic_length.value_or(part.longest_edge())),
+      sequence(with_lengths(settings, part, layers->count())),
+      characteristic_length(sequence.facts.characteristic_length.value_or(part.longest_edge())),
       objective(make_responses(settings.objective, context())),
       size(run_size(settings, part, objective, layers->count(), size_of(world))) {}
 

@@ -19,7 +19,7 @@ LEAST = 1e-10  # of a derivative that is no zero against a zero
 # Responses that do not depend on a kind of variable: exactly.
 INDEPENDENT = {("continuity", "time points"), ("subpart_volume", "angles"), ("tool_clearance", "time points"),
                ("tilt", "time points")}
-DESIGNS = ("diffusivity", "times of nodes", "times of elements", "sub-parts")
+DESIGNS = ("diffusivity", "tilts and stretch", "times of nodes", "times of elements", "sub-parts")
 
 
 def part(dimension):
@@ -92,11 +92,13 @@ def problem(dimension, design, void, turning):
         config["tool"] = {"max_tilt": 40}
         return config
     # As many layers as leave the last ones so small that there is a last layer to bound.
-    count, least_volume = (7, 0.9) if design == "diffusivity" else (5, 0.99)
+    count, least_volume = (5, 0.99) if design.startswith("times") else (7, 0.9)
     config["layers"] = {"count": count, "time_points": "variable"}
     config["projection"] = {"beta": 20}
     config["sequence"] = {"type": "heat"}
-    if design != "diffusivity":
+    if design == "tilts and stretch":
+        config["sequence"] = {"type": "guided", "stretch": [0.6, 1.6], "filter_radius": 0.3}
+    if design.startswith("times"):
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
                              {"type": "last_layer", "least_volume": least_volume},

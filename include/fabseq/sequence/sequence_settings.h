@@ -4,6 +4,7 @@
 #pragma once
 
 #include <any>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +19,13 @@ class SequenceKind;
 struct MoveLimits {
   double first = 0.05;
   std::optional<double> last = 0.004;  ///< at the end of a run, at most; none: as large as before
+};
+
+/// What the tool allows, as far as defaults of a sequence follow from it.
+struct ToolRange {
+  double max_tilt = 180.0;  ///< of the build direction from the plate's normal, degrees
+  /// Least and largest local thickness, relative to the target; none: there is no torch.
+  std::optional<std::array<double, 2>> thickness = std::nullopt;
 };
 
 /// What the settings of a sequence say before there is a part.
