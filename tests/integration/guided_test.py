@@ -168,14 +168,15 @@ class GuidedTest(FabseqTest):
     def test_restart(self):
         config = without_uniformity(hook_3d(), stretch=[0.6, 1.6])
         arguments = ("-max_iterations", 4, "-checkpoint_every", 2, "-output_every", 2)
-        for ranks, path in distinct((2, "lanes"), (1, "lanes"), (2, "reference")):
+        # The systems of the reference path last until a checkpoint.
+        for ranks, path, cut in distinct((2, "lanes", 3), (1, "lanes", 1), (2, "reference", 2)):
             arguments = (*arguments[:6], "-solver_path", path)
             expected = self.run_config(ranks, config, *arguments)
             self.assert_done(expected)
             output = os.path.join(self.directory, f"cut_{ranks}_{path}")
             os.makedirs(output)
             with open(os.path.join(output, "stop"), "w", encoding="utf-8") as file:
-                file.write("3")
+                file.write(str(cut))
             run = self.run_config(ranks, config, *arguments, output=output)
             self.assertEqual(run.status, STOPPED, str(run))
             run = self.run_config(ranks, config, *arguments, "-restart", "auto", output=output)
@@ -191,6 +192,12 @@ class GuidedTest(FabseqTest):
         with h5py.File(first.path("result.h5"), "r") as file:
             value = file.attrs["optimized/objective_0"]
         self.assertLess(largest_relative_difference(again.json("evaluation.json")["responses"][0]["value"], value), 1e-4)
+        for shape in ((8, 4, 8, 2), (512,)):  # as a list, too
+            design = os.path.join(self.directory, "list.h5")
+            with h5py.File(first.path("result.h5"), "r") as file, h5py.File(design, "w") as copy:
+                copy["design"] = file["design"][()].reshape(shape)
+            same = self.run_config(1, config, "-task", "evaluate", "-design", design)
+            self.assertEqual(*([one["value"] for one in run.json("evaluation.json")["responses"]] for run in (same, again)))
         refused = self.run_config(1, config, "-task", "evaluate", "-design", first.path("result.h5"), "-set",
                                   "sequence.stretch=[0.9, 1.1]")
         self.assertEqual(refused.status, BAD_INPUT)
