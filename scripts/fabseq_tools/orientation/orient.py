@@ -209,7 +209,7 @@ def record_of(arguments, given, turn):
     try:
         sizes = sizes_of(run_program(arguments, path, "check"))
         turned["layers"] = layers_of(config, sizes["geodesic_height"] / target)
-        if turned["sequence"]["type"] == "heat":
+        if turned["sequence"]["type"] in ("heat", "guided"):
             turned["sequence"]["characteristic_length"] = turned["layers"].get("count", 1) * target
         write_json(path, turned)
         if config["sequence"]["type"] not in WITHOUT_START:
