@@ -47,7 +47,7 @@ set(FABSEQ_COSTS
     integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
-    integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.gradient_matrix=40
+    integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.gradient_matrix=40 integration.guided=30
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
@@ -66,7 +66,7 @@ endfunction()
 # What to run after which kind of change: LABEL=REGEX of MODULE/NAME.
 set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
-    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|reference|squares|direct|deposition|sensitivity)"
+    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install|package)"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"

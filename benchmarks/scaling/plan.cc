@@ -77,8 +77,7 @@ Json answer_for_config(const Json& question) {
   const fabseq::Config config = fabseq::read_config(PETSC_COMM_WORLD, command_line);
   const fabseq::Setup<3> setup(PETSC_COMM_WORLD, config);
   const fabseq::ElasticModel<3> elastic(setup.part, setup.supports, config.material, config.process);
-  const fabseq::HeatModel<3> heat(
-      setup.part, {}, setup.characteristic_length);  // the domain is what counts, whatever the settings
+  const fabseq::HeatModel<3> heat(setup.part, {});  // the domain is what counts, whatever the settings
   const fabseq::LaneHierarchy<3> of_elastic(setup.grid, elastic.domain), of_heat(setup.grid, heat.domain);
   const auto whole = setup.grid.all_elements();
   const auto weights = fabseq::element_weights<3>(PETSC_COMM_SELF, setup.grid.domain(), config.part)(whole);

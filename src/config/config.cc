@@ -3,6 +3,7 @@
 
 #include "config/config_keys.h"
 #include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/sequence_kind.h"
 
 namespace fabseq {
 
@@ -32,6 +33,9 @@ void complete(Config& config) {
   if (config.layers.multi_planar)
     complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
   config.layers.target = target_of(config.constraints);
+  ToolRange tool{config.tool.max_tilt};
+  if (!config.tool.profile.empty()) tool.thickness = config.tool.thickness;
+  config.sequence.kind->follow_tool(config.sequence, tool);
   complete_move_limits(config.optimizer, config.sequence, config.objective);
   check_rules(config);
 }

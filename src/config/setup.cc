@@ -77,16 +77,14 @@ Config Setup<Dim>::resolved() const {
   Config result = config;
   if (!result.layers.multi_planar) result.layers.count = this->layers->count();
   result.baseline.layers = this->baseline->count();
-  result.sequence.kind->set_characteristic_length(result.sequence, this->characteristic_length);
+  result.sequence = this->sequence_settings;
   return result;
 }
 
 template <int Dim>
 Json Setup<Dim>::effective() const {
   Json result = config.effective;
-  SequenceSettings sequence = config.sequence;
-  sequence.kind->set_characteristic_length(sequence, this->characteristic_length);
-  sequence.kind->write(sequence, result["sequence"]);
+  config.sequence.kind->write(this->sequence_settings, result["sequence"]);
   return result;
 }
 

@@ -10,19 +10,22 @@ namespace fabseq {
 
 namespace {
 
-/// Reads a field that is stored as one list, x fastest. Every rank reads from its first value to its last and
-/// picks out its own.
+/// Reads a field that is stored as one list, [element or node][component], x fastest. Every rank reads from
+/// its first value to its last and picks out its own.
 template <int Dim>
 std::vector<double> read_field_as_list(const IndexBox<Dim>& all, const IndexBox<Dim>& owned,
-                                       const Hdf5ParallelDataset& data) {
+                                       const Hdf5ParallelDataset& data, int components) {
   Index<Dim> last = owned.start;
   for (int axis = 0; axis < Dim; ++axis) last[axis] += owned.size[axis] - 1;
-  const auto first = static_cast<hsize_t>(all.offset(owned.start));
-  const hsize_t count = static_cast<hsize_t>(all.offset(last)) - first + 1;
-  const std::vector<double> values = data.read({&first, 1}, {&count, 1});
-  std::vector<double> result(static_cast<std::size_t>(owned.count()));
+  const std::int64_t first = all.offset(owned.start);
+  const auto start = static_cast<hsize_t>(owned.count() == 0 ? 0 : first * components);
+  const auto count =
+      owned.count() == 0 ? 0 : static_cast<hsize_t>((all.offset(last) - first + 1) * components);
+  const std::vector<double> values = data.read({&start, 1}, {&count, 1});
+  std::vector<double> result(static_cast<std::size_t>(owned.count()) * components);
   owned.for_each([&](const Index<Dim>& index, std::int64_t offset) {
-    result[offset] = values[all.offset(index) - static_cast<std::int64_t>(first)];
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>((all.offset(index) - first) * components),
+                components, result.begin() + static_cast<std::ptrdiff_t>(offset * components));
   });
   return result;
 }
@@ -36,9 +39,9 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
   const Hdf5ParallelDataset data(grid.comm(), file, dataset, file_key, dataset_key);
   const IndexBox<Dim> all = on_nodes ? grid.all_nodes() : grid.all_elements();
   const IndexBox<Dim>& owned = on_nodes ? grid.owned_nodes() : grid.owned_elements();
-  const auto values = static_cast<hsize_t>(all.count());
-  if (components == 1 && data.shape().size() == 1 && data.shape()[0] == values)
-    return read_field_as_list<Dim>(all, owned, data);
+  const auto values = static_cast<hsize_t>(all.count() * components);
+  if (data.shape().size() == 1 && data.shape()[0] == values)
+    return read_field_as_list<Dim>(all, owned, data, components);
   std::vector<hsize_t> shape(Dim), start(Dim), count(Dim);  // slowest axis first
   for (int axis = 0; axis < Dim; ++axis) {
     shape[Dim - 1 - axis] = static_cast<hsize_t>(all.size[axis]);
@@ -47,7 +50,8 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
   }
   std::string meaning =
       on_nodes ? "nodes of the grid, domain.elements plus 1 reversed" : "domain.elements reversed";
-  if (components > 1) {
+  // A single component may have an axis of its own.
+  if (components > 1 || (data.shape().size() == Dim + 1 && data.shape().back() == 1)) {
     shape.push_back(static_cast<hsize_t>(components));
     start.push_back(0);
     count.push_back(shape.back());

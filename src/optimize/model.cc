@@ -23,6 +23,7 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       grid(placed_->grid),
       part(placed_->part),
       supports(part, settings.part),
+      sequence_settings(placed_->sequence),
       start(placed_->places.start),
       design_support(placed_->places.support),
       node_sets(placed_->node_sets),

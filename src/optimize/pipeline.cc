@@ -80,7 +80,7 @@ std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const Pip
   // What the groups send each other of the sequence's adjoints counts for it.
   const auto scope = timer_.enter(Phase::heat);
   pull_back_own(state, adjoints);
-  if (!state.time.temperature.empty()) adjoint_iterations_ = adjoints.iterations();
+  if (state.time.iterations) adjoint_iterations_ = adjoints.iterations();
   return adjoints.gradients(sequence_->sequence().variables());
 }
 

@@ -19,15 +19,15 @@ ResponseList<Dim> make_responses(const std::vector<Term>& terms, const ResponseC
   return result;
 }
 
-}  // namespace
-
 template <int Dim>
-double default_characteristic_length(const ModelSettings& settings, const Part<Dim>& part,
-                                     const LayerModel<Dim>& layers) {
+SequenceSettings with_lengths(const ModelSettings& settings, const Part<Dim>& part, int layers) {
+  SequenceSettings result = settings.sequence;
   const auto& target = settings.layers.target;
-  return settings.sequence.facts.spans_layers && target ? layers.count() * target->value
-                                                        : part.longest_edge();
+  result.kind->fix_lengths(result, part, target ? layers * target->value : 0.0);
+  return result;
 }
+
+}  // namespace
 
 template <int Dim>
 PlacedPart<Dim>::PlacedPart(MPI_Comm world, const ModelSettings& settings_, const GroupChoice& choice_,
@@ -40,8 +40,8 @@ PlacedPart<Dim>::PlacedPart(MPI_Comm world, const ModelSettings& settings_, cons
       places(settings.sequence.kind->places(settings.sequence, part)),
       node_sets(make_node_sets(part, settings.node_sets)),
       layers(make_layer_model(settings.layers, settings.projection, part)),
-      characteristic_length(settings.sequence.facts.characteristic_length.value_or(
-          default_characteristic_length(settings, part, *layers))),
+      sequence(with_lengths(settings, part, layers->count())),
+      characteristic_length(sequence.facts.characteristic_length.value_or(part.longest_edge())),
       objective(make_responses(settings.objective, context())),
       size(run_size(settings, part, objective, layers->count(), size_of(world))) {}
 
@@ -78,7 +78,6 @@ std::unique_ptr<PlacedPart<Dim>> place_part(MPI_Comm world, const ModelSettings&
   return placed(choice, quiet);
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(default_characteristic_length);
 FABSEQ_INSTANTIATE_STRUCT(PlacedPart);
 FABSEQ_INSTANTIATE_FUNCTION(place_part);
 

@@ -38,7 +38,7 @@ void SequenceStage<Dim>::forward(const StageInput& input, StageResults<Dim>& res
   sequence_->set_tolerance(heat_tolerance(input.tolerance));
   results.time = &sequence_->update(groups_.gather(input.design.field));
   iterations_.clear();
-  if (!results.time->temperature.empty()) iterations_.push_back(results.time->iterations);
+  if (results.time->iterations) iterations_.push_back(*results.time->iterations);
 }
 
 template <int Dim>

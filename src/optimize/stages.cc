@@ -9,14 +9,14 @@ namespace fabseq {
 
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tolerance) {
-  const SequenceSettings& settings = model.settings.sequence;
+  const SequenceSettings& settings = model.sequence_settings;
   const auto& target = model.settings.layers.target;
   const auto heat_solver = [&model, tolerance](const SystemDomain& domain, bool lumped) {
     return make_heat_solver(model.settings.solver, model.grid, domain, lumped, tolerance, model.lanes);
   };
   return settings.kind->make(
       settings,
-      SequenceContext<Dim>{model.part, model.design_support, model.start, model.characteristic_length,
+      SequenceContext<Dim>{model.part, model.design_support, model.start,
                            target ? 1.0 / (model.layers->count() * target->value) : 0.0,
                            model.groups.across(), model.lanes, heat_solver});
 }

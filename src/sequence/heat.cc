@@ -56,8 +56,13 @@ struct HeatKind {
   static SequenceFacts facts(const Settings& settings) {
     const bool logarithmic = settings.scale == VariableScale::log;
     return {.move_limits = logarithmic ? MoveLimits{0.05, 0.004} : MoveLimits{0.2, std::nullopt},
-            .characteristic_length = settings.characteristic_length,
-            .spans_layers = true};
+            .characteristic_length = settings.characteristic_length};
+  }
+
+  template <int Dim>
+  static void fix_lengths(Settings& settings, const Part<Dim>& part, double height_of_layers) {
+    if (!settings.characteristic_length)
+      settings.characteristic_length = height_of_layers > 0.0 ? height_of_layers : part.longest_edge();
   }
 
   template <int Dim>
@@ -67,7 +72,7 @@ struct HeatKind {
 
   template <int Dim>
   static std::unique_ptr<Sequence<Dim>> make(const Settings& settings, const SequenceContext<Dim>& context) {
-    auto heat = std::make_unique<const HeatModel<Dim>>(context.part, settings, context.characteristic_length);
+    auto heat = std::make_unique<const HeatModel<Dim>>(context.part, settings);
     auto solver = context.make_heat_solver(heat->domain, heat->lumped);
     return std::make_unique<HeatSequence<Dim>>(context.part, settings, context.target_gradient,
                                                std::move(heat), std::move(solver), context.across,

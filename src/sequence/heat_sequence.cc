@@ -7,10 +7,11 @@
 #include "fabseq/base/verdict.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "sequence/element_means.h"
+#include "sequence/start_domain.h"
+#include "sequence/time_adjoints.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace fabseq {
@@ -72,20 +73,11 @@ constexpr double temperature_tolerance = 1e-9;
 }  // namespace
 
 template <int Dim>
-HeatModel<Dim>::HeatModel(const Part<Dim>& part, const HeatSettings& settings, double characteristic_length)
+HeatModel<Dim>::HeatModel(const Part<Dim>& part, const HeatSettings& settings)
     : element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
-      reaction(settings.drain / std::pow(characteristic_length, 2)),
-      lumped(lump_mass(settings, reaction, part.grid().largest_spacing())) {
-  const Grid<Dim>& grid = part.grid();
-  grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
-    domain.first_corners.push_back(grid.first_corner(index));
-  });
-  domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()));
-  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
-    const bool on_plate = part.on_plate(node) && part.touched_nodes()[offset] != 0;
-    domain.fixed[offset] = on_plate || part.substrate().nodes()[offset] != 0 ? 1 : 0;
-  });
-}
+      reaction(settings.drain / std::pow(settings.characteristic_length.value_or(part.longest_edge()), 2)),
+      lumped(lump_mass(settings, reaction, part.grid().largest_spacing())),
+      domain(start_domain(part)) {}
 
 template <int Dim>
 HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const HeatSettings& settings, double target_gradient,
@@ -135,6 +127,7 @@ template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
   const LaneVector load = prescribed_load();
   LaneVector correction = load;
+  int iterations = 0;
   run_in_groups(across_, [&] {
     solver_->set_operator(diffusivity_, model_->reaction);
     // A single right-hand side cannot be shared out, and other groups would only take bandwidth from the
@@ -142,12 +135,13 @@ void HeatSequence<Dim>::solve_temperature() {
     if (rank_of(across_) != 0) return;
     const SolveReport report = solver_->solve({&load, 1}, {&correction, 1})[0];
     require_convergence(report, "the heat solve");
-    time_.iterations = report.iterations;
+    iterations = report.iterations;
   });
   if (solver_->saves_memory()) solver_->give_back_memory();
   time_.temperature = std::move(correction.values);
   broadcast(across_, time_.temperature);
-  MPI_Bcast(&time_.iterations, 1, MPI_INT, 0, across_);
+  MPI_Bcast(&iterations, 1, MPI_INT, 0, across_);
+  time_.iterations = iterations;
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
   ghosted_temperature_ = part_.grid().exchange(1).ghosted(time_.temperature);
@@ -205,24 +199,15 @@ void HeatSequence<Dim>::derive_time() {
 
 template <int Dim>
 std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const TimeDerivatives> rows) {
-  // PETSc's indices must be able to count the values at all nodes of the grid.
-  const std::int64_t limit = std::numeric_limits<PetscInt>::max() / part_.grid().all_nodes().count();
-  const std::size_t together = std::clamp<std::int64_t>(limit, 1, lanes_);
-  adjoint_iterations_.clear();
   const std::vector<double> flux = heat_flux(part_, model_->element, ghosted_temperature_);
   std::vector<std::vector<double>> result;
-  for (std::size_t first = 0; first < rows.size(); first += together) {
-    // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is the derivative by t.
-    const LaneVector loads =
-        pull_back_means(part_, model_->element, rows.subspan(first, std::min(together, rows.size() - first)));
-    LaneVector adjoints = loads;
-    for (const SolveReport& report : solver_->solve({&loads, 1}, {&adjoints, 1})) {
-      require_convergence(report, "a heat adjoint");
-      adjoint_iterations_.push_back(report.iterations);
-    }
+  const auto add = [&](const LaneVector& adjoints) {
     for (const std::vector<double>& gradient : by_diffusivity(part_, flux, adjoints))
       result.push_back(filter_.apply_transpose(gradient));
-  }
+  };
+  // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is the derivative by t.
+  adjoint_iterations_ =
+      solve_time_adjoints<Dim>(part_, model_->element, *solver_, rows, lanes_, add, "a heat adjoint");
   if (solver_->saves_memory()) solver_->give_back_memory();
   return result;
 }

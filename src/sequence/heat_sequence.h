@@ -28,7 +28,7 @@ struct HeatSettings {
   MassRule mass = MassRule::automatic;
   std::optional<double> initial;                ///< uniform diffusivity; none: from the distance to the plate
   double drain = 1.0;                           ///< alpha times the square of the characteristic length
-  std::optional<double> characteristic_length;  ///< length unit; none: the model's default
+  std::optional<double> characteristic_length;  ///< length unit; none: fix_lengths() of the kind says it
   /// Bounds of the diffusivity in the part, and the diffusivity outside.
   double min_diffusivity = 1e-3, max_diffusivity = 1.0, void_diffusivity = 1e-3;
   double filter_radius = 0.0;  ///< length unit; 0: no filter
@@ -39,9 +39,9 @@ struct HeatSettings {
 /// substrate.
 template <int Dim>
 struct HeatModel {
-  /// `characteristic_length`: l_c of the drain, whether the settings name it or not. Keeps no reference to
-  /// the part. Not collective.
-  HeatModel(const Part<Dim>& part, const HeatSettings& settings, double characteristic_length);
+  /// Where the settings leave l_c open, it is the part's longest edge. Keeps no reference to the part. Not
+  /// collective.
+  HeatModel(const Part<Dim>& part, const HeatSettings& settings);
 
   ElementMatrices<Dim> element;
   double reaction;      ///< alpha, diffusivity / length^2

@@ -5,6 +5,7 @@
 #include "fabseq/part/wall_thickness.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
+#include "fabseq/sequence/sequence_kind.h"
 #include "fabseq/tasks/tasks.h"
 #include "tasks/advice.h"
 
@@ -38,6 +39,16 @@ void print_mesh(const Setup<Dim>& setup) {
   print(formatted("mesh: %zu triangles, volume %.6g; its elements have %.4f times as much",
                   mesh->triangle_count(), mesh->volume(), setup.part.share_of_mesh()));
   print("placed in " + to_text<3>(mesh->lower()) + " to " + to_text<3>(mesh->upper()));
+}
+
+/// The characteristic length of a config that leaves it open.
+template <int Dim>
+double default_length(const Setup<Dim>& setup) {
+  const SequenceKind& kind = *setup.config.sequence.kind;
+  SequenceSettings defaults = kind.read(Json::object({{"type", kind.name}}), {"/sequence", Dim});
+  const auto& target = setup.config.layers.target;
+  kind.fix_lengths(defaults, setup.part, target ? setup.layers->count() * target->value : 0.0);
+  return defaults.facts.characteristic_length.value_or(setup.part.longest_edge());
 }
 
 template <int Dim>
@@ -84,8 +95,7 @@ void run_check(const Setup<Dim>& setup) {
   print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
                   layers.count, layers.kind.c_str(), setup.baseline->count()));
   print(formatted("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
-                  elements_per_layer(setup, height), setup.characteristic_length,
-                  default_characteristic_length(setup.config, part, *setup.layers)));
+                  elements_per_layer(setup, height), setup.characteristic_length, default_length(setup)));
   const std::int64_t variables =
       sum(part.grid().comm(), static_cast<std::int64_t>(setup.design_support.size()));
   print(formatted("design variables: %lld on %s, %zu %s", static_cast<long long>(variables),

@@ -85,7 +85,9 @@ template <int Dim>
 void write_sensitivity(const Setup<Dim>& setup, Sequence<Dim>& sequence, const Design& design, double beta,
                        const OutputDirectory& directory, PhaseTimer& timer) {
   const PseudoTime<Dim>& time = sequence.update(setup.groups.gather(design.field));
-  GivenDesign<Dim> given{{}, design.layer_variables, beta};
+  GivenDesign<Dim> given;
+  given.layer_variables = design.layer_variables;
+  given.beta = beta;
   given.time.time = time.time;
   given.time.gradient = time.gradient;
   const SensitivityTable table = sensitivity_table(setup, given, timer);

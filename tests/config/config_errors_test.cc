@@ -66,7 +66,8 @@ TEST(ConfigErrorsTest, MissingKeys) {
     EXPECT_EQ(error_without(key), "/" + key + ": missing; allowed: an object");
   }
   EXPECT_EQ(error_without("objective"), "/objective: missing; allowed: a list of objects");
-  EXPECT_EQ(solid_error("sequence", "{}"), "/sequence/type: missing; allowed: heat, direct, planar, file");
+  EXPECT_EQ(solid_error("sequence", "{}"),
+            "/sequence/type: missing; allowed: heat, direct, guided, planar, file");
   EXPECT_EQ(solid_error("layers", "{}"),
             "/layers/count: missing; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("objective.0", "{}"),

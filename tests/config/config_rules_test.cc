@@ -51,7 +51,7 @@ TEST(ConfigRulesTest, KeysThatNeedEachOther) {
   const std::string reason =
       " with sequence type \"file\", for which the gradient of the pseudo-time is not defined; allowed: this "
       "type with "
-      "sequence type heat, planar, or direct with location nodes";
+      "sequence type heat, guided, planar, or direct with location nodes";
   EXPECT_EQ(error_of(solid, {{"sequence", file}}), "/objective/1/type: found \"layer_uniformity\"" + reason);
   EXPECT_EQ(error_of(solid, {{"sequence", file}, {"objective", "[]"}}),
             "/constraints/0/type: found \"layer_thickness\"" + reason);
@@ -107,7 +107,7 @@ TEST(ConfigRulesTest, StrainsThatTurn) {
             "/material/inherent_strain: found {\"tangential\":-0.01,\"normal\":0} with sequence type "
             "\"file\", for which "
             "the gradient of the pseudo-time is not defined; allowed: a list of numbers, or sequence type "
-            "heat, planar, or direct with location nodes");
+            "heat, guided, planar, or direct with location nodes");
   const Settings turning = {{"material.inherent_strain", R"({"tangential": -0.01, "normal": 0})"},
                             {"sequence", R"({"type": "direct"})"}};
   EXPECT_NE(error_of(plane, turning).find("/material/inherent_strain: "), std::string::npos);

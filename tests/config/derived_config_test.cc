@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Configs derived from others: their settings, their effective config and what a run reads from it agree.
 #include "fabseq/config/config.h"
-#include "fabseq/sequence/sequence_kind.h"
+#include "sequence/heat_sequence.h"
 #include "support/refusal.h"
 #include "support/small_configs.h"
 
@@ -41,7 +41,9 @@ TEST(DerivedConfigTest, ChangedSettingsAreInTheEffectiveConfig) {
   config.solver.layer_groups = 2;
   config.output.finer_grid = true;
   config.node_sets.begin()->second.within = 0.125;
-  config.sequence.kind->set_characteristic_length(config.sequence, 1.75);
+  auto heat = config.sequence.as<HeatSettings>();
+  heat.characteristic_length = 1.75;
+  config.sequence.own = heat;
   complete_derived(config);
   const Config again = read_again(config);
   EXPECT_EQ(again.elements, config.elements);

@@ -103,11 +103,12 @@ TEST_F(ReadConfigTest, TasksNeedWhatTheyNeed) {
             "/objective: found []; allowed: at least one term with -task optimize");
   EXPECT_EQ(error_of({"objective=[]"}, Task::simulate), "no error");
   EXPECT_EQ(error_of({R"(sequence={"type": "planar"})"}, Task::simulate), "no error");
-  EXPECT_EQ(error_of({R"(sequence={"type": "planar"})"}),
-            "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat, direct with -task "
-            "optimize, "
-            "all with "
-            "-task simulate");
+  EXPECT_EQ(
+      error_of({R"(sequence={"type": "planar"})"}),
+      "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat, direct, guided with -task "
+      "optimize, "
+      "all with "
+      "-task simulate");
   EXPECT_EQ(
       error_of({"projection.binary=true"}, Task::check_gradients),
       "/projection/binary: found true; allowed: false with -task check_gradients, which needs derivatives");

@@ -18,8 +18,8 @@ LIMIT = 1e-5
 LEAST = 1e-10  # of a derivative that is no zero against a zero
 # Responses that do not depend on a kind of variable: exactly.
 INDEPENDENT = {("continuity", "time points"), ("subpart_volume", "angles"), ("tool_clearance", "time points"),
-               ("tilt", "time points")}
-DESIGNS = ("diffusivity", "times of nodes", "times of elements", "sub-parts")
+               ("tilt", "time points"), ("supported", "time points")}
+DESIGNS = ("diffusivity", "tilts and stretch", "times of nodes", "times of elements", "sub-parts")
 
 
 def part(dimension):
@@ -88,15 +88,17 @@ def problem(dimension, design, void, turning):
         config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "sharpness": {"time": 30, "slab": 8},
                             "angles": [[1.2], [0.5]] if dimension == 2 else [[1.2, 0.4], [0.6, 0.3]]}
         config["objective"].append({"type": "segmentation_alignment"})
-        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}] + limits(up)
+        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}, {"type": "supported"}] + limits(up)
         config["tool"] = {"max_tilt": 40}
         return config
     # As many layers as leave the last ones so small that there is a last layer to bound.
-    count, least_volume = (7, 0.9) if design == "diffusivity" else (5, 0.99)
+    count, least_volume = (5, 0.99) if design.startswith("times") else (7, 0.9)
     config["layers"] = {"count": count, "time_points": "variable"}
     config["projection"] = {"beta": 20}
     config["sequence"] = {"type": "heat"}
-    if design != "diffusivity":
+    if design == "tilts and stretch":
+        config["sequence"] = {"type": "guided", "stretch": [0.6, 1.6], "filter_radius": 0.3}
+    if design.startswith("times"):
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
                              {"type": "last_layer", "least_volume": least_volume},
@@ -104,7 +106,8 @@ def problem(dimension, design, void, turning):
     config["tool"] = {"profile": [[0.1, 0.05], [0.3, 0.3], [0.8, 0.3]], "max_tilt": 50, "thickness": [0.8, 1.4]}
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]
-        config["constraints"] += [{"type": "layer_thickness", "target": 0.25}, {"type": "tilt"}, {"type": "local_thickness"}]
+        config["constraints"] += [{"type": "layer_thickness", "target": 0.25}, {"type": "tilt"}, {"type": "local_thickness"},
+                                  {"type": "supported"}]
     else:
         config["tool"]["axis"] = [0.1] * (dimension - 1) + [1.0]
     return config

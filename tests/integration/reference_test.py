@@ -142,6 +142,9 @@ class ReferenceTest(FabseqTest):
     def test_post_substrate_3d(self):
         self.check_evaluation("post_substrate_3d")
 
+    def test_guided_3d(self):
+        self.check_evaluation("guided_3d")
+
     def test_steps_planar_3d(self):
         for ranks in RANK_COUNTS:
             with self.subTest(ranks=ranks):

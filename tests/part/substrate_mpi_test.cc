@@ -73,7 +73,7 @@ TEST(SubstrateTest, LayersStartFromIt) {
   }
   EXPECT_NEAR(geodesic_height(part, distance), 3.0, 1e-12);
   EXPECT_EQ(count_interior_minima<3>(part, time.time), 0);
-  const HeatModel<3> heat(part, {}, part.longest_edge());
+  const HeatModel<3> heat(part, {});
   EXPECT_EQ(count(heat.domain.fixed), 10 * 5 * 3);
 }
 

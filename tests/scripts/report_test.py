@@ -286,13 +286,15 @@ class Fields(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "bar", np.ones((10, 2, 2)), (0.2, 0.2, 1.0), count=5, planar_count=10)
             z = fake_results.node_coordinates((2, 2, 10), (0.2, 0.2, 1.0))[2]
-            with h5py.File(Path(folder) / "result.h5", "r+") as file:
-                file["temperature"] = 1.0 - z**2
             fake_results.change(folder, "config.json", lambda config: config.update(layers={"type": "curved", "count": 5}))
-            run = ReportRun(folder)
             height = fake_results.element_centres((2, 2, 10), (0.2, 0.2, 1.0))[2]
-            np.testing.assert_allclose(report_views.local_thickness(run, "binary", "")["local_thickness"], 0.2 / (2 * height))
-            np.testing.assert_allclose(report_views.local_thickness(run, "baseline", "planar/")["local_thickness"], 0.1)
+            for dataset, values in (("temperature", 1.0 - z**2), ("nodal_time", z**2)):
+                with h5py.File(Path(folder) / "result.h5", "r+") as file:
+                    file.pop("temperature", None)
+                    file[dataset] = values
+                run = ReportRun(folder)
+                np.testing.assert_allclose(report_views.local_thickness(run, "binary", "")["local_thickness"], 0.2 / (2 * height))
+                np.testing.assert_allclose(report_views.local_thickness(run, "baseline", "planar/")["local_thickness"], 0.1)
 
     def test_coarser_grids(self):
         values = np.array([[1.0, 3.0, np.nan], [np.nan, 2.0, 5.0]])

@@ -105,8 +105,8 @@ const std::string type = R"({"type": "scaled")";
 
 TEST(SequenceKindTest, KindsAreListedByPosition) {
   EXPECT_EQ(of_sequence_kinds(&SequenceTraits::name),
-            (std::vector<std::string>{"heat", "direct", "planar", "file", "scaled"}));
-  EXPECT_EQ(sequences_with_gradient(), "heat, planar, or direct with location nodes");
+            (std::vector<std::string>{"heat", "direct", "guided", "planar", "file", "scaled"}));
+  EXPECT_EQ(sequences_with_gradient(), "heat, guided, planar, or direct with location nodes");
 }
 
 TEST(SequenceKindTest, ConfigHasItsKeys) {
@@ -132,25 +132,28 @@ TEST(SequenceKindTest, ConfigRefusesWhatDoesNotFit) {
   EXPECT_EQ(plane_error("sequence", type + R"(, "limits": [0, 3]})"),
             "/sequence/limits: found [0,3]; allowed: bounds whose product with factor is at most 1");
   EXPECT_EQ(plane_error("sequence", R"({"type": "scald"})"),
-            "/sequence/type: found \"scald\"; allowed: heat, direct, planar, file, "
+            "/sequence/type: found \"scald\"; allowed: heat, direct, guided, planar, file, "
             "scaled");
   EXPECT_EQ(solid_error("sequence", type + "}"),
             "/objective/1/type: found \"layer_uniformity\" with sequence type \"scaled\", for which the "
-            "gradient of the pseudo-time is not defined; allowed: this type with sequence type heat, planar, "
-            "or direct with location nodes");
+            "gradient of the pseudo-time is not defined; allowed: this type with sequence type heat, guided, "
+            "planar, or direct with location nodes");
 }
 
 TEST(SequenceKindTest, OptimizerTakesItsMoveLimits) {
   const Config config = configure(plane, {{"sequence", type + "}"}, {"objective.0.least_squares", "false"}});
   EXPECT_EQ(config.optimizer.move_limit, 0.3);
   EXPECT_EQ(config.optimizer.final_move_limit, 0.01);
-  EXPECT_NE(help_text().find("0.02 for times (direct), 0.3 for scaled ones"), std::string::npos);
-  EXPECT_NE(help_text().find("0.004 on the log scale, 0.01 for scaled ones, else move_limit"),
+  EXPECT_NE(help_text().find("0.02 for times (direct), 0.03 for tilts (guided), 0.3 for scaled ones"),
             std::string::npos);
+  EXPECT_NE(
+      help_text().find("0.004 on the log scale, 0.003 for tilts, 0.01 for scaled ones, else move_limit"),
+      std::string::npos);
   EXPECT_EQ(test::refusal([&] { check_task(config, Task::optimize); }), "no error");
   const Config planar = configure(plane, {{"sequence", R"({"type": "planar"})"}});
   EXPECT_EQ(test::refusal([&] { check_task(planar, Task::optimize); }),
-            "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat, direct, scaled with "
+            "/sequence/type: found \"planar\", which has nothing to vary; allowed: heat, direct, guided, "
+            "scaled with "
             "-task optimize, all with -task simulate");
 }
 

@@ -17,20 +17,19 @@ namespace fabseq::test {
 inline const AssembledSolverSettings exact_heat = {ReferenceMethod::direct, 1e-13, 1000, "heat_"};
 
 template <int Dim>
-std::unique_ptr<HeatSolver<Dim>> exact_heat_solver(const Grid<Dim>& grid, const HeatModel<Dim>& model,
-                                                   SolverPath path) {
+std::unique_ptr<HeatSolver<Dim>> exact_heat_solver(const Grid<Dim>& grid, const SystemDomain& domain,
+                                                   bool lumped, SolverPath path) {
   if (path == SolverPath::lanes)
-    return std::make_unique<LaneHeat<Dim>>(grid, model.domain, model.lumped, 100, exact_heat);
-  return std::make_unique<ReferenceHeat<Dim>>(grid, model.domain, model.lumped, exact_heat);
+    return std::make_unique<LaneHeat<Dim>>(grid, domain, lumped, 100, exact_heat);
+  return std::make_unique<ReferenceHeat<Dim>>(grid, domain, lumped, exact_heat);
 }
 
 /// A sequence that solves to rounding.
 template <int Dim>
 HeatSequence<Dim> heat_sequence(const Part<Dim>& part, const HeatSettings& settings,
                                 double target_gradient = 0.0, SolverPath path = SolverPath::reference) {
-  auto model = std::make_unique<const HeatModel<Dim>>(
-      part, settings, settings.characteristic_length.value_or(part.longest_edge()));
-  auto solver = exact_heat_solver(part.grid(), *model, path);
+  auto model = std::make_unique<const HeatModel<Dim>>(part, settings);
+  auto solver = exact_heat_solver<Dim>(part.grid(), model->domain, model->lumped, path);
   return {part, settings, target_gradient, std::move(model), std::move(solver)};
 }
 

@@ -77,8 +77,8 @@ template <int Dim>
 std::string hdf5_xdmf(const FieldSet<Dim>& fields, const std::string& hdf5_name);
 
 /// Reads this rank's owned values of a field on the elements or nodes, by all ranks in parallel,
-/// [element or node][component], lexicographic in the owned box. The dataset has axes [z][y][x] (2D [y][x])
-/// or, with more than one component, [z][y][x][component]; with one it may also be one list with x fastest.
+/// [element or node][component], lexicographic in the owned box. The dataset has axes [z][y][x][component]
+/// (2D [y][x][component]), without the last one if there is one component; or it is one list in that order.
 /// Collective on the grid's communicator. Throws InputError on all ranks, naming file and dataset (and the
 /// config keys or options they come from), if one is missing or has another shape.
 template <int Dim>

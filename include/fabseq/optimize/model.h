@@ -45,8 +45,9 @@ class Model {
   Grid<Dim>& grid;
   Part<Dim>& part;
   Supports<Dim> supports;
-  const std::optional<StartRegion>& start;   ///< of sequences that begin in a region
-  const DesignSupport<Dim>& design_support;  ///< where the sequence has variables
+  const SequenceSettings& sequence_settings;  ///< with the lengths that follow from the part
+  const std::optional<StartRegion>& start;    ///< of sequences that begin in a region
+  const DesignSupport<Dim>& design_support;   ///< where the sequence has variables
   const std::map<std::string, NodeSet>& node_sets;
   const LayerModel<Dim>* layers;                    ///< of the design
   std::unique_ptr<const LayerModel<Dim>> baseline;  ///< of the planar sequence it is compared with

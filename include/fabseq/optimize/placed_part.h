@@ -17,11 +17,6 @@
 
 namespace fabseq {
 
-/// l_c where the settings of the sequence name none, length unit (docs/formulation.md 2.1). Not collective.
-template <int Dim>
-double default_characteristic_length(const ModelSettings& settings, const Part<Dim>& part,
-                                     const LayerModel<Dim>& layers);
-
 /// The groups of a run, the part as the ranks of each of them have it, and what its size follows from. Its
 /// members refer to each other.
 template <int Dim>
@@ -40,8 +35,9 @@ struct PlacedPart {
   SequencePlaces<Dim> places;
   std::map<std::string, NodeSet> node_sets;
   std::unique_ptr<const LayerModel<Dim>> layers;  ///< of the design
-  double characteristic_length;                   ///< l_c, length unit
-  ResponseList<Dim> objective;                    ///< its terms
+  SequenceSettings sequence;     ///< the settings', with the lengths that follow from the part
+  double characteristic_length;  ///< l_c, length unit
+  ResponseList<Dim> objective;   ///< its terms
   RunSize size;
 
   ResponseContext<Dim> context() const;

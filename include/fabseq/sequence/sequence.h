@@ -5,6 +5,7 @@
 #include "fabseq/solve/solve_tolerance.h"
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct PseudoTime {
   std::vector<double> nodal;  ///< t on the owned nodes, where that is what the sequence varies; or empty
   double lowest_temperature = std::numeric_limits<double>::quiet_NaN();
   double highest_temperature = std::numeric_limits<double>::quiet_NaN();
-  int iterations = 0;  ///< iterations of the forward solve
+  std::optional<int> iterations = std::nullopt;  ///< of the forward solve; none: nothing is solved for it
 };
 
 /// Regularization eps^2, which is added to |grad t|^2 wherever the direction of grad t or the root is needed:

@@ -50,7 +50,6 @@ struct SequenceContext {
   const Part<Dim>& part;
   const DesignSupport<Dim>& support;  ///< SequencePlaces::support
   const std::optional<StartRegion>& start;
-  double characteristic_length;  ///< l_c (docs/formulation.md 2.1), length unit
   double target_gradient;  ///< |grad t| of layers as thick as they shall be, 1/length; 0: no target thickness
   MPI_Comm across;         ///< this rank and its copies in other layer groups
   int lanes;               ///< most rows that are solved side by side
@@ -58,7 +57,8 @@ struct SequenceContext {
   std::function<std::unique_ptr<HeatSolver<Dim>>(const SystemDomain& domain, bool lumped)> make_heat_solver;
 };
 
-/// A kind of sequence. places() and make() are collective on the grid's communicator, nothing else is.
+/// A kind of sequence. fix_lengths(), places() and make() are collective on the grid's communicator, nothing
+/// else is.
 class SequenceKind : public SequenceTraits {
  public:
   explicit SequenceKind(SequenceTraits traits) : SequenceTraits(std::move(traits)) {}
@@ -72,8 +72,14 @@ class SequenceKind : public SequenceTraits {
   virtual SequenceSettings read(const Json& object, const KeyPlace& place) const = 0;
   /// Brings a completed config object to what the settings say.
   virtual void write(const SequenceSettings& settings, Json& object) const = 0;
-  /// Fixes the characteristic length that "auto" stands for, where the kind has one.
-  virtual void set_characteristic_length(SequenceSettings& settings, double length) const = 0;
+  /// Fixes what "auto" stands for where it follows from the tool.
+  virtual void follow_tool(SequenceSettings& settings, const ToolRange& tool) const = 0;
+  /// Fixes the lengths that "auto" stands for. `height_of_layers`: number of layers times their target
+  /// thickness; 0: no target. Collective on the grid's communicator.
+  virtual void fix_lengths(SequenceSettings& settings, const Part<2>& part,
+                           double height_of_layers) const = 0;
+  virtual void fix_lengths(SequenceSettings& settings, const Part<3>& part,
+                           double height_of_layers) const = 0;
   /// Checks relations between the kind's keys, whose values in the config messages show. Throws InputError.
   virtual void check(const SequenceSettings& settings, const Json& keys) const = 0;
   /// Throws InputError if the settings do not fit the part.
@@ -106,6 +112,10 @@ void register_kind(const SequenceKind* kind);
 ///     Sequence<Dim> as a std::unique_ptr;
 ///   - if it has a design: static places(const Settings&, const Part<Dim>&), a template of Dim, which returns
 ///     SequencePlaces<Dim>;
+///   - if something follows from the tool: static void follow_tool(Settings&, const ToolRange&);
+///   - if lengths follow from the part: static void fix_lengths(Settings&, const Part<Dim>&, double
+///     height_of_layers), a template of Dim; without it, a member characteristic_length that is not set
+///     becomes the part's longest edge;
 ///   - if there are rules: static void check(const Settings&, const Json& keys) of a completed config object,
 ///     which throws InputError.
 template <class Kind>
@@ -127,13 +137,18 @@ class RegisteredSequence : public SequenceKind {
     Settings own = settings.as<Settings>();
     Kind::keys().write(own, object);
   }
-  void set_characteristic_length(SequenceSettings& settings, double length) const override {
-    if constexpr (requires(Settings & own) { own.characteristic_length = length; }) {
+  void follow_tool(SequenceSettings& settings, const ToolRange& tool) const override {
+    if constexpr (requires(Settings & own) { Kind::follow_tool(own, tool); }) {
       Settings own = settings.as<Settings>();
-      own.characteristic_length = length;
+      Kind::follow_tool(own, tool);
       settings.own = own;
-      settings.facts = Kind::facts(own);
     }
+  }
+  void fix_lengths(SequenceSettings& settings, const Part<2>& part, double height_of_layers) const override {
+    fix_lengths_of_kind(settings, part, height_of_layers);
+  }
+  void fix_lengths(SequenceSettings& settings, const Part<3>& part, double height_of_layers) const override {
+    fix_lengths_of_kind(settings, part, height_of_layers);
   }
   void check(const SequenceSettings& settings, const Json& keys) const override {
     if constexpr (requires(const Settings& own) { Kind::check(own, keys); })
@@ -155,6 +170,17 @@ class RegisteredSequence : public SequenceKind {
   }
 
  private:
+  template <int Dim>
+  static void fix_lengths_of_kind(SequenceSettings& settings, const Part<Dim>& part,
+                                  double height_of_layers) {
+    Settings own = settings.as<Settings>();
+    if constexpr (requires { Kind::template fix_lengths<Dim>(own, part, height_of_layers); })
+      Kind::template fix_lengths<Dim>(own, part, height_of_layers);
+    else if constexpr (requires { own.characteristic_length = 0.0; })
+      own.characteristic_length = own.characteristic_length.value_or(part.longest_edge());
+    settings.own = own;
+    settings.facts = Kind::facts(own);
+  }
   template <int Dim>
   static SequencePlaces<Dim> places_of_kind(const SequenceSettings& settings, const Part<Dim>& part) {
     if constexpr (requires(const Settings& own) { Kind::template places<Dim>(own, part); })

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <any>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,15 +21,19 @@ struct MoveLimits {
   std::optional<double> last = 0.004;  ///< at the end of a run, at most; none: as large as before
 };
 
+/// What the tool allows, as far as defaults of a sequence follow from it.
+struct ToolRange {
+  double max_tilt = 180.0;  ///< of the build direction from the plate's normal, degrees
+  /// Least and largest local thickness, relative to the target; none: there is no torch.
+  std::optional<std::array<double, 2>> thickness = std::nullopt;
+};
+
 /// What the settings of a sequence say before there is a part.
 struct SequenceFacts {
   MoveLimits move_limits = {};
   /// The keys for which grad t is not defined, as messages have them: `type "file"`; empty: it is defined.
   std::string gradient_obstacle = "";
   std::optional<double> characteristic_length = std::nullopt;  ///< length unit; none: the model's default
-  /// Whether that default is the number of layers times their target thickness, where there is one; else it
-  /// is the part's longest edge (docs/formulation.md 2.1).
-  bool spans_layers = false;
   /// Keys of the section "sequence" that name HDF5 files, and the files' absolute paths.
   std::vector<std::pair<std::string, std::string>> files = {};
 };

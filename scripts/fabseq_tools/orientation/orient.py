@@ -209,7 +209,7 @@ def record_of(arguments, given, turn):
     try:
         sizes = sizes_of(run_program(arguments, path, "check"))
         turned["layers"] = layers_of(config, sizes["geodesic_height"] / target)
-        if turned["sequence"]["type"] == "heat" and "count" in turned["layers"]:
+        if turned["sequence"]["type"] in ("heat", "guided") and "count" in turned["layers"]:
             turned["sequence"]["characteristic_length"] = turned["layers"]["count"] * target
         write_json(path, turned)
         if config["sequence"]["type"] not in WITHOUT_START:

@@ -99,7 +99,9 @@ def local_thickness(run, state, group):
     time, layer = run.fields[group + "time"], run.fields[group + "layer"]
     block = run.summary.get(state, {}).get("layers") or []
     planar = state == "baseline" or kind == "planar"
-    if not block or not planar and (cut.get("type") != "curved" or group + "temperature" not in run.fields):
+    # t of the nodes, or T = 1 − t.
+    nodal = next((run.fields[group + name] for name in ("temperature", "nodal_time") if group + name in run.fields), None)
+    if not block or not planar and (cut.get("type") != "curved" or nodal is None):
         return {}
     steps = np.full(len(block), 1.0 / len(block))
     if not planar and cut.get("time_points") == "variable":
@@ -107,8 +109,7 @@ def local_thickness(run, state, group):
             return {}
         steps = np.diff(np.concatenate([[0.0], run.fields["time_points"], [1.0]]))
     spacing = element_edges(run.config)[::-1]
-    slopes = element_slopes(time, run.fields["density"] > 0, spacing) if planar else node_slopes(
-        run.fields[group + "temperature"], spacing)
+    slopes = element_slopes(time, run.fields["density"] > 0, spacing) if planar else node_slopes(nodal, spacing)
     steepness = np.sqrt(sum(slope**2 for slope in slopes))
     step = np.take(steps, np.clip(layer.astype(int) - 1, 0, len(steps) - 1))
     return {"local_thickness": np.where(steepness > 0, step / np.where(steepness > 0, steepness, 1.0), np.nan)}

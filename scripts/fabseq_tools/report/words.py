@@ -198,6 +198,7 @@ def allowed_words(constraint):
     words = {"last_layer": "up to 0.25", "continuity": f"up to {limit}", "subpart_volume": f"up to {tolerance:g}",
              "deposition_speed": f"-{constraint.get('slack')} to 0", "minimum_layer_volume": "up to 0"}
     words |= {name: f"up to {limit}" for name in ("tool_clearance", "tilt", "local_thickness")}
+    words["supported"] = "no element in the air" if limit in (None, "auto") else f"up to {limit}"
     return words.get(kind) or settings_words({**constraint, "type": ""}).strip()
 
 
