@@ -131,10 +131,11 @@ Section<Config> all_keys() {
   add_part(keys);
   keys.section("material", &Its::material, "Material", material_keys(), optional)
       .section("process", &Its::process, "Process simulation", process_keys(), optional)
-      .section("thermal", thermal_of,
-               "Heat conduction through the layers; left out: strains do not follow the "
-               "temperature",
-               thermal_keys());
+      .section(
+          "thermal", thermal_of,
+          "Heat conduction through the layers: the warmer the ground, the less a layer shrinks. Left out: "
+          "strains do not follow the temperature. Needs material.mass_density and process.deposition_rate",
+          thermal_keys());
   add_sequence(keys);
   keys.section("layers", &Its::layers, "Layers", layer_keys(), required)
       .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);

@@ -27,6 +27,7 @@ class TemperatureStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     temperature_.simulation.set_tolerance(heat_tolerance(input.tolerance));
     results.temperatures = &temperature_.simulation.simulate(*results.layers);
+    iterations_ = results.temperatures->iterations;
   }
 
   void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
@@ -47,6 +48,7 @@ class TemperatureStage : public Stage<Dim> {
   Phase phase() const override { return Phase::heat; }
   void start_cold() override { temperature_.simulation.start_cold(); }
   void give_back_memory() override { temperature_.simulation.give_back_memory(); }
+  void add_iterations(SolverIterations& iterations) const override { iterations.temperature = iterations_; }
 
  private:
   void pull_back_own(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
@@ -64,15 +66,17 @@ class TemperatureStage : public Stage<Dim> {
 
   const LayerGroups& groups_;
   PartTemperature<Dim> temperature_;
+  std::vector<int> iterations_;
 };
 
 /// Memory per node, measured for the sequence's solver (docs/performance.md): per lane or, on the reference
 /// path, all in all.
 constexpr double step_bytes_per_lane = 106.0, reference_step_bytes = 700.0;
-/// Of a solve with one right-hand side on one core, per node. One group steps for all.
-constexpr double seconds_per_node = 4e-6, reference_seconds_per_node = 2e-5;
+/// Of a solve with one right-hand side on one core, per node; and of a step and its adjoint, in units of a
+/// full block of layers. Measured on a V-shape of 17,000 nodes (docs/performance.md).
+constexpr double seconds_per_node = 2.6e-7, reference_seconds_per_node = 2e-5, work_of_step = 0.03;
 
-/// A simulation and one adjoint. Each group has all temperatures.
+/// A simulation and one adjoint: one group steps for all, and each has all temperatures.
 StageCost cost_of_temperature(const RunSize& size, SolverPath path, int groups, int lanes) {
   if (size.temperature_steps == 0.0) return {};
   const bool has_lanes = path == SolverPath::lanes;
@@ -80,6 +84,7 @@ StageCost cost_of_temperature(const RunSize& size, SolverPath path, int groups, 
   return {
       .held = size.solid_nodes * size.temperature_steps * sizeof(double) * groups,
       .solving = size.solid_nodes * (has_lanes ? step_bytes_per_lane * lanes : reference_step_bytes) * groups,
+      .work = work_of_step * size.temperature_steps,
       .seconds = solves * size.solid_nodes * (has_lanes ? seconds_per_node : reference_seconds_per_node) *
                  groups / size.ranks};
 }

@@ -179,8 +179,10 @@ Json to_record(const SequenceNumbers& numbers) {
 }
 
 Json to_record(const SolverIterations& iterations) {
-  return Json::object(
+  Json record = Json::object(
       {{"primal", iterations.primal}, {"adjoint", iterations.adjoint}, {"heat", iterations.heat}});
+  if (!iterations.temperature.empty()) record["temperature"] = iterations.temperature;
+  return record;
 }
 
 Json to_record(const HistoryLine& line) {

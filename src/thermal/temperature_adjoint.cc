@@ -15,11 +15,7 @@ template <int Dim>
 BackwardSteps<Dim>::BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver,
                                   const LayerTemperatures& temperatures, const LayerDensities& densities,
                                   std::span<const TemperatureAdjoint> functionals, int lanes)
-    : model_(model),
-      solver_(solver),
-      steps_(model, solver),
-      temperatures_(temperatures),
-      densities_(densities) {
+    : model_(model), steps_(model, solver), temperatures_(temperatures), densities_(densities) {
   const auto nodes = static_cast<std::size_t>(model.owned_nodes());
   for (std::size_t first = 0; first < functionals.size(); first += lanes) {
     const std::size_t count = std::min<std::size_t>(lanes, functionals.size() - first);
@@ -233,9 +229,8 @@ void BackwardSteps<Dim>::add_to_functional(const Block& block, int lane, int num
                                            std::span<const double> of_stage, std::span<const double> of_heat,
                                            double of_mass) const {
   const TemperatureAdjoint& functional = block.functionals[lane];
-  std::vector<double>&d_stage =
-      DensityDerivatives::touch(functional.densities->stage[number], of_stage.size()),
-  &d_layer = DensityDerivatives::touch(functional.densities->layer[number], of_heat.size());
+  auto& d_stage = DensityDerivatives::touch(functional.densities->stage[number], of_stage.size());
+  auto& d_layer = DensityDerivatives::touch(functional.densities->layer[number], of_heat.size());
   const double of_density = of_mass * model_.properties.mass_density * model_.part.grid().element_volume();
   for (std::size_t e = 0; e < of_stage.size(); ++e) {
     d_stage[e] += of_stage[e];

@@ -55,7 +55,6 @@ class BackwardSteps {
   std::vector<double> ghosted(std::span<const double> owned, int lanes) const;
 
   const ThermalModel<Dim>& model_;
-  HeatSolver<Dim>& solver_;
   TemperatureSteps<Dim> steps_;
   const LayerTemperatures& temperatures_;
   const LayerDensities& densities_;

@@ -65,6 +65,7 @@ template <int Dim>
 void TemperatureSimulation<Dim>::share_with_groups() {
   if (groups_.count() == 1) return;
   groups_.broadcast(0, result_.interpass);
+  groups_.sum(result_.iterations);
   for (auto& of_layer : result_.after_steps)
     for (std::vector<double>& theta : of_layer) groups_.broadcast(0, theta);
 }

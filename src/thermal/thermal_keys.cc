@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace fabseq {
 
@@ -23,6 +25,11 @@ void read_steps(ThermalSettings& thermal, const Json& value, const KeyPlace& pla
   for (std::size_t i = 0; i < thermal.steps.size(); ++i) thermal.steps[i] = value[i].get<int>();
 }
 
+std::string default_steps() {
+  const ThermalSettings settings;
+  return to_text(std::vector<int>(settings.steps.begin(), settings.steps.end()));
+}
+
 /// A key of the block that may be left to the material's.
 void require(const char* key, const char* of_material, bool given) {
   if (given) return;
@@ -34,9 +41,7 @@ void require(const char* key, const char* of_material, bool given) {
 
 Section<ThermalSettings> thermal_keys() {
   using Its = ThermalSettings;
-  return Section<Its>("thermal",
-                      "Heat conduction through the layers: the warmer a layer's ground, the less it shrinks. "
-                      "Needs material.mass_density and process.deposition_rate")
+  return Section<Its>("thermal", "Heat conduction through the layers")
       .key("conductivity", &Its::conductivity,
            "Thermal conductivity; material: that of material.conductivity",
            {.range = "(0, inf)", .words = "material", .unit = "W/(length*K)"})
@@ -66,10 +71,7 @@ Section<ThermalSettings> thermal_keys() {
            "Interpass temperature of the welding procedure: a run reports the pauses that keep it",
            {.range = temperature_range, .words = "none", .unit = "degrees C"})
       .key("steps", "Implicit steps in time of each layer, while material is deposited and in the last pause",
-           {.type = KeyType::list,
-            .default_value = to_text(std::vector<int>(Its{}.steps.begin(), Its{}.steps.end())),
-            .range = "[1, 1000]",
-            .unit = "steps"},
+           {.type = KeyType::list, .default_value = default_steps(), .range = "[1, 1000]", .unit = "steps"},
            read_steps);
 }
 

@@ -43,6 +43,7 @@ struct StageResults {
 /// Solver iterations of the last run and of the last gradients.
 struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
+  std::vector<int> temperature;  ///< of each layer's steps, their sum; empty without a block `thermal`
 };
 
 /// A link of the chain, differentiated by hand. forward(), pull_back() and start_cold() are collective on the

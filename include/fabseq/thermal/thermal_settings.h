@@ -25,7 +25,7 @@ struct ThermalSettings {
   double reference = 20.0;                ///< T_r, at which the inherent strain holds
   int passes = 1;                         ///< m, real layers per simulated layer
   std::optional<double> interpass_limit;  ///< what pauses are reported for
-  std::array<int, 2> steps = {1, 1};      ///< n_d while material is deposited, n_w in the last pause
+  std::array<int, 2> steps = {4, 4};      ///< n_d while material is deposited, n_w in the last pause
 };
 
 /// Section "thermal".
