@@ -46,6 +46,14 @@ class LaneCg {
     Islands unknown;
     set_up(unknown);
   }
+  /// From now on K has a diagonal on top, one entry per node of the mesh; empty: none. Problems with one
+  /// operator only. The multigrid does not know of it: set_up_with() gives it coefficients that stand for it.
+  void set_diagonal(LaneArray diagonal) { diagonal_ = std::move(diagonal); }
+  /// set_up() with other coefficients of the multigrid than those of K.
+  void set_up_with(const LaneArray& coefficients) {
+    multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
+    positive_ = multigrid_->set_up();
+  }
   /// For a body that nothing holds, Width 1: from now on iterates in the space without rigid motions. Loads
   /// must balance themselves. `motions` must outlive the solver.
   void keep_free_of(const FreeMotions<Problem::dim>& motions) { free_motions_ = &motions; }
@@ -69,6 +77,8 @@ class LaneCg {
   void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
+  Scalars apply_to_direction();
+  void add_diagonal(Scalars& products);
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
   void balance(LaneArray& residual);
   /// Whether free_motions_ can be given.
@@ -82,6 +92,7 @@ class LaneCg {
   std::unique_ptr<Multigrid> multigrid_;
   std::array<bool, Width> positive_{};
   LaneArray direction_, image_;
+  LaneArray diagonal_;  ///< [node]; empty: none
   LaneValues<float> rounded_residual_, preconditioned_;
   std::unique_ptr<IslandMap<Problem::dim>> island_map_;
   IslandModes<Problem, Width> islands_;

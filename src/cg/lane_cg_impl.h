@@ -41,9 +41,7 @@ void LaneCg<Problem, Width>::give_back_memory() {
 
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::set_up(Islands& islands) {
-  const LaneArray& coefficients = matrix_->coefficients();
-  multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
-  positive_ = multigrid_->set_up();
+  set_up_with(matrix_->coefficients());
   if constexpr (Problem::own_operators) {
     if (!cycle_.islands || hierarchy_.count() == 1) return;
     if (islands.empty()) {
@@ -131,7 +129,7 @@ void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, La
       progress.decrease[lane] = decrease[lane];
     }
     update_direction(beta, progress.iteration == 0);
-    progress.energy = matrix_->apply(direction_.data(), image_.data());
+    progress.energy = apply_to_direction();
     sum_in_place(comm, progress.energy);
     for (int lane = 0; lane < Width; ++lane) {
       const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
@@ -171,6 +169,36 @@ void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
     if (!first) direction += factor * Value::load(&direction_[i]);
     direction.store(&direction_[i]);
   }
+}
+
+/// image = K direction; this rank's part of their product.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::apply_to_direction() {
+  Scalars products = matrix_->apply(direction_.data(), image_.data());
+  if constexpr (!Problem::own_operators)
+    if (!diagonal_.empty()) add_diagonal(products);
+  return products;
+}
+
+/// The direction is 0 at held nodes.
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::add_diagonal(Scalars& products) {
+  using Value = Lanes<Width>;
+  auto sum = Value::zero();
+  std::size_t node = 0;
+  const auto add_to = [&](std::size_t end, bool counted) {
+    for (; node < end; ++node) {
+      const auto value = Value::load(&direction_[node * Width]), added = value * diagonal_[node];
+      (Value::load(&image_[node * Width]) + added).store(&image_[node * Width]);
+      if (counted) sum += value * added;
+    }
+  };
+  for (const auto& range : matrix_->level().counted) {
+    add_to(range.begin, false);
+    add_to(range.end, true);
+  }
+  add_to(diagonal_.size(), false);
+  for (int lane = 0; lane < Width; ++lane) products[lane] += sum[lane];
 }
 
 /// solution += alpha direction, residual -= alpha image; this rank's part of |solution|^2.
@@ -225,7 +253,10 @@ void LaneCg<Problem, Width>::copy_set_up(LaneCg<Problem, Other>& other, std::spa
   allocate();
   multigrid_->template select<Other>(*other.multigrid_, lanes);
   matrix_->template select<Other>(*other.matrix_, lanes);
-  if constexpr (Problem::own_operators) islands_.template select<Other>(other.islands_, lanes);
+  if constexpr (Problem::own_operators)
+    islands_.template select<Other>(other.islands_, lanes);
+  else
+    diagonal_ = other.diagonal_;
   for (int lane = 0; lane < Width; ++lane) positive_[lane] = other.positive_[selected(lanes, lane)];
 }
 

@@ -17,6 +17,11 @@ Base& base_of(Config& config) {
   return config;
 }
 
+ThermalSettings& thermal_of(Config& config) {
+  if (!config.thermal) config.thermal.emplace();
+  return *config.thermal;
+}
+
 Section<OutputSettings> output_keys() {
   using Its = OutputSettings;
   return Section<Its>("output", "Output")
@@ -125,7 +130,12 @@ Section<Config> all_keys() {
       .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
   add_part(keys);
   keys.section("material", &Its::material, "Material", material_keys(), optional)
-      .section("process", &Its::process, "Process simulation", process_keys(), optional);
+      .section("process", &Its::process, "Process simulation", process_keys(), optional)
+      .section(
+          "thermal", thermal_of,
+          "Heat conduction through the layers: the warmer the ground, the less a layer shrinks. Left out: "
+          "strains do not follow the temperature. Needs material.mass_density and process.deposition_rate",
+          thermal_keys());
   add_sequence(keys);
   keys.section("layers", &Its::layers, "Layers", layer_keys(), required)
       .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);

@@ -103,7 +103,8 @@ void check_needs(const Config& config, const ResponseType& type, const std::stri
 }
 
 void check_terms(const Config& config, const std::vector<Term>& terms, const std::string& list) {
-  TermPlace place{"", config.dimension(), {}, config.layers, config.material.scenarios.size(), config.tool};
+  TermPlace place{"",          config.dimension(), {}, config.layers, config.material.scenarios.size(),
+                  config.tool, config.thermal};
   for (const auto& member : config.node_sets) place.node_sets.push_back(member.first);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     place.pointer = pointer_to(pointer_to("", list), i);
@@ -155,6 +156,7 @@ void check_rules(const Config& config) {
   check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, "normal");
   check_torch(config);
   check_strain(config);
+  if (config.thermal) check_thermal(*config.thermal, config.material, config.process);
   check_terms(config, config.objective, "objective");
   check_terms(config, config.constraints, "constraints");
   check_largest(config);

@@ -73,9 +73,13 @@ void AdjointRows<Dim>::add_explicit(AdjointRow<Dim>& row) const {
   if (!row.own) {
     row.adjoint.densities = DensityDerivatives(state_.layers.count());
     row.adjoint.time = {};
+    row.adjoint.interpass.clear();
   }
   // What is the same on all ranks counts once.
-  if (rank_of(model_.groups.domain()) != 0) row.adjoint.densities.time_points.clear();
+  if (rank_of(model_.groups.domain()) != 0) {
+    row.adjoint.densities.time_points.clear();
+    std::ranges::fill(row.adjoint.interpass, 0.0);
+  }
   row.sink.hand_on();
 }
 

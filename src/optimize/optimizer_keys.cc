@@ -12,10 +12,6 @@ namespace fabseq {
 
 namespace {
 
-/// Largest step at the end of a run with least squares. With larger ones the iterates swing between two
-/// states (docs/formulation.md 9, docs/results/defaults.md).
-constexpr double last_move_of_squares = 0.001;
-
 Section<MmaSettings> asymptote_keys() {
   using Its = MmaSettings;
   return Section<Its>("optimizer.asymptotes", "Asymptotes")
@@ -56,8 +52,9 @@ void add_steps(Section<OptimizerSettings>& keys) {
            ("Largest step of a variable, relative to its range; auto: " + first).c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
       .key("final_move_limit", &Its::given_final_move_limit,
-           ("The same at the end of the run; auto: " + formatted("%g", last_move_of_squares) +
-            " where a distortion may be handed over as squares, else " + last + ", else move_limit")
+           ("The same at the end of the run; auto: " + formatted("%g", MoveLimits().last_with_squares) +
+            " where a distortion may be handed over as squares, but for tilts; else " + last +
+            ", else move_limit")
                .c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-final_move_limit"})
       .section("asymptotes", &Its::mma, "Asymptotes", asymptote_keys(), {.default_value = "{}"})
@@ -115,7 +112,7 @@ void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& 
   const MoveLimits& automatic = sequence.facts.move_limits;
   optimizer.move_limit = optimizer.given_move_limit.value_or(automatic.first);
   const double last =
-      may_be_squares(objective) ? last_move_of_squares : automatic.last.value_or(optimizer.move_limit);
+      may_be_squares(objective) ? automatic.last_with_squares : automatic.last.value_or(optimizer.move_limit);
   optimizer.final_move_limit =
       optimizer.given_final_move_limit.value_or(std::min(last, optimizer.move_limit));
 }

@@ -45,7 +45,7 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool bi
     const auto scope = timer_.enter(stage->phase());
     stage->forward(input, results_);
   }
-  return {*results_.time, *results_.layers, *results_.process};
+  return {*results_.time, *results_.layers, *results_.process, results_.temperatures};
 }
 
 template <int Dim>

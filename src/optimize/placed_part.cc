@@ -53,7 +53,8 @@ ResponseContext<Dim> PlacedPart<Dim>::context() const {
           places.start ? std::span<const char>(places.start->elements) : std::span<const char>{},
           layers->traits().sub_parts,
           settings.tool,
-          settings.layers.target ? settings.layers.target->value : 0.0};
+          settings.layers.target ? settings.layers.target->value : 0.0,
+          settings.thermal};
 }
 
 template <int Dim>

@@ -53,6 +53,7 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
   for (std::size_t node = 0; node < part.touched_nodes().size(); ++node)
     nodes += part.touched_nodes()[node] != 0 || part.substrate().nodes()[node] != 0 ? 1 : 0;
   nodes = sum(part.grid().comm(), nodes);
+  const std::int64_t solid_nodes = nodes;
   if (settings.process.void_model == VoidModel::quiet) nodes = part.grid().all_nodes().count();
   RunSize size;
   size.unknowns = static_cast<double>(nodes) * Dim;
@@ -61,6 +62,10 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
   size.dimension = Dim;
   size.layers = layers;
   size.ranks = ranks;
+  size.solid_nodes = static_cast<double>(solid_nodes);
+  if (settings.thermal)
+    size.temperature_steps =
+        layers * ThermalProperties(*settings.thermal, settings.material, settings.process).steps();
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
   size.functionals = functional_count(settings, objective);
   return size;

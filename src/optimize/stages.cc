@@ -15,10 +15,9 @@ std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tol
     return make_heat_solver(model.settings.solver, model.grid, domain, lumped, tolerance, model.lanes);
   };
   return settings.kind->make(
-      settings,
-      SequenceContext<Dim>{model.part, model.design_support, model.start,
-                           target ? 1.0 / (model.layers->count() * target->value) : 0.0,
-                           model.groups.across(), model.lanes, heat_solver});
+      settings, SequenceContext<Dim>{model.part, model.design_support, model.start,
+                                     target ? 1.0 / (model.layers->count() * target->value) : 0.0,
+                                     model.groups.across(), model.lanes, heat_solver});
 }
 
 template <int Dim>

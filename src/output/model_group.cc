@@ -39,7 +39,7 @@ void write_model_group(Hdf5Writer& file, const Model<Dim>& model, std::span<cons
   FieldSet<Dim> fields{&grid, {}};
   fields.add_elements("model/stiffness", stiffness, 1, &elastic.elements);
   fields.add_elements("model/strain_factor", factor, 1, &in_part);
-  if (elastic.material.turning_strain) {
+  if (elastic.material.turning_strain || model.settings.thermal) {
     fields.add_elements("model/strain", strain, voigt_size<Dim>, &in_part);
     fields.fields.back().single_precision = true;  // or it takes most of the group
   } else {

@@ -25,6 +25,7 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
       entry["subpart"] = layer.sub_part;
       entry["slab"] = layer.slab;
     }
+    if (layer.interpass) entry["interpass_temperature"] = *layer.interpass;
     table.push_back(entry);
   }
   return table;
@@ -75,6 +76,21 @@ void add_build(Json& record, const BuildNumbers& numbers) {
   if (const auto& stress = numbers.stress)
     record["stress"] =
         Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", stress->share_beyond_yield}});
+}
+
+Json temperature_record(const TemperatureNumbers& numbers) {
+  Json record = Json::object(
+      {{"highest", Json::object({{"value", numbers.highest.value}, {"layer", numbers.highest.layer}})},
+       {"hottest_element", Json()}});
+  if (const auto& hottest = numbers.hottest; hottest.layer > 0)
+    record["hottest_element"] =
+        Json::object({{"value", hottest.value}, {"layer", hottest.layer}, {"at", hottest.at}});
+  if (!numbers.pauses) return record;
+  Json pauses = Json::array();
+  for (const auto& pause : numbers.pauses->seconds) pauses.push_back(pause ? Json(*pause) : Json());
+  record["pauses"] = pauses;
+  record["build_hours"] = numbers.pauses->hours ? Json(*numbers.pauses->hours) : Json();
+  return record;
 }
 
 Json sizes_record(const DisplacementSizes& sizes) {
@@ -151,6 +167,7 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["deposition"] = Json::object({{"follow", deposition_record(is_nominal ? other : own)},
                                        {"nominal", deposition_record(is_nominal ? own : other)}});
   if (numbers.build) add_build(record, *numbers.build);
+  if (numbers.part_temperature) record["interpass"] = temperature_record(*numbers.part_temperature);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }
@@ -162,8 +179,10 @@ Json to_record(const SequenceNumbers& numbers) {
 }
 
 Json to_record(const SolverIterations& iterations) {
-  return Json::object(
+  Json record = Json::object(
       {{"primal", iterations.primal}, {"adjoint", iterations.adjoint}, {"heat", iterations.heat}});
+  if (!iterations.temperature.empty()) record["temperature"] = iterations.temperature;
+  return record;
 }
 
 Json to_record(const HistoryLine& line) {

@@ -67,6 +67,17 @@ void add_build(std::vector<Row>& rows, const BuildNumbers& build) {
         in_percent(member(build.stress, &StressNumbers::share_beyond_yield))}});
 }
 
+/// The same rows, without values where there are no temperatures.
+void add_temperature(std::vector<Row>& rows, const std::optional<TemperatureNumbers>& of) {
+  const auto value = [&](LayerTemperature TemperatureNumbers::*which) {
+    return of && ((*of).*which).layer > 0 ? std::optional(((*of).*which).value) : std::nullopt;
+  };
+  rows.insert(rows.end(),
+              {{"highest interpass, degrees C", "%.1f", value(&TemperatureNumbers::highest)},
+               {"hottest as a layer begins", "%.1f", value(&TemperatureNumbers::hottest)},
+               {"build time at its limit, h", "%.3g", of && of->pauses ? of->pauses->hours : std::nullopt}});
+}
+
 /// The same rows for every sequence.
 std::vector<Row> rows_of(const SequenceNumbers& of) {
   std::vector<Row> rows;
@@ -77,6 +88,7 @@ std::vector<Row> rows_of(const SequenceNumbers& of) {
   add_deviation(rows, "after the release", of.finished->released);
   rows.push_back({"layers", "%.0f", of.used_layers()});
   add_build(rows, *of.build);
+  add_temperature(rows, of.part_temperature);
   return rows;
 }
 

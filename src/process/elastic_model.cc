@@ -98,7 +98,7 @@ template <int Dim>
 std::vector<double> ElasticModel<Dim>::strain_when_built(const StrainField& strains,
                                                          std::span<const double> layer) const {
   std::vector<double> result;
-  if (!material.turning_strain) return result;
+  if (strains.uniform()) return result;
   result.reserve(layer.size() * voigt_size<Dim>);
   for (std::size_t e = 0; e < layer.size(); ++e) {
     const auto strain = strain_of(strains, e, static_cast<int>(layer[e]) - 1);

@@ -93,6 +93,27 @@ void InherentStrain<Dim>::pull_back(std::span<const double> gradient, const Laye
   }
 }
 
+template <int Dim>
+void scale_layers(std::span<const double> factors, StrainField& strains) {
+  if (strains.of_layers.empty()) strains.of_layers.assign(factors.size() * voigt_size<Dim>, 1.0);
+  for (std::size_t i = 0; i < strains.of_layers.size(); ++i)
+    strains.of_layers[i] *= factors[i / voigt_size<Dim>];
+}
+
+template <int Dim>
+std::vector<double> pull_back_layer_scale(const StrainField& full, std::span<const double> factors,
+                                          StrainField& d_strains) {
+  std::vector<double> result(factors.size(), 0.0);
+  for (std::size_t i = 0; i < d_strains.of_layers.size(); ++i) {
+    const double before = full.of_layers.empty() ? 1.0 : full.of_layers[i];
+    result[i / voigt_size<Dim>] += before * d_strains.of_layers[i];
+    d_strains.of_layers[i] *= factors[i / voigt_size<Dim>];
+  }
+  return result;
+}
+
 FABSEQ_INSTANTIATE_CLASS(InherentStrain);
+FABSEQ_INSTANTIATE_FUNCTION(scale_layers);
+FABSEQ_INSTANTIATE_FUNCTION(pull_back_layer_scale);
 
 }  // namespace fabseq

@@ -42,6 +42,13 @@ Section<MaterialSettings> material_keys() {
       .key("yield_stress", &Its::yield_stress,
            "Yield stress: a run says in which share of the part the residual stress is above it",
            {.range = "(0, inf)", .words = "none", .unit = "stress", .option = "-yield_stress"})
+      .key("conductivity", &Its::conductivity, "Thermal conductivity, for a block thermal",
+           {.range = "(0, inf)", .words = "none", .unit = "W/(length*K)"})
+      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity, for a block thermal",
+           {.range = "(0, inf)", .words = "none", .unit = "J/(kg*K)"})
+      .key("solidification", &Its::solidification,
+           "Temperature at which it solidifies and its inherent strain begins, for a block thermal",
+           {.range = "(-273.15, inf)", .words = "none", .unit = "degrees C"})
       .key("inherent_strain",
            "Inherent strain: a Voigt vector, engineering shear, "
            "or values along and across the layers, with which it turns",
@@ -83,7 +90,8 @@ Section<ProcessSettings> process_keys() {
       .key("deposition_rate", &Its::deposition_rate,
            "Wire deposited per hour of welding, from which the build time follows",
            {.range = "(0, inf)", .words = "none", .unit = "kg/h", .option = "-deposition_rate"})
-      .key("dwell", &Its::dwell, "Pause after each layer, for the build time",
+      .key("dwell", &Its::dwell,
+           "Pause after each layer, for the build time and, with a block thermal, the temperature",
            {.range = "[0, inf)", .unit = "s"});
 }
 

@@ -20,14 +20,15 @@ std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& sett
   return std::array{settings.tool.thickness[0] * target, settings.tool.thickness[1] * target};
 }
 
-/// Wire and time: welding at the deposition rate, and a pause after each layer.
+/// Wire and time: welding at the deposition rate, and a pause after each real layer.
 void estimate_time(const ModelSettings& settings, double volume, int layers, BuildNumbers& numbers) {
   constexpr double seconds_per_hour = 3600.0;
   if (!settings.material.mass_density) return;
   numbers.wire = *settings.material.mass_density * volume;
   if (!settings.process.deposition_rate) return;
-  numbers.hours =
-      *numbers.wire / *settings.process.deposition_rate + layers * settings.process.dwell / seconds_per_hour;
+  const int passes = settings.thermal ? settings.thermal->passes : 1;
+  numbers.hours = *numbers.wire / *settings.process.deposition_rate +
+                  layers * passes * settings.process.dwell / seconds_per_hour;
 }
 
 /// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).

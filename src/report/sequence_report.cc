@@ -21,6 +21,7 @@ std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineS
   for (int j = 0; j < state.layers.count(); ++j) {
     result.push_back(
         {statistics[j].volume, statistics[j].thickness, statistics[j].coefficient_of_variation()});
+    if (state.temperatures != nullptr) result.back().interpass = state.temperatures->interpass[j];
     if (sub_parts.count() == 0) continue;
     result.back().sub_part = sub_parts.of_layer[j] + 1;
     result.back().slab = sub_parts.slab[j];
@@ -82,6 +83,8 @@ void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const Seq
   fields.add_elements(prefix + "time", report.time, 1, &part.elements());
   fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
   add_build_fields(fields, part, report.build_fields, prefix);
+  if (report.part_temperature)
+    fields.add_elements(prefix + "interpass_temperature", report.interpass_temperature, 1, &part.elements());
   if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
   if (!report.nodal_time.empty()) fields.add_nodes(prefix + "nodal_time", report.nodal_time);
   add_displacements(fields, report, prefix);
@@ -120,6 +123,11 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
     BuildReport build = report_build(model, pipeline, state, report.used_layers());
     report.build = std::move(build.numbers);
     report.build_fields = std::move(build.fields);
+  }
+  if (state.temperatures != nullptr) {
+    TemperatureReport temperature = report_temperature(model, pipeline, state, with_shape);
+    report.part_temperature = std::move(temperature.numbers);
+    report.interpass_temperature = std::move(temperature.field);
   }
   report.time = state.time.time;
   report.layer = pipeline.last_layer_index();

@@ -58,7 +58,7 @@ struct GuidedKind {
 
   /// Steps that reach tilts of a few degrees an iteration, measured.
   static SequenceFacts facts(const Settings& settings) {
-    return {.move_limits = {0.03, 0.003}, .characteristic_length = settings.characteristic_length};
+    return {.move_limits = {0.03, 0.003, 0.003}, .characteristic_length = settings.characteristic_length};
   }
 
   static void follow_tool(Settings& settings, const ToolRange& tool) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fabseq {
 
@@ -37,15 +38,64 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       numbers_(hierarchy_.element_numbers(domain)) {}
 
 template <int Dim>
-void LaneHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
-  diffusivity_.assign(diffusivity.begin(), diffusivity.end());
-  reaction_ = reaction;
-  const bool finite =
-      std::isfinite(reaction) &&
-      std::all_of(diffusivity.begin(), diffusivity.end(), [](double value) { return std::isfinite(value); });
+void LaneHeat<Dim>::set_operator(const HeatOperator& of) {
+  const auto are_finite = [](std::span<const double> values) {
+    return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  };
+  diffusivity_.assign(of.diffusivity.begin(), of.diffusivity.end());
+  reaction_.assign(of.reaction.begin(), of.reaction.end());
+  diagonal_.assign(of.diagonal.begin(), of.diagonal.end());
+  const bool finite = are_finite(of.diffusivity) && are_finite(of.reaction) && are_finite(of.diagonal);
   finite_ = !any(grid_.comm(), !finite);
+  smeared_reaction_.clear();
+  if (any(grid_.comm(), !diagonal_.empty()) && finite_) smeared_reaction_ = reaction_with_diagonal();
   is_set_up_.fill(false);
   fallback_is_set_up_ = false;
+}
+
+/// Coarse grids know elements only. An element's reaction grows by the mean, over its nodes, of the
+/// diagonal's ratio to the node's reaction: where there is next to none, next to none is added.
+template <int Dim>
+std::vector<double> LaneHeat<Dim>::reaction_with_diagonal() const {
+  const auto& offsets = grid_.corner_offsets();
+  std::vector<double> of_corners(static_cast<std::size_t>(grid_.ghosted_nodes().count()), 0.0);
+  std::vector<double> ratio(diagonal_.size());
+  const double mass = grid_.element_volume() / corner_count<Dim>;
+  for (std::size_t e = 0; e < reaction_.size(); ++e)
+    for (const int corner : offsets) of_corners[domain_.first_corners[e] + corner] += mass * reaction_[e];
+  grid_.exchange(1).add_to_owned(of_corners, ratio);
+  for (std::size_t node = 0; node < ratio.size(); ++node)
+    ratio[node] = ratio[node] > 0.0 ? diagonal_[node] / ratio[node] : 0.0;
+  const std::vector<double> ghosted = grid_.exchange(1).ghosted(ratio);
+  std::vector<double> result = reaction_;
+  for (std::size_t e = 0; e < result.size(); ++e) {
+    double mean = 0.0;
+    for (const int corner : offsets) mean += ghosted[domain_.first_corners[e] + corner] / corner_count<Dim>;
+    result[e] *= 1.0 + mean;
+  }
+  return result;
+}
+
+template <int Dim>
+template <int Width>
+void LaneHeat<Dim>::set_up(LaneCg<LaneHeatProblem<Dim>, Width>& solver) {
+  LaneArray& coefficients = solver.matrix().coefficients();
+  for (std::size_t e = 0; e < numbers_.size(); ++e) {
+    coefficients[numbers_[e] * 2] = diffusivity_[e];
+    coefficients[numbers_[e] * 2 + 1] = reaction_[e];
+  }
+  LaneArray diagonal;
+  if (smeared_reaction_.empty()) {
+    solver.set_up();
+  } else {
+    LaneVector owned(static_cast<int>(diagonal_.size()), 1, 1);
+    owned.values = diagonal_;
+    layout_.to_mesh(owned, 1, diagonal);
+    LaneArray smeared = coefficients;
+    for (std::size_t e = 0; e < numbers_.size(); ++e) smeared[numbers_[e] * 2 + 1] = smeared_reaction_[e];
+    solver.set_up_with(smeared);
+  }
+  solver.set_diagonal(std::move(diagonal));
 }
 
 template <int Dim>
@@ -68,12 +118,7 @@ std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, Lane
   std::vector<SolveReport> reports;
   with_narrowest(solver_, load.lanes, [&]<int Width>(auto& solver) {
     if (!is_set_up_[Width]) {
-      LaneArray& coefficients = solver.matrix().coefficients();
-      for (std::size_t e = 0; e < numbers_.size(); ++e) {
-        coefficients[numbers_[e] * 2] = diffusivity_[e];
-        coefficients[numbers_[e] * 2 + 1] = reaction_;
-      }
-      solver.set_up();
+      set_up<Width>(solver);
       is_set_up_[Width] = true;
     }
     layout_.to_mesh(load, Width, load_);
@@ -142,7 +187,7 @@ template <int Dim>
 ReferenceHeat<Dim>& LaneHeat<Dim>::fallback() {
   if (!fallback_)
     fallback_ = std::make_unique<ReferenceHeat<Dim>>(grid_, domain_, lumped_, reference_settings_);
-  if (!fallback_is_set_up_) fallback_->set_operator(diffusivity_, reaction_);
+  if (!fallback_is_set_up_) fallback_->set_operator(current());
   fallback_is_set_up_ = true;
   return *fallback_;
 }

@@ -30,7 +30,8 @@ class LaneHeat : public HeatSolver<Dim> {
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
            const AssembledSolverSettings& reference, int lanes = widest_block);
 
-  void set_operator(std::span<const double> diffusivity, double reaction) override;
+  using HeatSolver<Dim>::set_operator;
+  void set_operator(const HeatOperator& of) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
@@ -40,6 +41,11 @@ class LaneHeat : public HeatSolver<Dim> {
 
  private:
   std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);
+  /// Fills in the operator and sets up the solver of a width.
+  template <int Width>
+  void set_up(LaneCg<LaneHeatProblem<Dim>, Width>& solver);
+  std::vector<double> reaction_with_diagonal() const;
+  HeatOperator current() const { return {diffusivity_, reaction_, diagonal_}; }
   void solve_again(std::span<const LaneVector> loads, std::span<LaneVector> solutions,
                    std::vector<SolveReport>& reports);
   /// The reference path with the current operator.
@@ -55,10 +61,11 @@ class LaneHeat : public HeatSolver<Dim> {
   LaneLayout<Dim> layout_;
   LaneCg<LaneHeatProblem<Dim>, widest_block> solver_;
   int most_lanes_;
-  std::vector<std::int64_t> numbers_;  ///< of the domain's elements in the mesh
-  std::vector<double> diffusivity_;    ///< of the current operator
-  double reaction_ = 0.0;
-  bool finite_ = true;                              ///< whether all of the operator are numbers
+  std::vector<std::int64_t> numbers_;                      ///< of the domain's elements in the mesh
+  std::vector<double> diffusivity_, reaction_, diagonal_;  ///< of the current operator
+  std::vector<double>
+      smeared_reaction_;  ///< reaction that stands for the diagonal, too; empty: there is none
+  bool finite_ = true;    ///< whether all of the operator are numbers
   std::array<bool, widest_block + 1> is_set_up_{};  ///< for each width whether its solver has the operator
   LaneArray load_, solution_;                       ///< on the mesh
   std::unique_ptr<ReferenceHeat<Dim>> fallback_;    ///< made at first use

@@ -2,12 +2,16 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/optimize/stage.h"
 #include "fabseq/part/wall_thickness.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
 #include "fabseq/tasks/tasks.h"
 #include "tasks/advice.h"
+
+#include <cmath>
+#include <string>
 
 namespace fabseq {
 
@@ -29,6 +33,39 @@ void print_cost(const Setup<Dim>& setup) {
   if (optimizer.coarse_iterations > 0)
     print(formatted("before that, on grids of half the resolution: %d iterations",
                     optimizer.coarse_iterations));
+}
+
+/// How far heat gets while a layer of the mean mass is built, how finely its steps resolve that, and what
+/// they cost. Fourier numbers refer to the smallest edge of an element.
+template <int Dim>
+void print_temperature(const Setup<Dim>& setup) {
+  if (!setup.config.thermal) return;
+  const ThermalProperties properties(*setup.config.thermal, setup.config.material, setup.config.process);
+  const double welding =
+      properties.mass_density * setup.part.volume() / (setup.layers->count() * properties.rate);
+  const double with_torch = welding + (properties.passes - 1) * properties.pause;
+  const double edge = setup.grid.smallest_spacing();
+  const auto fourier = [&](double seconds) { return properties.diffusivity() * seconds / (edge * edge); };
+  print(
+      formatted("temperature: a layer takes %.4g s of welding and %d times %.4g s of pause, in which heat "
+                "gets %.4g far (diffusion length)",
+                welding, properties.passes, properties.pause,
+                2.0 * std::sqrt(properties.diffusivity() * (with_torch + properties.pause))));
+  std::string steps = formatted("its steps: %d while welding, Fourier number %.3g each",
+                                properties.welding_steps, fourier(with_torch / properties.welding_steps));
+  if (properties.pause > 0.0)
+    steps += formatted("; %d in the last pause, %.3g each", properties.pause_steps,
+                       fourier(properties.pause / properties.pause_steps));
+  print(steps);
+  const SolverPath path = setup.config.solver.path;
+  for (const StageType* stage : stage_types()) {
+    if (stage->name != "temperature") continue;
+    const StageCost cost = stage->cost(setup.size, path, setup.groups.count(), setup.lanes);
+    print(formatted(
+        "it costs %.0f solves for %.0f nodes and as many adjoint ones: %.3g GB, %.2g s an iteration",
+        setup.size.temperature_steps, setup.size.solid_nodes, (cost.held + cost.solving) / 1e9,
+        cost.seconds));
+  }
 }
 
 /// The mesh that the part comes from, and how much of it the elements have.
@@ -103,6 +140,7 @@ void run_check(const Setup<Dim>& setup) {
                   layers.variables.label.c_str()));
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
+  print_temperature(setup);
   print_cost(setup);
   for (const std::string& line : advice(setup, height)) warn(line);
 }

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Every response against central differences by every kind of design variable, in two and three dimensions,
 with both void models, a constant strain and one that turns with the layers. Material goes to nominal
-positions where strains turn. In three dimensions each void model has one of the strains.
+positions where strains turn. These follow the part's temperature, and so do those by times of elements. In
+three dimensions each void model has one of the strains.
 
     tests/integration/gradient_matrix_test.py --table     prints the worst errors of all as a table
 """
@@ -70,11 +71,22 @@ def limits(up):
     return [{"type": "distortion", "limit": 1.0, **term} for term in terms]
 
 
+def add_heat(config):
+    """Strains that follow the temperature of the part, with a few hundred degrees between its layers."""
+    config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 2e6, "vanishing": 1400, "reference": 40,
+                         "film_coefficient": 60, "plate": 60, "passes": 2, "steps": [2, 1]}
+
+
 def problem(dimension, design, void, turning):
     config, up = part(dimension), "y" if dimension == 2 else "z"
+    warm = turning or design == "times of elements"
+    if warm:
+        add_heat(config)
     constant = [-0.01, -0.008, 0.003] if dimension == 2 else [-0.01, -0.008, -0.012, 0.003, 0, -0.002]
-    config["process"] = {"void": void, "deposition": "nominal" if turning else "follow"}
-    config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant}
+    config["process"] = {"void": void, "deposition": "nominal" if turning else "follow", "deposition_rate": 2.5, "dwell": 60}
+    config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant,
+                          "mass_density": 7.85}
+    interpass = [{"type": "interpass_temperature", "limit": 300}] if warm else []
     config["objective"] = distortions(up)
     scenarios = void == "quiet"
     if scenarios:  # with a worst case there are no least squares
@@ -88,7 +100,7 @@ def problem(dimension, design, void, turning):
         config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "sharpness": {"time": 30, "slab": 8},
                             "angles": [[1.2], [0.5]] if dimension == 2 else [[1.2, 0.4], [0.6, 0.3]]}
         config["objective"].append({"type": "segmentation_alignment"})
-        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}, {"type": "supported"}] + limits(up)
+        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}, {"type": "supported"}] + limits(up) + interpass
         config["tool"] = {"max_tilt": 40}
         return config
     # As many layers as leave the last ones so small that there is a last layer to bound.
@@ -102,7 +114,7 @@ def problem(dimension, design, void, turning):
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
                              {"type": "last_layer", "least_volume": least_volume},
-                             {"type": "tool_clearance", "samples": 40}] + limits(up)
+                             {"type": "tool_clearance", "samples": 40}] + limits(up) + interpass
     config["tool"] = {"profile": [[0.1, 0.05], [0.3, 0.3], [0.8, 0.3]], "max_tilt": 50, "thickness": [0.8, 1.4]}
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]

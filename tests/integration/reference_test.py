@@ -124,6 +124,14 @@ class ReferenceTest(FabseqTest):
     def test_nominal_arm_2d(self):
         self.check_evaluation("nominal_arm_2d")
 
+    def test_thermal_arm_2d(self):
+        self.check_evaluation("thermal_arm_2d")
+        run, _ = self.run_case("thermal_arm_2d", 1)
+        with h5py.File(os.path.join(REFERENCE_DATA, "expected", "thermal_arm_2d.h5"), "r") as reference:
+            correct = reference["fields/interpass"][()]
+        found = [layer["interpass_temperature"] for layer in run.json("evaluation.json")["layers"]]
+        self.assertLess(np.abs(np.array(found) - correct).max() / correct.max(), VALUE_LIMIT)
+
     def test_hook_nodes_2d(self):
         self.check_evaluation("hook_nodes_2d")
 

@@ -69,7 +69,8 @@ const RegisteredStage<FactorStage> factor_stage{{"factors", {"layers", "strains"
 TEST(StageTest, OrderFollowsFromResults) {
   std::vector<std::string> names;
   for (const StageType* type : stage_types()) names.push_back(type->name);
-  EXPECT_EQ(names, (std::vector<std::string>{"sequence", "layers", "strain", "factors", "process"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"sequence", "layers", "temperature", "strain", "factors", "process"}));
 }
 
 TEST(StageTest, CostsAreAskedOfEveryStage) {

@@ -8,7 +8,8 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 TEXTS = "name", "source", "comment"
-RANGES = {"young": (5e4, 3e5), "poisson": (0.25, 0.4), "mass_density": (2e-6, 1e-5), "yield_stress": (50, 1500)}
+RANGES = {"young": (5e4, 3e5), "poisson": (0.25, 0.4), "mass_density": (2e-6, 1e-5), "yield_stress": (50, 1500),
+          "conductivity": (5e-3, 0.3), "heat_capacity": (300, 1500), "solidification": (400, 1700)}
 
 
 def materials():
@@ -24,7 +25,7 @@ class MaterialsTest(unittest.TestCase):
                 self.assertEqual(set(material), {*TEXTS, *RANGES, "inherent_strain"})
                 for key in TEXTS:
                     self.assertGreater(len(material[key]), 10)
-                for key, (low, high) in RANGES.items():  # mm and MPa, rather than another unit
+                for key, (low, high) in RANGES.items():  # mm, MPa and W, rather than another unit
                     self.assertTrue(low < material[key] < high, key)
                 self.assertEqual(len(material["inherent_strain"]), 6)
                 self.assertIn("inherent_strain: to be calibrated", material["comment"])

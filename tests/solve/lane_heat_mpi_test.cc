@@ -107,6 +107,40 @@ TYPED_TEST(LaneHeatTest, AgreesWithAFactorization) {
   }
 }
 
+/// A step of conduction in time: elements that hold and conduct a millionth, and a film at some nodes, which
+/// takes more than their elements hold.
+TYPED_TEST(LaneHeatTest, ReactionsAndADiagonalVary) {
+  constexpr int Dim = TypeParam::value;
+  const HeatCase<Dim> heat;
+  const auto lanes = heat.lanes(true, 1e-11);
+  ReferenceHeat<Dim> reference(heat.grid, heat.domain, true, {ReferenceMethod::direct, 1e-13, 1000, "heat_"});
+  std::vector<double> diffusivity, capacity, film;
+  heat.grid.owned_elements().for_each([&](const Index<Dim>& index, std::int64_t) {
+    const double share = index[Dim - 1] < 12 ? 1.0 : 1e-6;
+    diffusivity.push_back(0.3 * share);
+    capacity.push_back(share);
+  });
+  heat.grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t) {
+    const double places = test::noise(heat.grid.all_nodes().offset(node), 7);
+    film.push_back(node[Dim - 1] == 12 ? 3.0 * places * heat.grid.element_volume() : 0.0);
+  });
+  for (auto* solver : {static_cast<HeatSolver<Dim>*>(lanes.get()), static_cast<HeatSolver<Dim>*>(&reference)})
+    solver->set_operator(HeatOperator{diffusivity, capacity, film});
+  for (const int count : {1, 8}) {
+    const auto loads = heat.loads(count);
+    auto solutions = loads, expected = loads;
+    for (const SolveReport& report : lanes->solve(loads, solutions)) {
+      EXPECT_TRUE(report.converged) << report.reason;
+      EXPECT_LE(report.iterations, 40);
+    }
+    (void)reference.solve(loads, expected);
+    for (int lane = 0; lane < count; ++lane)
+      EXPECT_LT(
+          test::relative_difference(heat.whole_lane(solutions[0], lane), heat.whole_lane(expected[0], lane)),
+          1e-8);
+  }
+}
+
 /// The operator can be set again, also after solves with other numbers of right-hand sides.
 TYPED_TEST(LaneHeatTest, FollowsTheOperator) {
   constexpr int Dim = TypeParam::value;

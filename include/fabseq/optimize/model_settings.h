@@ -12,6 +12,7 @@
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence_settings.h"
 #include "fabseq/solve/solver_settings.h"
+#include "fabseq/thermal/thermal_settings.h"
 
 #include <map>
 #include <optional>
@@ -35,6 +36,7 @@ struct ModelSettings : DomainSettings {
   std::map<std::string, NodeSetDescription> node_sets;
   MaterialSettings material;
   ProcessSettings process;
+  std::optional<ThermalSettings> thermal;  ///< none: strains do not follow the temperature
   SequenceSettings sequence;
   LayerSettings layers;
   ProjectionSettings projection;

@@ -14,7 +14,9 @@ struct RunSize {
   int dimension = 3;
   int layers = 0;
   int ranks = 1;
-  int cases = 1;        ///< strains that each layer is solved for
+  int cases = 1;                   ///< strains that each layer is solved for
+  double solid_nodes = 0.0;        ///< of part and substrate
+  double temperature_steps = 0.0;  ///< of heat conduction through all layers; 0 without it
   int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
 };
 

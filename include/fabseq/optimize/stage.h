@@ -35,6 +35,7 @@ struct StageResults {
   const PseudoTime<Dim>* time = nullptr;
   const Layers* cut = nullptr;  ///< the layers that `layers` are the densities of
   const LayerDensities* layers = nullptr;
+  const LayerTemperatures* temperatures = nullptr;  ///< null without a block `thermal`
   StrainField strains;
   const ProcessResult* process = nullptr;
 };
@@ -42,6 +43,7 @@ struct StageResults {
 /// Solver iterations of the last run and of the last gradients.
 struct SolverIterations {
   std::vector<int> primal, adjoint, heat;
+  std::vector<int> temperature;  ///< of each layer's steps, their sum; empty without a block `thermal`
 };
 
 /// A link of the chain, differentiated by hand. forward(), pull_back() and start_cold() are collective on the
@@ -92,8 +94,8 @@ struct StageCost {
   double seconds = 0.0;  ///< per design iteration, all ranks busy
 };
 
-/// What is known of a type of stage. Names of results: design, time, layers, strains, process, and what new
-/// stages make.
+/// What is known of a type of stage. Names of results: design, time, layers, temperatures, strains, process,
+/// and what new stages make.
 struct StageTraits {
   std::string name;
   std::vector<std::string> reads, makes;

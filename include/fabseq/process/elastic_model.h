@@ -68,7 +68,7 @@ struct ElasticModel {
   std::array<double, voigt_size<Dim>> strain_of(const StrainField& strains, std::size_t number,
                                                 int layer) const;
   /// The inherent strain of every part element in the layer that builds it, by the numbers of these layers
-  /// (Layers::layer_index()), [part element][Voigt]; empty where it does not turn with the layers.
+  /// (Layers::layer_index()), [part element][Voigt]; empty where it is the material's everywhere.
   std::vector<double> strain_when_built(const StrainField& strains, std::span<const double> layer) const;
   /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
   ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,

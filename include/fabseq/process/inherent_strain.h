@@ -46,4 +46,13 @@ class InherentStrain {
   std::vector<double> scale_;                   ///< of each Voigt component
 };
 
+/// Multiplies the strains of each layer by its factor (docs/formulation.md 14.2). Local.
+template <int Dim>
+void scale_layers(std::span<const double> factors, StrainField& strains);
+/// The derivative by these factors, this rank's part, for `d_strains` by the product. Takes `d_strains` on to
+/// the derivatives by the strains before, `full`. Local.
+template <int Dim>
+std::vector<double> pull_back_layer_scale(const StrainField& full, std::span<const double> factors,
+                                          StrainField& d_strains);
+
 }  // namespace fabseq

@@ -30,6 +30,10 @@ struct MaterialSettings {
   std::string name = {};  ///< a label, empty: none
   std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
   std::optional<double> yield_stress = std::nullopt;  ///< stress unit
+  // What a block `thermal` takes where it says "material".
+  std::optional<double> conductivity = std::nullopt;    ///< W/(length K)
+  std::optional<double> heat_capacity = std::nullopt;   ///< J/(kg K)
+  std::optional<double> solidification = std::nullopt;  ///< degrees Celsius
 };
 
 enum class VoidModel { absent, quiet };

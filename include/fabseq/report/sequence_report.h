@@ -5,6 +5,7 @@
 #include "fabseq/optimize/problem.h"
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
+#include "fabseq/report/temperature_report.h"
 
 #include <cstdint>
 #include <optional>
@@ -17,6 +18,7 @@ namespace fabseq {
 struct LayerNumbers {
   double volume = 0.0, thickness = 0.0, variation = 0.0;
   int sub_part = 0, slab = 0;  ///< of multi-planar layers, sub-parts from 1; 0: layers without sub-parts
+  std::optional<double> interpass = std::nullopt;  ///< temperature at which it begins, degrees Celsius
 };
 
 /// What a deposition model (docs/formulation.md 4.6) makes of a sequence, before the release.
@@ -41,9 +43,10 @@ struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
   BothDepositions depositions;
-  std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
-  std::optional<FinishedShape> finished;   ///< where it was asked for
-  std::optional<BuildNumbers> build;       ///< where the shape was asked for
+  std::vector<ScenarioNumbers> scenarios;         ///< of each distortion term; empty without scenarios
+  std::optional<FinishedShape> finished;          ///< where it was asked for
+  std::optional<BuildNumbers> build;              ///< where the shape was asked for
+  std::optional<TemperatureNumbers> part_temperature;  ///< with a block `thermal`
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
@@ -55,14 +58,15 @@ struct SequenceNumbers {
 
 /// Numbers and fields of a sequence, copied out of the pipeline.
 struct SequenceReport : SequenceNumbers {
-  std::vector<std::vector<double>> values;  ///< of each response
-  std::vector<double> time, layer;          ///< part fields
-  std::vector<double> temperature;          ///< on the owned nodes, or empty
-  std::vector<double> nodal_time;           ///< PseudoTime::nodal
-  std::vector<int> nodes;                   ///< ElasticModel::nodes: no others move
-  std::vector<double> displacement;         ///< [nodes][component]
-  BuildFields build_fields;                 ///< where the shape was asked for
-  std::vector<double> strain;               ///< ElasticModel::strain_when_built(), where it was asked for
+  std::vector<std::vector<double>> values;    ///< of each response
+  std::vector<double> time, layer;            ///< part fields
+  std::vector<double> temperature;            ///< on the owned nodes, or empty
+  std::vector<double> nodal_time;             ///< PseudoTime::nodal
+  std::vector<int> nodes;                     ///< ElasticModel::nodes: no others move
+  std::vector<double> displacement;           ///< [nodes][component]
+  BuildFields build_fields;                   ///< where the shape was asked for
+  std::vector<double> interpass_temperature;  ///< TemperatureReport::field, a part field; empty: none
+  std::vector<double> strain;                 ///< ElasticModel::strain_when_built(), where it was asked for
 };
 
 /// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is

@@ -8,6 +8,7 @@
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/sequence/sequence.h"
+#include "fabseq/thermal/layer_temperatures.h"
 
 #include <vector>
 
@@ -19,6 +20,7 @@ struct PipelineState {
   const PseudoTime<Dim>& time;
   const LayerDensities& layers;
   const ProcessResult& process;
+  const LayerTemperatures* temperatures = nullptr;  ///< null: the strain does not follow the temperature
 };
 
 /// Derivatives of one row (a weighted sum of response components) with respect to the result of each stage.
@@ -29,9 +31,16 @@ struct PipelineAdjoint {
 
   ProcessAdjoint process;  ///< dJ/du, dJ/dv and dJ/d(increments) for the strain as given; empty while zero
   std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
-  StrainField strains;           ///< by inherent strains that are not the material's; empty while zero
+  StrainField strains;  ///< by inherent strains that are not the material's; empty while zero
+  /// By the temperatures at which layers begin, [layer], this rank's part of the sum over all ranks; empty
+  /// while zero.
+  std::vector<double> interpass;
   DensityDerivatives densities;  ///< by stage and layer densities, time points, sub-parts and directions
   TimeDerivatives time;          ///< by t and grad t; empty while zero
+
+  std::vector<double>& touch_interpass(int layers) {
+    return DensityDerivatives::touch(interpass, static_cast<std::size_t>(layers));
+  }
 };
 
 }  // namespace fabseq

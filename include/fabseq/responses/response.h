@@ -9,6 +9,7 @@
 #include "fabseq/responses/pipeline_state.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
+#include "fabseq/thermal/thermal_settings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,6 +32,7 @@ struct ResponseContext {
   int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
   ToolSettings tool = {};            ///< torch and bead
   double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
+  std::optional<ThermalSettings> thermal = std::nullopt;  ///< of layers whose strains follow the temperature
 };
 
 /// An inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by

@@ -29,6 +29,7 @@ struct TermPlace {
   const LayerSettings& layers;
   std::size_t scenarios;  ///< number of scenarios of the strain
   const ToolSettings& tool;
+  const std::optional<ThermalSettings>& thermal;
 };
 
 /// What is known of a response before there is a part: its name and what it needs.

@@ -10,10 +10,17 @@
 
 namespace fabseq {
 
-/// What the heat sequence asks of a solver: conduction with a reaction term on the elements of a domain, for
-/// many right-hand sides (docs/formulation.md 2.1),
+/// An operator of a HeatSolver.
+struct HeatOperator {
+  std::span<const double> diffusivity;    ///< kappa of each element of the domain, in its order
+  std::span<const double> reaction;       ///< alpha of each element, in units of kappa / length^2
+  std::span<const double> diagonal = {};  ///< d of each owned node, not negative; empty: 0
+};
+
+/// What the heat sequence and steps of heat conduction in time ask of a solver: conduction with a reaction
+/// term on the elements of a domain, for many right-hand sides (docs/formulation.md 2.1, 14.1),
 ///
-///     K = sum_e kappa_e int grad N_i . grad N_j + alpha int N_i N_j,
+///     K = sum_e kappa_e int grad N_i . grad N_j + alpha_e int N_i N_j + d,
 ///
 /// the values at fixed nodes being zero: a lifted solution is the caller's.
 template <int Dim>
@@ -21,9 +28,13 @@ class HeatSolver {
  public:
   virtual ~HeatSolver() = default;
 
-  /// Makes K the operator of the solves that follow. `diffusivity` is kappa of each element of the domain, in
-  /// its order; `reaction` is alpha, in units of kappa / length^2. Collective.
-  virtual void set_operator(std::span<const double> diffusivity, double reaction) = 0;
+  /// Makes K the operator of the solves that follow. Collective.
+  virtual void set_operator(const HeatOperator& of) = 0;
+  /// With the same reaction in all elements and no diagonal.
+  void set_operator(std::span<const double> diffusivity, double reaction) {
+    const std::vector<double> reactions(diffusivity.size(), reaction);
+    set_operator(HeatOperator{diffusivity, reactions});
+  }
 
   /// Solves K x = b for every lane of each of `loads`, at most `widest_block` lanes a block, on the owned
   /// nodes; values at fixed nodes are ignored and come back 0. `solutions` have the sizes of `loads`. Returns

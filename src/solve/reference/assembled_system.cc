@@ -145,7 +145,16 @@ void AssembledSystem<Dim>::set_tolerance(double tolerance) {
 }
 
 template <int Dim>
-void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
+void AssembledSystem<Dim>::add_diagonal(std::span<const double> diagonal) {
+  auto row = static_cast<PetscInt>(numbering_->first);
+  for (const int node : numbering_->owned_nodes) {
+    check(MatSetValue(matrix_, row, row, diagonal[node], ADD_VALUES));
+    ++row;
+  }
+}
+
+template <int Dim>
+void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms, std::span<const double> diagonal) {
   static const LogEvent event("fabseq set-up");
   const auto scope = event.enter();
   const auto& grid = numbering_->grid;
@@ -165,6 +174,7 @@ void AssembledSystem<Dim>::assemble(std::initializer_list<Term> terms) {
     check(MatSetValuesBlocked(matrix_, corners, nodes.data(), corners, nodes.data(), element_matrix.data(),
                               ADD_VALUES));
   }
+  if (!diagonal.empty()) add_diagonal(diagonal);
   check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
   const auto& fixed = numbering_->fixed_rows;

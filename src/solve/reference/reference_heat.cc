@@ -25,9 +25,9 @@ void ReferenceHeat<Dim>::start_cold() {
 }
 
 template <int Dim>
-void ReferenceHeat<Dim>::set_operator(std::span<const double> diffusivity, double reaction) {
-  const std::vector<double> reactions(diffusivity.size(), reaction);
-  system_->assemble({{element_.conductivity(), diffusivity}, {element_.mass(lumped_), reactions}});
+void ReferenceHeat<Dim>::set_operator(const HeatOperator& of) {
+  system_->assemble({{element_.conductivity(), of.diffusivity}, {element_.mass(lumped_), of.reaction}},
+                    of.diagonal);
 }
 
 template <int Dim>

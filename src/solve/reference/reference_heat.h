@@ -20,7 +20,8 @@ class ReferenceHeat : public HeatSolver<Dim> {
   ReferenceHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped,
                 const AssembledSolverSettings& settings);
 
-  void set_operator(std::span<const double> diffusivity, double reaction) override;
+  using HeatSolver<Dim>::set_operator;
+  void set_operator(const HeatOperator& of) override;
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;

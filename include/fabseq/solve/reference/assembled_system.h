@@ -43,8 +43,9 @@ class AssembledSystem {
   AssembledSystem(const SystemDomain& domain, std::shared_ptr<const UnknownNumbering<Dim>> numbering,
                   const AssembledSolverSettings& settings);
 
-  /// Fills the matrix and sets up the preconditioner. Collective.
-  void assemble(std::initializer_list<Term> terms);
+  /// Fills the matrix and sets up the preconditioner. `diagonal`: added for each owned node of a system with
+  /// one component; empty: 0. Collective.
+  void assemble(std::initializer_list<Term> terms, std::span<const double> diagonal = {});
   /// Solves for one right-hand side, [owned node][component]; entries at fixed nodes are ignored and come
   /// back 0, as do nodes that are no unknowns. A zero right-hand side gives zero. Collective; does not throw
   /// if it does not converge.
@@ -59,6 +60,7 @@ class AssembledSystem {
 
  private:
   void create_matrix();
+  void add_diagonal(std::span<const double> diagonal);
   void create_solver();
   void gather_load(std::span<const double> load, PetscScalar* values) const;
   void scatter_solution(const PetscScalar* values, std::span<double> solution) const;

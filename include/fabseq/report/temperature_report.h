@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What a sequence's heat amounts to (docs/formulation.md 14.2).
+#pragma once
+
+#include "fabseq/optimize/pipeline.h"
+
+#include <optional>
+#include <vector>
+
+namespace fabseq {
+
+/// A temperature at which a layer begins.
+struct LayerTemperature {
+  double value = 0.0;      ///< degrees Celsius
+  int layer = 0;           ///< that begins, from 1
+  std::vector<double> at;  ///< centre of the element, length unit; empty: of a whole layer
+};
+
+/// The pauses that keep an interpass temperature, and the build time with them.
+struct PauseNumbers {
+  std::vector<std::optional<double>> seconds;  ///< after each real layer, [layer]; none: no pause is enough
+  std::optional<double> hours;                 ///< none where a pause is missing
+};
+
+/// Figures of a sequence, the same on all ranks.
+struct TemperatureNumbers {
+  LayerTemperature highest;            ///< the highest of the interpass temperatures
+  LayerTemperature hottest;            ///< the hottest element that stands when a layer begins
+  std::optional<PauseNumbers> pauses;  ///< where the config has an interpass limit
+};
+
+struct TemperatureReport {
+  TemperatureNumbers numbers;
+  std::vector<double> field;  ///< of each part element when its binary layer's pause ends, degrees Celsius
+};
+
+/// Of a pipeline's last run, which must have temperatures. `with_pauses`: they take solves of their own.
+/// Collective.
+template <int Dim>
+TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                                     const PipelineState<Dim>& state, bool with_pauses);
+
+}  // namespace fabseq

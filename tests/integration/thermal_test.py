@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""Strains that follow the part's temperature: identities, what a run says, layer groups, the constraint."""
+
+import h5py
+import numpy as np
+
+import run_fabseq
+from run_fabseq import FabseqTest, SANITIZED, distinct, largest_relative_difference
+from small_parts import hook_3d, plate_2d, post_on_substrate
+
+RUNS = ((2, 2),) if SANITIZED else ((1, 1), (2, 1), (2, 2), (4, 2))  # ranks and groups
+
+
+def warmed(config, **keys):
+    """Of a size that makes interpass temperatures of a few hundred degrees."""
+    config.setdefault("material", {})["mass_density"] = 7.85
+    config.setdefault("process", {}).update({"deposition_rate": 2.5, "dwell": 60})
+    config["thermal"] = {"conductivity": 5, "heat_capacity": 600, "heat_input": 1e7, "vanishing": 1400,
+                         "film_coefficient": 20, "plate": 60, "passes": 2, "steps": [2, 2], **keys}
+    return config
+
+
+def interpass(record):
+    return [layer["interpass_temperature"] for layer in record["layers"]]
+
+
+class ThermalTest(FabseqTest):
+    resumes = True
+
+    def evaluate(self, config, *arguments, ranks=1):
+        run = self.run_config(ranks, config, "-task", "evaluate", "-tolerance", "1e-11", *arguments)
+        self.assert_done(run)
+        return run
+
+    def gradients(self, run):
+        with h5py.File(run.path("gradients.h5"), "r") as file:
+            return {name: np.ravel(file[name]["design"][()]) for name in file}
+
+    def test_a_strain_that_never_vanishes_is_the_given_one(self):
+        for config in (plate_2d(), hook_3d()):
+            plain = self.evaluate(config)
+            warm = self.evaluate(warmed(config, vanishing=1e30))
+            values = [[entry["value"] for entry in run.json("evaluation.json")["responses"]] for run in (plain, warm)]
+            self.assertLess(largest_relative_difference(*values), 1e-8)
+            before, after = self.gradients(plain), self.gradients(warm)
+            for name, gradient in before.items():
+                self.assertLess(np.abs(after[name] - gradient).max(), 1e-7 * np.abs(gradient).max(), name)
+
+    def test_values_and_gradients_do_not_depend_on_ranks_groups_and_path(self):
+        for make in distinct(hook_3d, post_on_substrate):
+            config = warmed(make())
+            config["constraints"] = [{"type": "interpass_temperature", "limit": 300}]
+            expected = self.evaluate(config)
+            others = [("-layer_groups", groups) for _, groups in RUNS] + [("-solver_path", "reference")]
+            for (ranks, _), options in zip([*RUNS, (2, 1)], others, strict=True):
+                with self.subTest(case=config["name"], ranks=ranks, options=options):
+                    run = self.evaluate(config, *options, ranks=ranks)
+                    found, correct = (interpass(of.json("evaluation.json")) for of in (run, expected))
+                    self.assertLess(largest_relative_difference(found, correct), 1e-9)
+                    gradients, right = self.gradients(run), self.gradients(expected)
+                    for name, gradient in right.items():
+                        self.assertLess(np.abs(gradients[name] - gradient).max(), 1e-6 * np.abs(gradient).max(), name)
+
+    def test_what_a_simulation_says(self):
+        config = warmed(plate_2d(), interpass_limit=150)
+        run = self.run_config(2, config, "-task", "simulate")
+        self.assert_done(run)
+        record = run.json("summary.json")
+        layers = interpass(record)
+        self.assertEqual(layers[0], 60)
+        self.assertEqual(record["interpass"]["highest"], {"value": max(layers), "layer": int(np.argmax(layers)) + 1})
+        self.assertGreater(record["interpass"]["hottest_element"]["value"], max(layers))
+        pauses = record["interpass"]["pauses"]
+        self.assertEqual(len(pauses), 4)
+        self.assertGreater(pauses[2], 60)
+        self.assertEqual(pauses[3], 0)
+        welding = record["wire_mass"] / 2.5
+        self.assertAlmostEqual(record["build_hours"], welding + 4 * 2 * 60 / 3600)
+        self.assertAlmostEqual(record["interpass"]["build_hours"], welding + 2 * sum(pauses) / 3600, places=5)
+        with h5py.File(run.path("result.h5"), "r") as file:
+            field, layer = file["interpass_temperature"][()], file["layer"][()]
+            self.assertTrue(np.array_equal(field != 0, layer != 0))
+            self.assertGreater(field[layer > 0].min(), 20)
+            # Binary layers are those of the mean, but for the floor of its weights.
+            binary = self.run_config(1, config, "-task", "simulate", "-set", "projection.binary=true")
+        self.assert_done(binary)
+        with h5py.File(binary.path("result.h5"), "r") as file:
+            field, layer = file["interpass_temperature"][()], file["layer"][()]
+        means = [field[layer == number].mean() for number in range(1, 4)]
+        self.assertLess(largest_relative_difference(means, interpass(binary.json("summary.json"))[1:]), 1e-6)
+        self.assertIn("highest interpass, degrees C", binary.stdout)
+
+    def test_with_its_pauses_a_layer_begins_at_the_limit(self):
+        config = warmed(plate_2d(), interpass_limit=150, passes=1, steps=[4, 200])
+        config["layers"]["count"] = 2
+        run = self.run_config(1, config, "-task", "simulate")
+        self.assert_done(run)
+        config["process"]["dwell"] = run.json("summary.json")["interpass"]["pauses"][0]
+        run = self.run_config(1, config, "-task", "simulate")
+        self.assert_done(run)
+        self.assertAlmostEqual(interpass(run.json("summary.json"))[1], 150, delta=0.1 * (150 - 20))
+
+    def test_the_constraint_is_met(self):
+        config = warmed(plate_2d())
+        config["projection"] = {"beta": 12, "max": 12}
+        config["constraints"] = []
+        start = self.optimize(config, 1, 1).json("summary.json")["start"]
+        limit = 0.98 * max(interpass(start))
+        config["constraints"] = [{"type": "interpass_temperature", "limit": limit}]
+        summary = self.optimize(config, 2, 2 if SANITIZED else 40).json("summary.json")
+        if not SANITIZED:
+            self.assertLess(max(interpass(summary["optimized"])[1:]), 1.0001 * limit)
+        self.assertIn("highest", summary["baseline"]["interpass"])
+
+    def test_check_says_what_it_costs(self):
+        run = self.run_config(1, warmed(plate_2d()), "-task", "check")
+        self.assert_done(run)
+        for words in ("diffusion length", "Fourier number", "it costs 16 solves"):
+            self.assertIn(words, run.stdout)
+
+    def test_what_is_missing_is_named(self):
+        def message(change):
+            config = warmed(plate_2d())
+            change(config)
+            run = self.run_config(2, config, "-task", "check")
+            self.assertEqual(run.status, run_fabseq.BAD_INPUT, str(run))
+            return run.messages()[0]
+        self.assertIn("/material/mass_density: found", message(lambda config: config["material"].pop("mass_density")))
+        self.assertIn("/process/deposition_rate: found", message(lambda config: config["process"].pop("deposition_rate")))
+        self.assertIn("/thermal/heat_input: missing", message(lambda config: config["thermal"].pop("heat_input")))
+        self.assertIn('/thermal/conductivity: found "material"', message(lambda config: config["thermal"].pop("conductivity")))
+        self.assertIn("/thermal/vanishing: found 20.0; allowed: more than",
+                      message(lambda config: config["thermal"].update(vanishing=20)))
+        self.assertIn("/thermal/steps: found [1", message(lambda config: config["thermal"].update(steps=[1, 1.5])))
+        interpass_limit = [{"type": "interpass_temperature", "limit": 10}]
+        self.assertIn("/constraints/0/limit: found 10", message(lambda config: config.update(constraints=interpass_limit)))
+
+        def without_block(config):
+            config.pop("thermal")
+            config["constraints"] = interpass_limit
+        self.assertIn("/constraints/0/type: found", message(without_block))
+
+
+if __name__ == "__main__":
+    run_fabseq.main()

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/optimize/part_temperature.h"
+#include "fabseq/thermal/temperature_simulation.h"
+#include "support/pipeline_case.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+namespace {
+
+constexpr const char* warm =
+    R"({"conductivity": 0.03, "heat_capacity": 600, "heat_input": 2.5e6, "vanishing": 1400,
+  "film_coefficient": 5e-5, "ambient": 15, "plate": 60, "passes": 3, "steps": [2, 2]})";
+
+/// The gallows, in a length unit that makes diffusion cross a few elements a step.
+inline Settings with_heat(const std::string& thermal) {
+  return {{"material.mass_density", "7.85"}, {"process.deposition_rate", "2.5"},
+          {"process.dwell", "40"},           {"thermal", thermal},
+          {"thermal.conductivity", "30"},    {"thermal.film_coefficient", "50"}};
+}
+inline const Settings no_losses = {{"thermal.film_coefficient", "0"}};
+/// The gallows hang on a substrate off the plate.
+template <int Dim>
+Settings off_the_plate() {
+  return {{"substrate", Dim == 2 ? R"({"box": {"min": [0, 0.5], "max": [0.6, 0.9]}})"
+                                 : R"({"box": {"min": [0, 0, 0.9], "max": [0.4, 0.6, 1.5]}})"},
+          {"part.union", Dim == 2 ? R"([{"box": {"min": [0, 0.9], "max": [3, 1.5]}}])"
+                                  : R"([{"box": {"min": [0, 0, 1.5], "max": [2, 0.6, 2.5]}}])"}};
+}
+
+template <int Dim>
+struct HeatedGallows {
+  explicit HeatedGallows(const Settings& settings, const std::string& thermal = warm)
+      : config(test::gallows_config<Dim>(test::operator+(with_heat(thermal), settings))),
+        setup(PETSC_COMM_WORLD, config),
+        temperature(setup, 1e-10) {
+    layers = setup.layers->make({}, 9.0, false, {});
+    const Grid<Dim>& grid = setup.grid;
+    const std::vector<double> time = test::part_field(setup.part, [&](std::int64_t number) {
+      const auto place = grid.element_center(grid.all_elements().index(number));
+      return 0.85 * place[Dim - 1] / grid.domain().size[Dim - 1] + 0.1 * test::noise(number);
+    });
+    layers->set_densities(time, densities);
+  }
+  /// A number of each functional and layer.
+  std::vector<double> weights(int functional) const {
+    std::vector<double> result;
+    for (int j = 0; j < densities.count(); ++j) result.push_back(test::noise(j, 30 + functional) - 0.4);
+    return result;
+  }
+  double value(const LayerDensities& of, int functional) {
+    const std::vector<double> weight = weights(functional);
+    const std::vector<double>& interpass = temperature.simulation.simulate(of).interpass;
+    return std::inner_product(weight.begin(), weight.end(), interpass.begin(), 0.0);
+  }
+  double total(const std::vector<double>& field) const {
+    return sum(setup.grid.comm(), std::accumulate(field.begin(), field.end(), 0.0));
+  }
+
+  Config config;
+  Setup<Dim> setup;
+  PartTemperature<Dim> temperature;
+  std::unique_ptr<Layers> layers;
+  LayerDensities densities;
+};
+
+template <class T>
+class TemperatureSimulationTest : public testing::Test {};
+TYPED_TEST_SUITE(TemperatureSimulationTest, test::Dimensions);
+
+/// Without losses, what a layer's heat brings is stored: C' theta' - C theta.
+TYPED_TEST(TemperatureSimulationTest, EnergyIsConserved) {
+  constexpr int Dim = TypeParam::value;
+  HeatedGallows<Dim> gallows(test::operator+(off_the_plate<Dim>(), no_losses));
+  const ThermalModel<Dim>& model = gallows.temperature.thermal;
+  const LayerTemperatures& result = gallows.temperature.simulation.simulate(gallows.densities);
+  const auto stored = [&](const std::vector<double>& capacity, const std::vector<double>& theta) {
+    std::vector<double> energy = picked(capacity, model.nodes);
+    for (std::size_t i = 0; i < energy.size(); ++i) energy[i] *= theta[i];
+    return gallows.total(energy);
+  };
+  double before = stored(model.first_capacity(), result.start), brought = before;
+  EXPECT_GT(before, 0.0);
+  for (int j = 0; j < result.count(); ++j) {
+    const ThermalLayer layer = model.layer(gallows.densities, j);
+    for (std::size_t i = 0; i < result.after_steps[j].size(); ++i) {
+      if (i < 2) brought += 0.5 * gallows.total(layer.heat);
+      const double now = stored(layer.capacity, result.after_steps[j][i]);
+      EXPECT_NEAR(now, brought, 1e-11 * brought) << "layer " << j << ", step " << i;
+    }
+  }
+}
+
+/// Nothing but the plate, the air and the heat of the wire makes a temperature.
+TYPED_TEST(TemperatureSimulationTest, StaysAtTheAirsWithoutHeat) {
+  constexpr int Dim = TypeParam::value;
+  HeatedGallows<Dim> gallows(Settings{{"thermal.heat_input", "0"}, {"thermal.plate", "15"}});
+  for (const double value : gallows.temperature.simulation.simulate(gallows.densities).interpass)
+    EXPECT_NEAR(value, 15.0, 1e-12);
+}
+
+TYPED_TEST(TemperatureSimulationTest, BothPathsAgree) {
+  constexpr int Dim = TypeParam::value;
+  HeatedGallows<Dim> lanes(Settings{}), reference(Settings{{"solver.path", "reference"}});
+  const auto& found = lanes.temperature.simulation.simulate(lanes.densities);
+  const auto& expected = reference.temperature.simulation.simulate(reference.densities);
+  for (int j = 0; j < found.count(); ++j) {
+    EXPECT_NEAR(found.interpass[j], expected.interpass[j], 1e-9 * expected.interpass[j]);
+    for (std::size_t i = 0; i < found.nodes.size(); ++i)
+      EXPECT_NEAR(found.at_end(j)[i], expected.at_end(j)[i], 1e-7);
+  }
+}
+
+/// By the densities themselves, several functionals in blocks of two lanes: with a film, a plate that is
+/// warmer than the air, a substrate, and times of steps that follow the layers' masses.
+TYPED_TEST(TemperatureSimulationTest, DerivativesAgreeWithDifferences) {
+  constexpr int Dim = TypeParam::value;
+  constexpr int functionals = 3;
+  for (const Settings& settings : {Settings{{"solver.lanes", "2"}}, test::operator+
+                                   (test::on_clamped_substrate<Dim>(), {{"process.dwell", "0"}})}) {
+    HeatedGallows<Dim> gallows(settings);
+    const LayerDensities& densities = gallows.densities;
+    gallows.temperature.simulation.simulate(densities);
+    std::vector<std::vector<double>> weights;
+    std::vector<DensityDerivatives> derivatives(functionals, DensityDerivatives(densities.count()));
+    std::vector<TemperatureAdjoint> adjoints;
+    for (int f = 0; f < functionals; ++f) weights.push_back(gallows.weights(f));
+    for (int f = 0; f < functionals; ++f) adjoints.push_back({weights[f], &derivatives[f], nullptr});
+    gallows.temperature.simulation.pull_back(densities, adjoints);
+    // In proportion: what does not stand yet must not get less than nothing.
+    const auto change = [&](const std::vector<double>& density, int salt) {
+      std::vector<double> result = test::part_field(
+          gallows.setup.part, [&](std::int64_t number) { return test::noise(number, 40 + salt) - 0.5; });
+      for (std::size_t e = 0; e < result.size(); ++e) result[e] *= density[e];
+      return result;
+    };
+    for (int f = 0; f < functionals; ++f) {
+      double found = 0.0;
+      for (int j = 0; j < densities.count(); ++j) {
+        const std::vector<double> of_stage = change(densities.stage[j], 2 * j),
+                                  of_layer = change(densities.layer[j], 2 * j + 1);
+        for (std::size_t e = 0; e < derivatives[f].stage[j].size(); ++e)
+          found += derivatives[f].stage[j][e] * of_stage[e] + derivatives[f].layer[j][e] * of_layer[e];
+      }
+      found = sum(gallows.setup.grid.comm(), found);
+      const auto value = [&](double step) {
+        LayerDensities moved = densities;
+        for (int j = 0; j < moved.count(); ++j) {
+          const std::vector<double> of_stage = change(densities.stage[j], 2 * j),
+                                    of_layer = change(densities.layer[j], 2 * j + 1);
+          for (std::size_t e = 0; e < of_stage.size(); ++e) {
+            moved.stage[j][e] += step * of_stage[e];
+            moved.layer[j][e] += step * of_layer[e];
+          }
+        }
+        return gallows.value(moved, f);
+      };
+      const double expected = test::central_difference(value, 1e-4);
+      EXPECT_NEAR(found, expected, 1e-6 * std::abs(expected)) << "functional " << f;
+    }
+  }
+}
+
+/// With the pauses that it asks for, each layer begins at the limit.
+TYPED_TEST(TemperatureSimulationTest, PausesKeepTheLimit) {
+  constexpr int Dim = TypeParam::value;
+  HeatedGallows<Dim> gallows(
+      Settings{{"thermal.passes", "1"}, {"process.dwell", "0"}, {"thermal.plate", "15"}});
+  const double limit =
+      15.0 + 0.5 * (gallows.temperature.simulation.simulate(gallows.densities).interpass.back() - 15.0);
+  const NeededPauses pauses = gallows.temperature.simulation.needed_pauses(gallows.densities, limit);
+  ASSERT_EQ(pauses.seconds.size(), static_cast<std::size_t>(gallows.densities.count()));
+  EXPECT_EQ(pauses.seconds.back(), 0.0);
+  EXPECT_GT(pauses.seconds[pauses.seconds.size() - 2].value(), 0.0);
+  // The longest of them for every layer cools more than enough.
+  double longest = 0.0;
+  for (const auto& pause : pauses.seconds) longest = std::max(longest, pause.value());
+  HeatedGallows<Dim> rested(Settings{{"thermal.plate", "15"},
+                                     {"thermal.passes", "1"},
+                                     {"process.dwell", std::to_string(longest)},
+                                     {"thermal.steps", "[2, 100]"}});
+  for (const double value : rested.temperature.simulation.simulate(rested.densities).interpass)
+    EXPECT_LT(value, 1.02 * limit);
+  EXPECT_NEAR(pauses.welding, 7.85 * gallows.setup.part.volume() / 2.5 * 3600.0, 1e-6 * pauses.welding);
+}
+
+TEST(ThermalPropertiesTest, StrainVanishesWhereMaterialSolidifies) {
+  MaterialSettings material;
+  material.mass_density = 8.0;
+  ThermalSettings settings;
+  settings.conductivity = 1.0;
+  settings.heat_capacity = 2.0;
+  settings.vanishing = 1400.0;
+  settings.reference = 100.0;
+  ProcessSettings process;
+  process.deposition_rate = 3.6;
+  const ThermalProperties properties(settings, material, process);
+  EXPECT_EQ(properties.strain_share(100.0), 1.0);
+  EXPECT_EQ(properties.strain_share(750.0), 0.5);
+  EXPECT_EQ(properties.strain_share(1500.0), 0.0);
+  EXPECT_EQ(properties.strain_share_slope(750.0), -1.0 / 1300.0);
+  EXPECT_EQ(properties.strain_share_slope(1500.0), 0.0);
+  EXPECT_EQ(properties.rate, 1e-3);
+}
+
+}  // namespace
+}  // namespace fabseq
