@@ -34,6 +34,7 @@ def surface_of(points, faces, arrays):
 def write_surface(data, path):
     """Writes an STL file, which holds no arrays, or a VTP file."""
     writer = vtkXMLPolyDataWriter()
+    writer.SetDataModeToBinary()  # VTK 9.1 cannot read appended data with the expat of Debian's security updates
     if path.endswith(".stl"):
         writer = vtkSTLWriter()
         writer.SetFileTypeToBinary()
