@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Mesh files with something wrong in them: each ends with status 0, or with 2 and one line that names the file.
+"""Mesh files with something wrong in them: each ends with status 0, or with 2 and one line that names it.
 
-    tests/faults/mesh_campaign.py                   2000 files, each with -task check: ten minutes on two cores
-    tests/faults/mesh_campaign.py --short           a sample, as ctest runs it
+    tests/faults/mesh_campaign.py             2000 files, each with -task check: ten minutes on two cores
+    tests/faults/mesh_campaign.py --short     a sample, as ctest runs it
     tests/faults/mesh_campaign.py --seed 1 --only 137 --keep DIR    one file, with all that is said of it
 
 A file is a small part in one of the formats, in which up to three things are changed at random

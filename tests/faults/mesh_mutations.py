@@ -8,6 +8,7 @@ import zipfile
 
 FORMATS = ("stl", "text.stl", "obj", "ply", "text.ply", "3mf")
 EXTREMES = ["nan", "inf", "-1e308", "1e-320", "0", "-1", "2147483648", "99999999999999999999", "1e3", "1,5", "", "x"]
+WORDS = [b"\0\0\xc0\x7f", b"\0\0\x80\x7f", b"\xff\xff\xff\xff", b"\0\0\0\0", b"\xff\xff\x7f\x7f"]  # NaN, infinity, ...
 PACKAGES = "http://schemas.openxmlformats.org/package/2006"
 NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing"
 
@@ -109,7 +110,7 @@ def other_number(chance, data):
     numbers = list(re.finditer(rb"-?\d+(\.\d+)?(e[+-]?\d+)?", bytes(data)))
     if len(numbers) < 50:
         place = chance.randrange(max(1, len(data) - 4))
-        data[place:place + 4] = chance.choice([b"\0\0\xc0\x7f", b"\0\0\x80\x7f", b"\xff\xff\xff\xff", b"\0\0\0\0", b"\xff\xff\x7f\x7f"])
+        data[place:place + 4] = chance.choice(WORDS)
         return "four bytes"
     found = chance.choice(numbers)
     data[found.start():found.end()] = chance.choice(EXTREMES).encode()

@@ -196,9 +196,10 @@ class CountingSolver : public HeatSolver<Dim> {
  public:
   CountingSolver(std::unique_ptr<HeatSolver<Dim>> solver, int& operators)
       : solver_(std::move(solver)), operators_(operators) {}
-  void set_operator(std::span<const double> diffusivity, double reaction) override {
+  using HeatSolver<Dim>::set_operator;
+  void set_operator(const HeatOperator& of) override {
     ++operators_;
-    solver_->set_operator(diffusivity, reaction);
+    solver_->set_operator(of);
   }
   std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                  std::span<LaneVector> solutions) override {
