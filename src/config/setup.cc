@@ -37,13 +37,15 @@ void Setup<Dim>::require_walls() const {
          formatted("%g or more (smaller domain.element, or part.mesh.least_elements)", mesh->least_elements));
 }
 
-/// More layers than elements: most of them could only be empty.
+/// Layers by far more than elements could only be empty, and the optimizer has rows for all of them.
 template <int Dim>
 void Setup<Dim>::require_layers_that_fit() const {
+  constexpr int layers_of_an_element = 10;
   const LayerTraits& traits = this->layers->traits();
-  if (traits.count > this->part.count())
+  const std::int64_t most = layers_of_an_element * this->part.count();
+  if (traits.count > most)
     refuse(traits.key, std::to_string(traits.count),
-           "at most as many layers as the part has elements, " + std::to_string(this->part.count()));
+           "at most " + std::to_string(most) + " layers, ten for each of the part's elements");
 }
 
 /// Refuses terms after a release that there cannot be.

@@ -8,6 +8,7 @@
 #include "solve/lane_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -46,9 +47,11 @@ void LaneHeat<Dim>::set_operator(const HeatOperator& of) {
   reaction_.assign(of.reaction.begin(), of.reaction.end());
   diagonal_.assign(of.diagonal.begin(), of.diagonal.end());
   const bool finite = are_finite(of.diffusivity) && are_finite(of.reaction) && are_finite(of.diagonal);
-  finite_ = !any(grid_.comm(), !finite);
+  std::array<int, 2> on_ranks = {finite ? 0 : 1, diagonal_.empty() ? 0 : 1};
+  sum_in_place(grid_.comm(), std::span<int>(on_ranks));
+  finite_ = on_ranks[0] == 0;
   smeared_reaction_.clear();
-  if (any(grid_.comm(), !diagonal_.empty()) && finite_) smeared_reaction_ = reaction_with_diagonal();
+  if (on_ranks[1] > 0 && finite_) smeared_reaction_ = reaction_with_diagonal();
   is_set_up_.fill(false);
   fallback_is_set_up_ = false;
 }

@@ -44,8 +44,8 @@ TEST(ConfigErrorsTest, UnknownKeys) {
       solid_error("projektion", "{}"),
       "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
       "build_plate, substrate, clamps, node_sets, "
-      "material, process, sequence, layers, projection, objective, constraints, baseline, tool, optimizer, "
-      "solver, output");
+      "material, process, thermal, sequence, layers, projection, objective, constraints, baseline, tool, "
+      "optimizer, solver, output");
   EXPECT_EQ(
       solid_error("output.qqqq", "1"),
       "/output/qqqq: unknown key; allowed here: every, checkpoint_every, stages, sensitivity, finer_grid");

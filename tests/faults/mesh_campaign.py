@@ -67,7 +67,7 @@ def run_case(seed, number, keep):
         with open(os.path.join(folder, "case.json"), "w", encoding="utf-8") as file:
             json.dump(config(name, chance.random() < 0.5), file)
         process = Popen([PROGRAM, "-config", "case.json", "-task", "check"], cwd=folder, stdout=DEVNULL, stderr=PIPE, text=True,
-                        errors="replace", env={**os.environ, **ENVIRONMENT})
+                        errors="replace", env={**os.environ, **ENVIRONMENT, "OMPI_MCA_orte_tmpdir_base": folder})
         late = threading.Event()
         timer = threading.Timer(PATIENCE, lambda: (late.set(), process.kill()))
         timer.start()

@@ -68,6 +68,12 @@ class ConfigErrorsTest(BadInputTest):
                 (("-set", "objective.2147483647.weight=1"), ["/objective/2147483647", "0 to 1"])):
             self.assert_refused(plate_2d(), *arguments, words=words, timeout=60)
 
+    def test_layers_that_could_only_be_empty(self):
+        config = plate_2d()
+        config["domain"]["elements"] = [4, 3]
+        config["part"] = {"box": {"min": [0, 0], "max": [2, 1.2]}}
+        self.assert_refused(config, "-layers", 121, words=["/layers/count: found 121; allowed: at most 120 layers"])
+
     def test_a_key_of_another_section(self):
         config = plate_2d()
         config["part"] = {"box": {"min": [0, 0], "max": [2, 1.2], "keep": "connected"}}
