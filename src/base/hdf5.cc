@@ -39,8 +39,8 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-/// Where else than in its file a dataset's values are, "" if nowhere. What it names may be anything: reading a
-/// pipe would never end, and a missing file reads as 0.
+/// Where else than in its file a dataset's values are, "" if nowhere. What it names may be anything: reading
+/// a pipe would never end, and a missing file reads as 0.
 std::string place_elsewhere(hid_t dataset) {
   const Hdf5PropertyList creation(H5Dget_create_plist(dataset));
   if (H5Pget_external_count(creation) > 0) return "keeps its values in external files";

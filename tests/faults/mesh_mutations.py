@@ -57,12 +57,12 @@ def whole(form):
         return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(
             struct.pack("<12fH", 0, 0, 0, *(x for point in three for x in point), 0) for three in points)
     if form == "text.stl":
-        facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex {:e} {:e} {:e}\n".format(*p) for p in three) +
-                         "endloop\nendfacet\n" for three in points)
+        facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex {:e} {:e} {:e}\n".format(*p) for p in three)
+                         + "endloop\nendfacet\n" for three in points)
         return f"solid part\n{facets}endsolid part\n".encode()
     if form == "obj":
-        return ("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
-                "".join(f"f {a + 1} {b + 1}// {c + 1}\n" for a, b, c in triangles)).encode()
+        return ("".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+                + "".join(f"f {a + 1} {b + 1}// {c + 1}\n" for a, b, c in triangles)).encode()
     if form == "3mf":
         return model_text(corners, triangles).encode()
     binary = form == "ply"
@@ -71,8 +71,8 @@ def whole(form):
             "property list uchar int vertex_indices\nend_header\n").encode()
     if binary:
         return head + b"".join(struct.pack("<3f", *p) for p in corners) + b"".join(struct.pack("<B3i", 3, *t) for t in triangles)
-    return head + ("".join("{} {} {}\n".format(*p) for p in corners) +
-                   "".join("3 {} {} {}\n".format(*t) for t in triangles)).encode()
+    return head + ("".join("{} {} {}\n".format(*p) for p in corners)
+                   + "".join("3 {} {} {}\n".format(*t) for t in triangles)).encode()
 
 
 def flip_bits(chance, data):

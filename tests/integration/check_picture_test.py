@@ -103,7 +103,8 @@ class CheckPictureTest(FabseqTest):
         """Walls that are too thin: the picture shows where."""
         write_box(os.path.join(self.directory, "bar.stl"), (60.0, 20.0, 4.0))
         config = hook_3d()
-        config.update(domain={"element": 2.0}, part={"mesh": {"file": "bar.stl"}}, node_sets={"edge": {"all": True}, "top": {"all": True}})
+        config.update(domain={"element": 2.0}, part={"mesh": {"file": "bar.stl"}},
+                      node_sets={"edge": {"all": True}, "top": {"all": True}})
         path = self.write_config(config)
         for ranks in run_fabseq.distinct(1, 2):
             run = self.run_program(ranks, "-config", path, "-task", "check", "-picture")

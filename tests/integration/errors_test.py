@@ -323,7 +323,6 @@ class OutputDirectoryTest(BadInputTest):
             file.write("mine\n")
         self.assert_refused(plate_2d(), words=["occupied"], output=output, status=OUTPUT_FAILURE)
 
-
     def test_a_link_that_leads_nowhere(self):
         output = os.path.join(self.directory, "link")
         os.symlink("nowhere", output)

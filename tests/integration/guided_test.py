@@ -168,7 +168,8 @@ class GuidedTest(FabseqTest):
     def test_restart(self):
         config = without_uniformity(hook_3d(), stretch=[0.6, 1.6])
         arguments = ("-max_iterations", 4, "-checkpoint_every", 2, "-output_every", 2)
-        # The systems of the reference path last until a checkpoint. On several ranks its sums have no fixed order.
+        # The systems of the reference path last until a checkpoint. On several ranks its sums have no fixed
+        # order.
         for ranks, path, cut in distinct((2, "lanes", 3), (1, "lanes", 1), (1, "reference", 2)):
             arguments = (*arguments[:6], "-solver_path", path)
             expected = self.run_config(ranks, config, *arguments)

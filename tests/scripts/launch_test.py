@@ -162,7 +162,8 @@ class ShellScriptTest(LaunchTest):
         status, stdout, stderr = self.run_script(f"echo typed | mpirun -np 1 {program}")
         self.assertEqual((status, stdout, stderr), (3, "typed\n", "of the rank\n"))
         dashes = 30 * "-"
-        self.assertEqual(self.run_script(f"mpirun -np 1 sh -c 'printf \"%s\\n\" {dashes} x {dashes} >&2'")[2], f"{dashes}\nx\n{dashes}\n")
+        done = self.run_script(f"mpirun -np 1 sh -c 'printf \"%s\\n\" {dashes} x {dashes} >&2'")
+        self.assertEqual(done[2], f"{dashes}\nx\n{dashes}\n")
         self.assertEqual(self.run_script("mpirun -np 1 echo out & wait $!"), (0, "out\n", ""))
         self.assertEqual(self.run_script("mpirun -np 1 echo out | tr a-z A-Z"), (0, "OUT\n", ""))
         status, stdout, _ = self.run_script("if mpirun -np 1 false; then echo yes; else echo no $?; fi")

@@ -19,8 +19,8 @@ namespace fabseq {
 /// 0 prints it once on stderr as "fabseq: MESSAGE", and every rank returns its status. Any other exception is
 /// printed by the rank that has it, which then aborts all ranks with status 3. PETSc options that were never
 /// read are reported as warnings. Processes that were started together but do not know of each other
-/// (launch.h) end with status 2 without it. Until it returns, the C library reads and writes numbers in this thread
-/// with a decimal point, whatever the locale, since PETSc's options depend on that.
+/// (launch.h) end with status 2 without it. Until it returns, the C library reads and writes numbers in this
+/// thread with a decimal point, whatever the locale, since PETSc's options depend on that.
 int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program);
 
 /// Prints "warning: MESSAGE" on stderr from rank 0 of the world; does nothing on other ranks. Not collective.
