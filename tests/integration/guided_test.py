@@ -169,7 +169,7 @@ class GuidedTest(FabseqTest):
         config = without_uniformity(hook_3d(), stretch=[0.6, 1.6])
         arguments = ("-max_iterations", 4, "-checkpoint_every", 2, "-output_every", 2)
         # The systems of the reference path last until a checkpoint.
-        for ranks, path, cut in distinct((2, "lanes", 3), (1, "lanes", 1), (2, "reference", 2)):
+        for ranks, path, cut in distinct((2, "lanes", 3), (1, "lanes", 1), (1, "reference", 2)):
             arguments = (*arguments[:6], "-solver_path", path)
             expected = self.run_config(ranks, config, *arguments)
             self.assert_done(expected)
