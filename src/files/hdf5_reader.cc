@@ -39,7 +39,7 @@ std::vector<double> read_field(const Grid<Dim>& grid, bool on_nodes, const std::
   const Hdf5ParallelDataset data(grid.comm(), file, dataset, file_key, dataset_key);
   const IndexBox<Dim> all = on_nodes ? grid.all_nodes() : grid.all_elements();
   const IndexBox<Dim>& owned = on_nodes ? grid.owned_nodes() : grid.owned_elements();
-  const auto values = static_cast<hsize_t>(all.count() * components);
+  const auto values = static_cast<hsize_t>(all.count()) * components;
   if (data.shape().size() == 1 && data.shape()[0] == values)
     return read_field_as_list<Dim>(all, owned, data, components);
   std::vector<hsize_t> shape(Dim), start(Dim), count(Dim);  // slowest axis first
