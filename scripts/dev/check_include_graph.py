@@ -15,8 +15,8 @@ import sys
 from pathlib import Path
 
 MODULES = ["base", "keys", "parallel", "grid", "mesh", "part", "files", "fem", "kernels", "ranks", "multigrid",
-           "islands", "cg", "solve", "sequence", "layers", "machine", "process", "thermal", "responses", "mma", "optimize", "report",
-           "config", "output", "tasks"]
+           "islands", "cg", "solve", "sequence", "layers", "machine", "process", "thermal", "responses", "mma", "optimize",
+           "report", "config", "output", "tasks"]
 ENGINE = {"kernels", "ranks", "multigrid", "islands", "cg"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:[<"](fabseq/[^>"]+)[>"]|"([a-z_]+/[^"]+)")')
 

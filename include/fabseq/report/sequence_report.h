@@ -43,9 +43,9 @@ struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
   BothDepositions depositions;
-  std::vector<ScenarioNumbers> scenarios;         ///< of each distortion term; empty without scenarios
-  std::optional<FinishedShape> finished;          ///< where it was asked for
-  std::optional<BuildNumbers> build;              ///< where the shape was asked for
+  std::vector<ScenarioNumbers> scenarios;              ///< of each distortion term; empty without scenarios
+  std::optional<FinishedShape> finished;               ///< where it was asked for
+  std::optional<BuildNumbers> build;                   ///< where the shape was asked for
   std::optional<TemperatureNumbers> part_temperature;  ///< with a block `thermal`
 
   /// First objective term.
