@@ -39,7 +39,7 @@ template <int Dim>
 double FilmFaces<Dim>::conductance(const Face& face, double coefficient) const {
   const Grid<Dim>& grid = part_.grid();
   const double area = grid.element_volume() / grid.spacing()[face.direction / 2];
-  return coefficient * area / (corner_count<Dim> / 2);
+  return coefficient * area / static_cast<double>(corners_[face.direction].size());
 }
 
 template <int Dim>

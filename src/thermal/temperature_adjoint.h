@@ -40,7 +40,7 @@ class BackwardSteps {
   /// The last layer whose end any functional depends on; negative: none.
   int last_layer() const;
   /// Adds dJ/dtheta and dJ/d(weights) at the end of a layer.
-  void add_interpass(Block& block, int layer);
+  void add_interpass(Block& block, int number);
   void back_through(int number, const ThermalLayer& layer, std::span<const double> capacity_before);
   void solve(const std::string& what);
   /// What a step's adjoint amounts to by what the step is made of.

@@ -56,7 +56,7 @@ struct ThermalModel {
   int owned_nodes() const { return static_cast<int>(domain.fixed.size()); }
   /// Mass of a layer, kg.
   double mass(const LayerDensities& densities, int layer) const;
-  ThermalLayer layer(const LayerDensities& densities, int layer) const;
+  ThermalLayer layer(const LayerDensities& densities, int number) const;
   /// C before the first layer: of the substrate.
   std::vector<double> first_capacity() const;
   /// theta before the first layer: the plate's on substrate and held nodes.
