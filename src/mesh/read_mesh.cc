@@ -85,12 +85,12 @@ TriangleMesh read_format(const std::string& path, std::vector<std::string>& note
 }
 
 /// The factor from the unit of a file, if its format names one, to that of the config.
-double unit_factor(const std::string& unit, const std::string& wanted, std::vector<std::string>& notes) {
-  const std::optional<double> from = metres_in(unit), to = metres_in(wanted);
+double unit_factor(const std::string& stated, const std::string& wanted, std::vector<std::string>& notes) {
+  const std::optional<double> from = metres_in(stated), to = metres_in(wanted);
   if (!from) return 1.0;
-  const std::string is_in = "is in " + unit + ", ";
+  const std::string is_in = "is in " + stated + ", ";
   const bool same = to && std::abs(*from / *to - 1.0) < 1e-12;
-  if (same || (!to && unit == "millimeter")) return 1.0;
+  if (same || (!to && stated == "millimeter")) return 1.0;
   if (to)
     notes.push_back(is_in + "converted to " + wanted);
   else

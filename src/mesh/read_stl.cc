@@ -82,7 +82,7 @@ class StlText {
       last = word;
     }
     if (in_facet_) refuse("ends within a facet");
-    if (last != "endsolid") notes.push_back("has no \"endsolid\" at its end: it may be cut off");
+    if (last != "endsolid") notes.emplace_back("has no \"endsolid\" at its end: it may be cut off");
     round_to_single(corners_);
     SurfaceBuilder surface;
     add_all(std::move(corners_), ends_, surface);
