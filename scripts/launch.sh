@@ -85,6 +85,7 @@ hand_on_stop() {
     return
   fi
   ((now - last > 100000)) || return 0 # `timeout` and others send the same one twice; the program has the same limit
+  last=$now # the second may come while this one is looked into
   stops=$((stops + 1))
   if ((stops > 2)); then
     kill -KILL -- "-$launcher" 2>/dev/null || true
