@@ -124,10 +124,6 @@ void broadcast_entries(MPI_Comm comm, std::vector<T>& entries) {
   });
 }
 
-}  // namespace
-
-namespace {
-
 /// read_mesh(), where rank 0 calls prepare(mesh, notes) before the other ranks get the mesh.
 template <class Prepare>
 ReadMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::string& key,

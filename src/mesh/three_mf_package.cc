@@ -136,7 +136,7 @@ std::optional<std::vector<Relation>> completed(std::vector<Relation> relations,
 }  // namespace
 
 ThreeMfPackage prepare_three_mf(std::string bytes) {
-  const ZipArchive archive(std::move(bytes));
+  ZipArchive archive(std::move(bytes));
   const std::string root = root_model(archive);
   if (!archive.has(root)) throw InputError("is a ZIP archive without a model, needs an intact 3MF file");
   const Model model(archive, root);
@@ -151,7 +151,7 @@ ThreeMfPackage prepare_three_mf(std::string bytes) {
   const auto wanted = completed(relations_in(archive, relations), model.files());
   ThreeMfPackage result;
   result.printable = model.printable();
-  result.bytes = wanted ? archive.with_file(relations, relations_text(*wanted)) : archive.bytes();
+  result.bytes = wanted ? archive.with_file(relations, relations_text(*wanted)) : std::move(archive).take();
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 struct zip;
@@ -25,8 +26,11 @@ class ZipArchive {
   std::string read(const std::string& name) const;
   /// An archive that has one more file, or another content of it. Its files are not compressed.
   std::string with_file(const std::string& name, const std::string& content) const;
-  /// The archive's bytes.
-  const std::string& bytes() const { return bytes_; }
+  /// The archive's bytes. It ends with that.
+  std::string take() && {
+    archive_.reset();
+    return std::move(bytes_);
+  }
 
  private:
   struct Discard {

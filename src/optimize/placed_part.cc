@@ -22,8 +22,7 @@ ResponseList<Dim> make_responses(const std::vector<Term>& terms, const ResponseC
 template <int Dim>
 SequenceSettings with_lengths(const ModelSettings& settings, const Part<Dim>& part, int layers) {
   SequenceSettings result = settings.sequence;
-  const auto& target = settings.layers.target;
-  result.kind->fix_lengths(result, part, target ? layers * target->value : 0.0);
+  result.kind->fix_lengths(result, part, settings.layers.height_of(layers));
   return result;
 }
 

@@ -10,14 +10,13 @@ namespace fabseq {
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tolerance) {
   const SequenceSettings& settings = model.sequence_settings;
-  const auto& target = model.settings.layers.target;
+  const double height = model.settings.layers.height_of(model.layers->count());
   const auto heat_solver = [&model, tolerance](const SystemDomain& domain, bool lumped) {
     return make_heat_solver(model.settings.solver, model.grid, domain, lumped, tolerance, model.lanes);
   };
-  return settings.kind->make(
-      settings, SequenceContext<Dim>{model.part, model.design_support, model.start,
-                                     target ? 1.0 / (model.layers->count() * target->value) : 0.0,
-                                     model.groups.across(), model.lanes, heat_solver});
+  return settings.kind->make(settings, SequenceContext<Dim>{model.part, model.design_support, model.start,
+                                                            height > 0.0 ? 1.0 / height : 0.0,
+                                                            model.groups.across(), model.lanes, heat_solver});
 }
 
 template <int Dim>

@@ -22,7 +22,6 @@ std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& sett
 
 /// Wire and time: welding at the deposition rate, and a pause after each real layer.
 void estimate_time(const ModelSettings& settings, double volume, int layers, BuildNumbers& numbers) {
-  constexpr double seconds_per_hour = 3600.0;
   if (!settings.material.mass_density) return;
   numbers.wire = *settings.material.mass_density * volume;
   if (!settings.process.deposition_rate) return;

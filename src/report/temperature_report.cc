@@ -12,8 +12,6 @@ namespace fabseq {
 
 namespace {
 
-constexpr double seconds_per_hour = 3600.0;
-
 /// The temperature of every part element when each layer ends, for what is asked of it.
 template <int Dim>
 class ElementTemperatures {
@@ -49,14 +47,10 @@ class ElementTemperatures {
   }
 
   std::vector<double> means_at_end(int number) const {
-    const Grid<Dim>& grid = part_.grid();
-    const auto nodes = static_cast<std::size_t>(grid.owned_nodes().count());
-    const std::vector<double> theta =
-        grid.exchange(1).ghosted(spread_out(temperatures_.at_end(number), temperatures_.nodes, nodes));
-    std::vector<double> result(layer_.size(), ambient_);
-    for (std::size_t e = 0; e < result.size(); ++e)
-      for (const int corner : grid.corner_offsets())
-        result[e] += theta[part_.first_corners()[e] + corner] / corner_count<Dim>;
+    const auto nodes = static_cast<std::size_t>(part_.grid().owned_nodes().count());
+    std::vector<double> result =
+        part_means(part_, spread_out(temperatures_.at_end(number), temperatures_.nodes, nodes));
+    for (double& mean : result) mean += ambient_;
     return result;
   }
 

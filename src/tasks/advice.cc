@@ -26,7 +26,7 @@ void add_advice_on_count(const Setup<Dim>& setup, double geodesic_height, std::v
   const auto& target = setup.config.layers.target;
   if (!target || setup.config.layers.multi_planar) return;
   const int count = setup.layers->count();
-  const double height = count * target->value, surplus = height / geodesic_height - 1.0;
+  const double height = setup.config.layers.height_of(count), surplus = height / geodesic_height - 1.0;
   if (surplus < least_vacant_layers)
     result.push_back(formatted(
         "/layers/count: %d layers of %g reach %g of the geodesic height %.6g: no sequence satisfies the "

@@ -83,8 +83,7 @@ template <int Dim>
 double default_length(const Setup<Dim>& setup) {
   const SequenceKind& kind = *setup.config.sequence.kind;
   SequenceSettings defaults = kind.read(Json::object({{"type", kind.name}}), {"/sequence", Dim});
-  const auto& target = setup.config.layers.target;
-  kind.fix_lengths(defaults, setup.part, target ? setup.layers->count() * target->value : 0.0);
+  kind.fix_lengths(defaults, setup.part, setup.config.layers.height_of(setup.layers->count()));
   return defaults.facts.characteristic_length.value_or(setup.part.longest_edge());
 }
 

@@ -68,15 +68,10 @@ void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
   const std::vector<double> theta =
       spread_out(temperatures_.at_end(number), model_.nodes, model_.domain.fixed.size());
   const std::vector<double> weight = ThermalModel<Dim>::weights(densities_.layer[number]),
-                            mean = model_.element_means(theta);
+                            mean = part_means(model_.part, theta);
   const double total = sum(grid.comm(), std::accumulate(weight.begin(), weight.end(), 0.0)),
                excess = temperatures_.interpass[number + 1] - model_.properties.ambient;
-  std::vector<double> on_corners(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0),
-      of_nodes(theta.size());
-  for (std::size_t e = 0; e < weight.size(); ++e)
-    for (const int corner : grid.corner_offsets())
-      on_corners[model_.part.first_corners()[e] + corner] += weight[e] / (total * corner_count<Dim>);
-  grid.exchange(1).add_to_owned(on_corners, of_nodes);
+  const std::vector<double> of_nodes = model_.lumped(model_.part.first_corners(), weight, 1.0 / total);
   for (int lane = 0; lane < block.lanes(); ++lane) {
     const TemperatureAdjoint& functional = block.functionals[lane];
     const double factor = functional.interpass[number + 1];

@@ -13,7 +13,6 @@ namespace fabseq {
 namespace {
 
 constexpr const char* temperature_range = "(-273.15, inf)";
-constexpr double seconds_per_hour = 3600.0;
 
 void read_steps(ThermalSettings& thermal, const Json& value, const KeyPlace& place) {
   const auto is_count = [](const Json& entry) {
@@ -42,18 +41,16 @@ void require(const char* key, const char* of_material, bool given) {
 Section<ThermalSettings> thermal_keys() {
   using Its = ThermalSettings;
   return Section<Its>("thermal", "Heat conduction through the layers")
-      .key("conductivity", &Its::conductivity,
-           "Thermal conductivity; material: that of material.conductivity",
+      .key("conductivity", &Its::conductivity, "Thermal conductivity; material: material.conductivity",
            {.range = "(0, inf)", .words = "material", .unit = "W/(length*K)"})
-      .key("heat_capacity", &Its::heat_capacity,
-           "Specific heat capacity; material: that of material.heat_capacity",
+      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity; material: material.heat_capacity",
            {.range = "(0, inf)", .words = "material", .unit = "J/(kg*K)"})
       .key("heat_input", &Its::heat_input,
            "Heat that deposited wire brings: arc power times efficiency over deposition rate",
            {.required = true, .range = "[0, inf)", .unit = "J/kg", .option = "-heat_input"})
       .key("vanishing", &Its::vanishing,
            "Temperature at which the inherent strain vanishes, where material solidifies; "
-           "material: that of material.solidification",
+           "material: material.solidification",
            {.range = temperature_range, .words = "material", .unit = "degrees C"})
       .key("film_coefficient", &Its::film_coefficient,
            "Heat that leaves a surface, by convection and radiation together",

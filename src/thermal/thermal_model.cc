@@ -47,13 +47,17 @@ std::vector<double> spread_out(std::span<const double> values, std::span<const i
 
 template <int Dim>
 ThermalModel<Dim>::ThermalModel(const Part<Dim>& part_, const ThermalProperties& properties_)
+    : ThermalModel(part_, properties_, solid_elements(part_)) {}
+
+template <int Dim>
+ThermalModel<Dim>::ThermalModel(const Part<Dim>& part_, const ThermalProperties& properties_,
+                                const std::vector<int>& elements)
     : part(part_),
       properties(properties_),
       element(part.grid().spacing(), part.grid().domain().thickness, 0.0),
-      domain{1, first_corners(part.grid(), solid_elements(part)), {}},
-      film(part, solid_elements(part), domain.first_corners) {
+      domain{1, first_corners(part.grid(), elements), {}},
+      film(part, elements, domain.first_corners) {
   const Grid<Dim>& grid = part.grid();
-  const std::vector<int> elements = solid_elements(part);
   for (std::size_t e = 0, next = 0; e < elements.size(); ++e) {
     if (next == part.elements().size() || part.elements()[next] != elements[e]) continue;
     part_position.push_back(static_cast<int>(e));
@@ -98,14 +102,19 @@ std::vector<double> ThermalModel<Dim>::sum_of(std::span<const double> ghosted) c
 }
 
 template <int Dim>
-std::vector<double> ThermalModel<Dim>::capacity_of(std::span<const double> share) const {
+std::vector<double> ThermalModel<Dim>::lumped(std::span<const int> corners,
+                                              std::span<const double> of_elements, double factor) const {
   const Grid<Dim>& grid = part.grid();
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  const double of_corner = properties.capacity * grid.element_volume() / corner_count<Dim>;
-  for (std::size_t e = 0; e < share.size(); ++e)
-    for (const int corner : grid.corner_offsets())
-      ghosted[domain.first_corners[e] + corner] += of_corner * share[e];
+  const double of_corner = factor / corner_count<Dim>;
+  for (std::size_t e = 0; e < of_elements.size(); ++e)
+    for (const int corner : grid.corner_offsets()) ghosted[corners[e] + corner] += of_corner * of_elements[e];
   return sum_of(ghosted);
+}
+
+template <int Dim>
+std::vector<double> ThermalModel<Dim>::capacity_of(std::span<const double> share) const {
+  return lumped(domain.first_corners, share, properties.capacity * part.grid().element_volume());
 }
 
 template <int Dim>
@@ -135,7 +144,6 @@ std::vector<double> ThermalModel<Dim>::flow_to_plate(std::span<const double> sha
 
 template <int Dim>
 ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int number) const {
-  const Grid<Dim>& grid = part.grid();
   ThermalLayer result;
   result.mass = mass(densities, number);
   result.share.assign(domain.first_corners.size(), 1.0);
@@ -152,12 +160,8 @@ ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int numbe
     result.to_plate.assign(domain.fixed.size(), 0.0);
   else
     result.to_plate = flow_to_plate(result.share);
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  const double of_corner = properties.heat * grid.element_volume() / corner_count<Dim>;
-  for (std::size_t e = 0; e < part_position.size(); ++e)
-    for (const int corner : grid.corner_offsets())
-      ghosted[part.first_corners()[e] + corner] += of_corner * densities.layer[number][e];
-  result.heat = sum_of(ghosted);
+  result.heat =
+      lumped(part.first_corners(), densities.layer[number], properties.heat * part.grid().element_volume());
   return result;
 }
 
@@ -188,10 +192,10 @@ std::vector<ThermalStep> ThermalModel<Dim>::steps(double mass, double inner_paus
 }
 
 template <int Dim>
-std::vector<double> ThermalModel<Dim>::element_means(std::span<const double> theta) const {
+std::vector<double> part_means(const Part<Dim>& part, std::span<const double> field) {
   const Grid<Dim>& grid = part.grid();
-  const std::vector<double> ghosted = grid.exchange(1).ghosted(theta);
-  std::vector<double> result(part_position.size(), 0.0);
+  const std::vector<double> ghosted = grid.exchange(1).ghosted(field);
+  std::vector<double> result(part.elements().size(), 0.0);
   for (std::size_t e = 0; e < result.size(); ++e)
     for (const int corner : grid.corner_offsets())
       result[e] += ghosted[part.first_corners()[e] + corner] / corner_count<Dim>;
@@ -208,7 +212,7 @@ std::vector<double> ThermalModel<Dim>::weights(const std::vector<double>& layer_
 template <int Dim>
 double ThermalModel<Dim>::interpass(const std::vector<double>& layer_density,
                                     std::span<const double> theta) const {
-  const std::vector<double> weight = weights(layer_density), mean = element_means(theta);
+  const std::vector<double> weight = weights(layer_density), mean = part_means(part, theta);
   std::array<double, 2> sums{std::inner_product(weight.begin(), weight.end(), mean.begin(), 0.0),
                              std::accumulate(weight.begin(), weight.end(), 0.0)};
   sum_in_place(part.grid().comm(), std::span<double>(sums));
@@ -216,5 +220,6 @@ double ThermalModel<Dim>::interpass(const std::vector<double>& layer_density,
 }
 
 FABSEQ_INSTANTIATE_STRUCT(ThermalModel);
+FABSEQ_INSTANTIATE_FUNCTION(part_means);
 
 }  // namespace fabseq

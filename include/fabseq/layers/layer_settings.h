@@ -41,6 +41,9 @@ struct LayerSettings {
   std::optional<TargetThickness> target = std::nullopt;
   bool variable_time_points = false;                               ///< T_1 ... T_{N-1} are design variables
   std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers
+
+  /// What so many layers of the target thickness make together, length unit; 0: no target.
+  double height_of(int layers) const { return target ? layers * target->value : 0.0; }
 };
 
 /// Sharpness beta of the layers and its continuation, docs/formulation.md 3.1.

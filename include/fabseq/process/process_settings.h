@@ -9,6 +9,8 @@
 
 namespace fabseq {
 
+inline constexpr double seconds_per_hour = 3600.0;  ///< rates are per hour, pauses in seconds
+
 template <class Settings>
 class Section;
 

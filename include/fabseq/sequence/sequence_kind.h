@@ -114,8 +114,7 @@ void register_kind(const SequenceKind* kind);
 ///     SequencePlaces<Dim>;
 ///   - if something follows from the tool: static void follow_tool(Settings&, const ToolRange&);
 ///   - if lengths follow from the part: static void fix_lengths(Settings&, const Part<Dim>&, double
-///     height_of_layers), a template of Dim; without it, a member characteristic_length that is not set
-///     becomes the part's longest edge;
+///     height_of_layers), a template of Dim;
 ///   - if there are rules: static void check(const Settings&, const Json& keys) of a completed config object,
 ///     which throws InputError.
 template <class Kind>
@@ -176,8 +175,6 @@ class RegisteredSequence : public SequenceKind {
     Settings own = settings.as<Settings>();
     if constexpr (requires { Kind::template fix_lengths<Dim>(own, part, height_of_layers); })
       Kind::template fix_lengths<Dim>(own, part, height_of_layers);
-    else if constexpr (requires { own.characteristic_length = 0.0; })
-      own.characteristic_length = own.characteristic_length.value_or(part.longest_edge());
     settings.own = own;
     settings.facts = Kind::facts(own);
   }

@@ -67,8 +67,10 @@ struct ThermalModel {
   std::vector<ThermalStep> steps(double mass) const {
     return steps(mass, properties.pause, properties.pause);
   }
-  /// Means over the nodes of each part element.
-  std::vector<double> element_means(std::span<const double> theta) const;
+  /// Shares the values of elements, times `factor`, out among their corners, and sums these up at the nodes.
+  /// `corners`: the first corner of each element.
+  std::vector<double> lumped(std::span<const int> corners, std::span<const double> of_elements,
+                             double factor) const;
   /// Weights of part elements in the mean by which the layer after this one begins. Local.
   static std::vector<double> weights(const std::vector<double>& layer_density);
   /// That mean, as an excess.
@@ -77,6 +79,9 @@ struct ThermalModel {
   void hold(std::span<double> theta) const;
 
  private:
+  /// `elements`: of part and substrate, offsets in Grid::owned_elements().
+  ThermalModel(const Part<Dim>& part_, const ThermalProperties& properties_,
+               const std::vector<int>& elements);
   std::vector<double> capacity_of(std::span<const double> share) const;
   std::vector<double> film_of(std::span<const double> standing) const;
   std::vector<double> flow_to_plate(std::span<const double> share) const;
@@ -86,6 +91,11 @@ struct ThermalModel {
   std::vector<int> beside_plate_;   ///< elements of the domain with held nodes
   std::vector<double> plate_lift_;  ///< the plate's excess on held nodes, ghosted; empty: it has none
 };
+
+/// Means of a field on the owned nodes over the nodes of each part element. Collective on the grid's
+/// communicator.
+template <int Dim>
+std::vector<double> part_means(const Part<Dim>& part, std::span<const double> field);
 
 /// The values of a nodal field at these of its nodes, and back, 0 at others.
 std::vector<double> picked(std::span<const double> field, std::span<const int> nodes);
