@@ -88,10 +88,9 @@ class LaneOperator {
   template <class Finish>
   void complete_sweep(const Real* x, Finish&& finish);
   void first_step_from_zero(const Real* b, Real* x, Real scale) const;
-  /// x += step, step = momentum * old step + scale * D^-1 (b - K x). The old step is none, x itself (after
-  /// a first step from zero) or `step`; the new one is stored if a further step needs it.
-  template <bool HasOld, bool OldIsX, bool Keep>
-  void smoother_step(const Real* b, Real* x, Real* step, Real momentum, Real scale);
+  /// x += step, step = momentum * old + scale * D^-1 (b - K x). `kept`, if any, gets the step. One function
+  /// for every step of the iteration: each copy of the sweep takes seconds to compile.
+  void smoother_step(const Real* b, Real* x, const Real* old, Real* kept, Real momentum, Real scale);
 
   LaneLevel<dim>& level_;
   typename Problem::Matrices matrices_;
@@ -171,9 +170,8 @@ void LaneOperator<Problem, Width, Real>::first_step_from_zero(const Real* b, Rea
 }
 
 template <class Problem, int Width, class Real>
-template <bool HasOld, bool OldIsX, bool Keep>
-void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, Real* step, Real momentum,
-                                                       Real scale) {
+void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, const Real* old, Real* kept,
+                                                       Real momentum, Real scale) {
   constexpr int cache_line = 64 / sizeof(Real);
   complete_sweep(x, [&](std::int64_t node, const Values& sums, bool) {
     constexpr std::int64_t ahead = 24;  // nodes, for the processor to have them when they are due
@@ -185,13 +183,11 @@ void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, R
     for (int a = 0; a < components; ++a) difference[a] = right[a] - sums[a];
     const Values scaled = scaling_.apply(node, difference);
     for (int a = 0; a < components; ++a) {
-      Real* const place = x + node * node_values + a * Width;
-      Real* const step_place = step + node * node_values + a * Width;
-      const auto value = Value::load(place);
-      auto change = scaled[a] * scale;
-      if constexpr (HasOld) change += (OldIsX ? value : Value::load(step_place)) * momentum;
-      if constexpr (Keep) change.store(step_place);
-      (value + change).store(place);
+      const std::int64_t at = node * node_values + a * Width;
+      const auto value = Value::load(x + at);
+      const auto change = scaled[a] * scale + Value::load(old + at) * momentum;
+      if (kept) change.store(kept + at);
+      (value + change).store(x + at);
     }
   });
 }
@@ -206,29 +202,20 @@ void LaneOperator<Problem, Width, Real>::smooth(const Real* b, Real* x, Real* st
   const auto first_scale = static_cast<Real>(1.0 / center);
   double rho = 1.0 / ratio;
   for (int k = 0; k < degree; ++k) {
-    const bool keep = k + 1 < degree;
+    Real* const kept = k + 1 < degree ? step : nullptr;
     if (k == 0) {
       if (from_zero)
         first_step_from_zero(b, x, first_scale);
-      else if (keep)
-        smoother_step<false, false, true>(b, x, step, Real{0}, first_scale);
       else
-        smoother_step<false, false, false>(b, x, step, Real{0}, first_scale);
+        smoother_step(b, x, x, kept, Real{0}, first_scale);
       continue;
     }
     const double next_rho = 1.0 / (2.0 * ratio - rho);
     const auto momentum = static_cast<Real>(next_rho * rho);
     const auto scale = static_cast<Real>(2.0 * next_rho / radius);
     rho = next_rho;
-    const bool old_is_x = from_zero && k == 1;
-    if (old_is_x && keep)
-      smoother_step<true, true, true>(b, x, step, momentum, scale);
-    else if (old_is_x)
-      smoother_step<true, true, false>(b, x, step, momentum, scale);
-    else if (keep)
-      smoother_step<true, false, true>(b, x, step, momentum, scale);
-    else
-      smoother_step<true, false, false>(b, x, step, momentum, scale);
+    // After a first step from zero, x is this step.
+    smoother_step(b, x, from_zero && k == 1 ? x : step, kept, momentum, scale);
   }
 }
 
