@@ -28,10 +28,11 @@ while (($#)); do
   shift
 done
 
-# Targets of the tests that ctest would run; scripts run the program.
+# Programs of the tests that ctest would run; scripts run fabseq itself.
 targets() {
-  ctest --preset "$1" --show-only "${selection[@]}" | sed -nE 's/^ *Test +#[0-9]+: //p' |
-    sed -E 's/\.np[0-9]+$//; s/^integration\.benchmarks$/scaling_plan/; s/^(integration|faults|scripts)\..*/fabseq/; s/^benchmarks\.kernels$/kernels/' | sort -u
+  ctest --preset "$1" --show-only --verbose "${selection[@]}" | sed -nE '/^[0-9]+: Test command:/{
+    s#.*/integration/benchmarks_test\.py.*#scaling_plan#; s#.*/python3 .*#fabseq#
+    s#.*/(tests|benchmarks)/([a-z_]+)".*#\2#; p }' | sort -u
 }
 
 for preset in "${presets[@]}"; do

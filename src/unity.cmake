@@ -12,7 +12,7 @@ function(fabseq_private_names source result)
       set(inside TRUE)
     elseif(line STREQUAL "}  // namespace")
       set(inside FALSE)
-    elseif(inside AND NOT line MATCHES "^(template|static_assert|namespace)" AND
+    elseif(inside AND NOT line MATCHES "^(template|static_assert|namespace|(TYPED_)?TEST|INSTANTIATE|REGISTER)" AND
            line MATCHES "^(class|struct|union|enum class|enum|using) ([A-Za-z0-9_]+)|([A-Za-z0-9_]+) *[({=;]")
       list(APPEND names "${CMAKE_MATCH_2}${CMAKE_MATCH_3}")
     endif()

@@ -99,7 +99,7 @@ class Model {
   std::set<std::string> files_;
 };
 
-std::string quoted(std::string_view text) {
+std::string xml_quoted(std::string_view text) {
   std::string result;
   for (const char letter : text) {
     if (letter == '&' || letter == '<' || letter == '"')
@@ -115,8 +115,8 @@ std::string relations_text(const std::vector<Relation>& relations) {
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">";
   for (const Relation& relation : relations)
-    text += "<Relationship Target=" + quoted(relation.target) + " Id=" + quoted(relation.id) +
-            " Type=" + quoted(relation.type) + "/>";
+    text += "<Relationship Target=" + xml_quoted(relation.target) + " Id=" + xml_quoted(relation.id) +
+            " Type=" + xml_quoted(relation.type) + "/>";
   return text + "</Relationships>";
 }
 

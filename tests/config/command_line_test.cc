@@ -16,7 +16,7 @@ CommandLine parse(std::vector<const char*> words) {
   return parse_command_line(static_cast<int>(words.size()), words.data());
 }
 
-std::string error_of(const std::vector<const char*>& words) {
+std::string refusal_of(const std::vector<const char*>& words) {
   return test::refusal([&] { (void)parse(words); });
 }
 
@@ -75,9 +75,10 @@ TEST(CommandLineTest, OverridesKeepTheirOrder) {
 TEST(CommandLineTest, AGivenSequenceIsForSimulations) {
   EXPECT_EQ(parse({"-config", "c", "-task", "simulate", "-sequence", "t.h5"}).sequence_file, "t.h5");
   EXPECT_FALSE(parse({"-config", "c"}).sequence_file);
-  EXPECT_NE(error_of({"-config", "c", "-sequence", "t.h5"}).find("-task simulate"), std::string::npos);
-  EXPECT_NE(error_of({"-config", "c", "-task", "simulate", "-sequence", "a", "-design", "b"}).find("-design"),
-            std::string::npos);
+  EXPECT_NE(refusal_of({"-config", "c", "-sequence", "t.h5"}).find("-task simulate"), std::string::npos);
+  EXPECT_NE(
+      refusal_of({"-config", "c", "-task", "simulate", "-sequence", "a", "-design", "b"}).find("-design"),
+      std::string::npos);
 }
 
 TEST(CommandLineTest, HelpAndVersionNeedNoConfig) {
@@ -86,19 +87,20 @@ TEST(CommandLineTest, HelpAndVersionNeedNoConfig) {
 }
 
 TEST(CommandLineTest, Errors) {
-  EXPECT_EQ(error_of({}), "-config: missing; allowed: -config FILE.json (-help lists all options)");
-  EXPECT_EQ(error_of({"-config"}), "-config: missing value; allowed: -config VALUE");
-  EXPECT_EQ(error_of({"-config", "-task", "check"}), "-config: missing value; allowed: -config VALUE");
-  EXPECT_EQ(error_of({"-config", "c", "-layers"}), "-layers: missing value; allowed: -layers VALUE");
+  EXPECT_EQ(refusal_of({}), "-config: missing; allowed: -config FILE.json (-help lists all options)");
+  EXPECT_EQ(refusal_of({"-config"}), "-config: missing value; allowed: -config VALUE");
+  EXPECT_EQ(refusal_of({"-config", "-task", "check"}), "-config: missing value; allowed: -config VALUE");
+  EXPECT_EQ(refusal_of({"-config", "c", "-layers"}), "-layers: missing value; allowed: -layers VALUE");
   EXPECT_EQ(
-      error_of({"-config", "c", "-task", "fly"}),
+      refusal_of({"-config", "c", "-task", "fly"}),
       "-task: found \"fly\"; allowed: optimize, simulate, sensitivity, evaluate, check_gradients, check");
-  EXPECT_EQ(error_of({"-config", "c", "-set", "layers"}),
+  EXPECT_EQ(refusal_of({"-config", "c", "-set", "layers"}),
             "-set: found \"layers\"; allowed: -set path.to.key=VALUE");
-  EXPECT_EQ(error_of({"-config", "c", "-set", "=1"}), "-set: found \"=1\"; allowed: -set path.to.key=VALUE");
-  EXPECT_EQ(error_of({"-config", "c", "-elements", "80", "40", "80"}),
+  EXPECT_EQ(refusal_of({"-config", "c", "-set", "=1"}),
+            "-set: found \"=1\"; allowed: -set path.to.key=VALUE");
+  EXPECT_EQ(refusal_of({"-config", "c", "-elements", "80", "40", "80"}),
             "\"40\": belongs to no option; allowed: options, each with at most one value");
-  EXPECT_EQ(error_of({"c.json"}),
+  EXPECT_EQ(refusal_of({"c.json"}),
             "\"c.json\": belongs to no option; allowed: options, each with at most one value");
 }
 
@@ -113,11 +115,11 @@ TEST(CommandLineTest, UnknownOptionsNameTheNearest) {
       {"-elastcity_ksp_max_it", "-elasticity_ksp_max_it"},
       {"-objectives_tolerance", "-objective_tolerance"}};
   for (const auto& [word, meant] : misspelt) {
-    EXPECT_EQ(error_of({"-config", "c", word, "10"}),
+    EXPECT_EQ(refusal_of({"-config", "c", word, "10"}),
               std::string(word) + ": unknown option; did you mean \"" + meant + "\"? " + allowed);
   }
   for (const char* stranger : {"-quite_something_else", "-logview", "-mesh_files"})
-    EXPECT_EQ(error_of({stranger}), std::string(stranger) + ": unknown option; " + allowed);
+    EXPECT_EQ(refusal_of({stranger}), std::string(stranger) + ": unknown option; " + allowed);
 }
 
 /// Whoever reads none of them is told at the end.
@@ -135,13 +137,13 @@ TEST(CommandLineTest, RestartAndWallTime) {
   EXPECT_EQ(line.restart, "auto");
   EXPECT_EQ(line.max_wall_time, 5400.0);
   EXPECT_FALSE(parse({"-config", "c"}).restart);
-  EXPECT_EQ(error_of({"-config", "c", "-max_wall_time", "soon"}),
+  EXPECT_EQ(refusal_of({"-config", "c", "-max_wall_time", "soon"}),
             "-max_wall_time: found \"soon\"; allowed: a time > 0 as seconds or H:M:S");
-  EXPECT_EQ(error_of({"-config", "c", "-restart"}), "-restart: missing value; allowed: -restart VALUE");
-  EXPECT_NE(error_of({"-config", "c", "-restart", "a", "-task", "simulate"}).find("-task optimize"),
+  EXPECT_EQ(refusal_of({"-config", "c", "-restart"}), "-restart: missing value; allowed: -restart VALUE");
+  EXPECT_NE(refusal_of({"-config", "c", "-restart", "a", "-task", "simulate"}).find("-task optimize"),
             std::string::npos);
   for (const char* directory : {"auto", "a"})
-    EXPECT_NE(error_of({"-config", "c", "-restart", directory, "-overwrite"}).find("-overwrite"),
+    EXPECT_NE(refusal_of({"-config", "c", "-restart", directory, "-overwrite"}).find("-overwrite"),
               std::string::npos);
   EXPECT_TRUE(parse({"-config", "c", "-restart", "a", "-output", "b", "-overwrite"}).overwrite);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Runs GoogleTest between PetscInitialize and PetscFinalize on any number of ranks; a failure on one rank
-/// fails them all. With FABSEQ_NO_SKIPS, a skipped test is an error unless it is one of other rank counts
+/// fails them all. `--file=NAME_test.cc` runs the tests of this file; that there are none is an error. With
+/// FABSEQ_NO_SKIPS, a skipped test is an error unless it is one of other rank counts
 /// ("ranks: ...") or the regular expression FABSEQ_MAY_SKIP matches the reason.
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
@@ -32,10 +33,29 @@ class NoSkips : public testing::EmptyTestEventListener {
   bool broken_ = false;
 };
 
+/// Chooses the tests of a source file: GoogleTest knows only their names.
+bool select_file(const std::string& file) {
+  const auto& all = *testing::UnitTest::GetInstance();
+  std::string filter;
+  for (int s = 0; s < all.total_test_suite_count(); ++s) {
+    const auto& suite = *all.GetTestSuite(s);
+    for (int t = 0; t < suite.total_test_count(); ++t) {
+      const auto& test = *suite.GetTestInfo(t);
+      if (std::string(test.file()).ends_with("/" + file))
+        filter += std::string(suite.name()) + "." + test.name() + ":";
+    }
+  }
+  GTEST_FLAG_SET(filter, filter);
+  if (filter.empty()) std::cerr << "error: no test in a file " << file << "\n";
+  return !filter.empty();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  const std::string option = argc > 1 ? argv[1] : "", file = "--file=";
+  if (option.starts_with(file) && !select_file(option.substr(file.size()))) return 2;
   int failed = 1;
   const int status = fabseq::run_session({argv[0]}, [&] {
     auto& listeners = testing::UnitTest::GetInstance()->listeners();
