@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What README.md and the tutorial tell a reader to type, as it stands there: commands, and the example of voxels."""
+"""What README.md and the tutorial tell a reader to type: commands, and the example of voxels."""
 
 import os
 import re
