@@ -34,7 +34,7 @@ class IslandMap {
   /// `level` is the finest and must outlive the map. Collective on its communicator.
   explicit IslandMap(const LaneLevel<Dim>& level);
 
-  /// `stiffness`: [element][lane] of this rank's mesh, what is no number counting as nothing; `contrast`: of
+  /// `stiffness`: [element][lane] of this rank's mesh, NaN counting as 0; `contrast`: of
   /// an island's peak to the saddle where it ends; `most`: islands of a lane, the largest. Collective.
   std::vector<LaneIslands> find(std::span<const double> stiffness, int width, double contrast = 100.0,
                                 int most = 8) const;

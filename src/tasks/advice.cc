@@ -12,7 +12,7 @@ namespace fabseq {
 
 namespace {
 
-/// The figures of docs/how-to.md, "Choose settings".
+/// The figures of docs/how-to/choose-what-to-optimize.md.
 constexpr double least_elements_per_layer = 2.5;
 constexpr double most_vacant_layers = 0.2, least_vacant_layers = -0.02;
 /// At least this share of the iterations belongs to the last sharpness.

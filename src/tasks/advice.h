@@ -8,10 +8,10 @@
 
 namespace fabseq {
 
-/// What -task check says about settings that are allowed and seldom meant (docs/how-to.md, "Choose
-/// settings"): layers of too few elements, a number of layers or a characteristic length that does not go
-/// with the target thickness, a continuation that does not end. One text each. `geodesic_height`: length
-/// unit. Not collective.
+/// What -task check says about settings that are allowed and seldom meant
+/// (docs/how-to/choose-what-to-optimize.md): layers of too few elements, a number of layers or a
+/// characteristic length that does not go with the target thickness, a continuation that does not end. One
+/// text each. `geodesic_height`: length unit. Not collective.
 template <int Dim>
 std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height);
 

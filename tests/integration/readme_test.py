@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What README.md tells a reader to type, as it stands there: its commands, and its example."""
+"""What README.md and the tutorial tell a reader to type: commands, and the example of voxels."""
 
 import os
 import re
@@ -11,17 +11,19 @@ from run_fabseq import DONE, FabseqTest, ROOT, only_release
 
 with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
     README = readme.read()
+with open(os.path.join(ROOT, "docs/tutorial.md"), encoding="utf-8") as tutorial:
+    TUTORIAL = tutorial.read()
 
 
 def fenced(language):
-    """Text of the only block in that language."""
-    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+    """Text of the tutorial's only block in that language."""
+    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", TUTORIAL, re.MULTILINE | re.DOTALL)
     return block
 
 
-def commands():
+def commands(page):
     """The indented blocks."""
-    return [re.sub("^    ", "", block, flags=re.MULTILINE) for block in re.findall(r"(?:^    .*\n)+", README, re.MULTILINE)]
+    return [re.sub("^    ", "", block, flags=re.MULTILINE) for block in re.findall(r"(?:^    .*\n)+", page, re.MULTILINE)]
 
 
 class ReadmeTest(FabseqTest):
@@ -51,7 +53,7 @@ class ReadmeTest(FabseqTest):
 
     def command_of(self, script):
         """The line that runs a script."""
-        (line,) = [line for block in commands() for line in block.splitlines() if f"scripts/{script}" in line]
+        (line,) = [line for block in commands(README) for line in block.splitlines() if f"scripts/{script}" in line]
         return line
 
     def assert_better(self, output, factor):
@@ -83,10 +85,17 @@ class ReadmeTest(FabseqTest):
         with open(self.path("part.json"), "w", encoding="utf-8") as file:
             file.write(fenced("json"))
         subprocess.run(["/usr/bin/python3", "-c", fenced("python")], cwd=self.directory, check=True)
-        (block,) = [block for block in commands() if "part.json" in block]
+        (block,) = [block for block in commands(TUTORIAL) if "part.json" in block]
         stdout = self.shell(block)
         self.assertIn("planar / this", stdout)
         self.assert_better("part_out", 14.0)
+
+    @only_release
+    def test_a_mesh(self):
+        """The README's commands, with the two iterations that show that they go together."""
+        (block,) = [block for block in commands(README) if "elbow.stl" in block]
+        self.shell(re.sub(r"(?m)(run\.sh .*?-config elbow\.json)", r"\1 -max_iterations 2", block))
+        self.assertTrue(os.path.exists(self.path("output/elbow/report.html")))
 
     def test_the_tests(self):
         """They are not run here, which would have no end: the command gets to ctest with its options."""

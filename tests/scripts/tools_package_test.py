@@ -109,12 +109,13 @@ class Commands(unittest.TestCase):
         self.assertIn("usage: fabseq-tools compare-calculix [-h]", done.stderr)
 
     def test_documents_name_these_commands(self):
-        """How-to names every command; no document, config or script names another."""
+        """How-to pages name every command; no document, config or script names another."""
         paths = [PROJECT / "README.md", *(PROJECT / "docs").rglob("*.md"), *(PROJECT / "configs").rglob("*.json"),
                  *(PROJECT / "scripts/slurm").glob("*.sh"), *(PROJECT / "scripts/use").glob("*.sh"), *PACKAGE.rglob("*.py")]
         named = {path: set(re.findall(r"fabseq-tools\s+([a-z][a-z-]+)\b", path.read_text(encoding="utf-8"))) for path in paths}
         commands = set(entry.find_commands())
-        self.assertEqual(named[PROJECT / "docs/how-to.md"], commands)
+        how_to = (PROJECT / "docs/how-to").glob("*.md")
+        self.assertEqual(set().union(*(named[path] for path in how_to)), commands)
         for path, names in named.items():
             self.assertLessEqual(names, commands, path)
 

@@ -60,14 +60,15 @@ class Mma {
   void restore(MmaState state);
 
   /// Moves `x` to the solution of the convex subproblem.
-  /// \param x                 variables, this rank's (in and out)
-  /// \param objective_gradient df0/dx, this rank's
-  /// \param values            f_i, one per row, the same on all ranks
-  /// \param gradients         df_i/dx, per row one vector of this rank's entries
-  /// \param lower,upper       bounds of each variable; their distance is its range; with lower = upper it
-  /// stays \param move_limit        largest step, fraction of the range \param rows              the general
-  /// form's coefficients of each row Throws NumericalError if values or gradients are not finite or the
-  /// subproblem breaks down.
+  /// \param x                   variables, this rank's (in and out)
+  /// \param objective_gradient  df0/dx, this rank's
+  /// \param values              f_i, one per row, equal on all ranks
+  /// \param gradients           df_i/dx, per row one vector of this rank's entries
+  /// \param lower,upper         bounds of each variable; equal ones hold it, their distance is its range
+  /// \param move_limit          largest step, fraction of the range
+  /// \param rows                the general form's coefficients of each row
+  ///
+  /// Throws NumericalError if values or gradients are not finite or the subproblem breaks down.
   MmaReport update(std::span<double> x, std::span<const double> objective_gradient,
                    std::span<const double> values, std::span<const std::vector<double>> gradients,
                    std::span<const double> lower, std::span<const double> upper, double move_limit,

@@ -215,7 +215,7 @@ def record_of(arguments, given, turn):
         if config["sequence"]["type"] not in WITHOUT_START:
             run_program(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
             record["start"] = block_of(os.path.join(folder, "start"))
-        planar_count = max(1, round(sizes["height"] / target))
+        planar_count = max(1, math.floor(sizes["height"] / target + 0.5))  # as the program rounds its baseline
         planar = ["-set", 'sequence={"type": "planar"}', "-set", f'layers={{"count": {planar_count}}}']
         run_program(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
         record["planar"] = block_of(os.path.join(folder, "planar"))

@@ -9,7 +9,7 @@ RUN is the output directory of an optimization or a simulation in 3D. Each layer
 the first half a bead inside the part's surface, and inside them parallel lines at a bead's width. DIR
 (default: RUN/paths) gets
 - paths.csv, paths.json: the waypoints in the order of deposition, with position, torch axis, local height and
-  spacing of the bead, and factor of the wire feed; docs/how-to.md lists the columns.
+  spacing of the bead, and factor of the wire feed; docs/reference.md lists the columns.
 - paths_compas.json: print points of COMPAS Slicer. paths_irbcam.csv, .json: targets of IRBCAM.
 - paths_summary.json: starts, lengths, travels and ranges per layer. paths.png: some layers' paths.
 --frame says whose coordinates all files have: those of the drawing (of its mesh file, in its unit of length)

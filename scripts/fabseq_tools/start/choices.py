@@ -16,7 +16,7 @@ from fabseq_tools.start.entries import entries_of
 MATERIALS = os.path.join(ROOT, "configs", "materials")
 DEFAULT_MATERIAL = "ER70S-6"
 MOST_ELEMENTS, FIRST_LOOK = 50_000, 3_000  # of the part: by default, and of the first grid
-ACROSS_WALL, ACROSS_LAYER, LEAST_ACROSS_LAYER = 3, 4, 2.5  # elements (docs/how-to.md, "Number of layers")
+ACROSS_WALL, ACROSS_LAYER, LEAST_ACROSS_LAYER = 3, 4, 2.5  # elements (docs/how-to/choose-what-to-optimize.md)
 NEAR_BOUND = 0.8         # from this share of a bound on, elements are small enough
 CLOSE = 1.06             # between two edges that are tried
 EXCESS = 1.05            # of the layers over the geodesic height
