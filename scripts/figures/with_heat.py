@@ -8,8 +8,9 @@ Cases are configs/studies/with_heat/CASE.json, default: all. Each is optimized, 
 planar layers, in tilted layers or those of the start, and in optimized layers, all binary. CalculiX
 (calculix-ccx, ccx 2.20) first finds the temperatures, then the displacement of elastic, perfectly plastic
 steel that shrinks from the solidus, and of its release. fabseq simulates the same layers with a strain that
-is constant and with one that follows the temperature. Each gets one factor for its strain, fitted to the
-planar case. Displacements are compared after the release, without rigid motions, at the nodes of the part.
+is constant and with one that follows the temperature. A third, linear model adds the cooling of what is built
+(heat_and_plasticity/own_cooling.py). Each gets one factor for its strain, fitted to the planar case.
+Displacements are compared after the release, without rigid motions, at the nodes of the part.
 
 Leaves CASE.json with all figures and OUTPUT/CASE.npz with the fields, and prints tables. What is there is not
 run again. Takes some minutes per sequence on one core. --table runs nothing.
@@ -26,12 +27,14 @@ import numpy as np
 
 from fabseq_tools.geometry.rigid_motions import without_rigid_motion
 from fabseq_tools.run.read_run import read_fields, read_json
+from heat_and_plasticity import own_cooling
 from heat_and_plasticity.bricks import Bricks
 from heat_and_plasticity.heat import Schedule, temperatures
 from heat_and_plasticity.mechanics import displacements
 
 FOLDER = os.path.join(ROOT, "configs", "studies", "with_heat")
-MODELS = ("constant", "thermal")
+RUNS = ("constant", "thermal")        # of fabseq
+MODELS = (*RUNS, "own cooling")       # the last is own_cooling.py, with the temperatures of ccx
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 SECOND = {"wall": "tilted", "arm": "start"}
 
@@ -104,7 +107,7 @@ class Study:
 
     def one(self, sequence):
         """Fields at the part's nodes, and figures, of one sequence."""
-        directories = {model: self.predicted(sequence, model) for model in MODELS}
+        directories = {model: self.predicted(sequence, model) for model in RUNS}
         bricks = Bricks(directories["thermal"])
         schedule, folder = Schedule(bricks), os.path.join(self.output, f"{sequence}_ccx")
         heat = temperatures(bricks, schedule, folder)
@@ -115,6 +118,7 @@ class Study:
             result = read_fields(os.path.join(directory, "result.h5"))
             sum_of = (result["displacement"] + result["release_displacement"]).reshape(-1, 3).astype(float)
             fields[model] = without_rigid_motion(sum_of[nodes], points)
+        fields["own cooling"] = without_rigid_motion(own_cooling.displacements(bricks, heat, schedule.ambient)[nodes], points)
         layers = read_json(directories["thermal"], "summary.json")["layers"]
         found = {"ccx": interpass(bricks, heat), "thermal": [layer["interpass_temperature"] for layer in layers[1:]]}
         return fields, {"elements": len(bricks.layer), "layers": bricks.layers, "interpass": found,
@@ -132,15 +136,15 @@ def rms(displacement):
 
 def print_tables(case, found):
     planar = found["planar"]
-    print(f"\n{case}: {planar['elements']} elements; scale of the strain {planar['constant']['scale']:.3g} constant, "
-          f"{planar['thermal']['scale']:.3g} with temperature\n")
-    print("| sequence | layers | highest interpass, °C: ccx | fabseq | rms, mm: ccx | constant | thermal | gain: ccx | constant "
-          "| thermal | error: constant | thermal |\n|" + " --- |" * 12)
+    scales = ", ".join(f"{planar[model]['scale']:.3g} {model}" for model in MODELS)
+    print(f"\n{case}: {planar['elements']} elements; scale of the strain: {scales}\n")
+    print("| sequence | layers | highest interpass, °C: ccx | fabseq | rms, mm: ccx | " + " | ".join(MODELS) + " | gain: ccx | "
+          + " | ".join(MODELS) + " | error: " + " | ".join(MODELS) + " |\n|" + " --- |" * 15)
     for sequence, row in found.items():
-        models = [row[name] for name in ("ccx", *MODELS)]
+        values = [row[name]["rms"] for name in ("ccx", *MODELS)]
         gains = [planar[name]["rms"] / row[name]["rms"] for name in ("ccx", *MODELS)]
         cells = [sequence, str(row["layers"]), *(f"{max(row['interpass'][name]):.0f}" for name in ("ccx", "thermal")),
-                 *(f"{model['rms']:.4f}" for model in models), *(f"{gain:.2f}" for gain in gains),
+                 *(f"{value:.4f}" for value in values), *(f"{gain:.2f}" for gain in gains),
                  *(f"{100 * row[name]['error']:.0f} %" for name in MODELS)]
         print("| " + " | ".join(cells) + " |")
 

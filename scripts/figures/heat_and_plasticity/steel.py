@@ -56,6 +56,7 @@ def thermal_lines():
 def mechanical_lines():
     """*ELASTIC, *PLASTIC and *EXPANSION of a material for a deck."""
     rows = [(t, max(strength, FLOOR), max(stiffness, FLOOR)) for t, strength, stiffness in REDUCTION]
+    rows.append((SOLIDUS + 200, FLOOR, FLOOR))
     yield "*ELASTIC"
     yield from (f"{YOUNG * stiffness:.6g}, {POISSON}, {t:g}." for t, _, stiffness in rows)
     yield "*PLASTIC"
