@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Holds fabseq's predictions against a simulation of the process with heat, plastic flow and time.
 
-    scripts/figures/with_heat.py [CASE...] [--output output/with_heat] [--table]
+    scripts/figures/with_heat.py [CASE...] [--output output/with_heat] [--table] [--picture FILE]
 
 Cases are configs/studies/with_heat/CASE.json, default: all. Each is optimized, and built three times: in
 planar layers, in tilted layers or those of the start, and in optimized layers, all binary. CalculiX
@@ -31,6 +31,7 @@ from heat_and_plasticity import own_cooling
 from heat_and_plasticity.bricks import Bricks
 from heat_and_plasticity.heat import Schedule, temperatures
 from heat_and_plasticity.mechanics import displacements
+from heat_and_plasticity.picture import draw
 
 FOLDER = os.path.join(ROOT, "configs", "studies", "with_heat")
 RUNS = ("constant", "thermal")        # of fabseq
@@ -45,12 +46,17 @@ def main():
     parser.add_argument("--output", default=os.path.join("output", "with_heat"))
     parser.add_argument("--table", action="store_true", help="only of what is there")
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
+    parser.add_argument("--picture", metavar="FILE", help="also draw the displacements")
     arguments = parse(parser)
+    drawn = {}
     for case in arguments.names or list(SECOND):
         path = os.path.join(arguments.output, case + ".json")
         if not arguments.table:
             write_json(path, Study(arguments, case).figures())
-        print_tables(case, read_json(arguments.output, case + ".json"))
+        drawn[case] = read_json(arguments.output, case + ".json")
+        print_tables(case, drawn[case])
+    if arguments.picture:
+        draw(drawn, arguments.picture)
 
 
 class Study:
