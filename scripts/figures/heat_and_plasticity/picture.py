@@ -18,7 +18,8 @@ BAR = 0.2
 def draw(cases, path):
     """`cases`: {name: figures of with_heat.py}."""
     with plain_text():
-        figure, axes = pyplot.subplots(1, len(cases), figsize=(4.4 * len(cases), 3.2), layout="constrained", squeeze=False)
+        figure, axes = pyplot.subplots(1, len(cases), figsize=(4.4 * len(cases), 3.2), squeeze=False)
+        figure.subplots_adjust(left=0.09, right=0.98, top=0.9, bottom=0.27, wspace=0.2)
         tidy(axes[0])
         for axis, (case, found) in zip(axes[0], cases.items()):
             for number, (model, colour) in enumerate(COLOURS.items()):
@@ -27,5 +28,5 @@ def draw(cases, path):
             axis.set_xticks(range(len(found)), list(found))
             axis.set_title(case, color=INK)
         axes[0][0].set_ylabel("displacement after the release, rms, mm")
-        figure.legend(*axes[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+        figure.legend(*axes[0][0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False)
         save(figure, path, 150)
