@@ -64,19 +64,19 @@ class BaselineMaker {
   std::optional<Baseline> matched() const {
     const int count = count_for(planar_height(setup_.part, setup_.config.baseline.direction), used_layers_);
     if (count == setup_.baseline->count()) return std::nullopt;
-    return Baseline{"baseline_matched", "planar, " + std::to_string(count) + " layers",
+    return Baseline{"baseline_matched", "planar, " + std::to_string(count) + " layers", "",
                     planar(setup_.config.baseline.direction, count)};
   }
 
   std::optional<Baseline> even() const {
     auto [time, height] = even_time(setup_.part);
     const int count = count_for(height, setup_.layers->planar_count(height));
-    return Baseline{"baseline_even", "even layers",
+    return Baseline{"baseline_even", "even layers", "even/",
                     simulated(setup_, problem_, std::move(time), *layers_of(count), timer_)};
   }
 
   std::optional<Baseline> tilted() const {
-    Baseline result{"baseline_tilted", "", {}};
+    Baseline result{"baseline_tilted", "", "tilted/", {}};
     result.tried = try_directions(result.tried_on);
     const TriedDirection& best = *std::min_element(result.tried.begin(), result.tried.end(), better);
     result.direction = best.direction;
@@ -102,10 +102,10 @@ class BaselineMaker {
     return static_cast<int>(std::clamp(std::round(height / *thickness_), 1.0, 1.0 * most_layers));
   }
 
-  SequenceNumbers planar(const std::vector<double>& direction, int count) const {
+  SequenceReport planar(const std::vector<double>& direction, int count) const {
     return simulated(setup_, problem_, planar_time(setup_.part, direction), *layers_of(count), timer_);
   }
-  SequenceNumbers planar(const std::vector<double>& direction) const {
+  SequenceReport planar(const std::vector<double>& direction) const {
     const double height = planar_height(setup_.part, direction);
     return planar(direction, count_for(height, setup_.layers->planar_count(height)));
   }
@@ -153,7 +153,14 @@ class BaselineMaker {
 void add(std::vector<Baseline>& baselines, const char* block,
          const std::function<std::optional<Baseline>()>& make) {
   try {
-    if (std::optional<Baseline> baseline = make()) baselines.push_back(std::move(*baseline));
+    std::optional<Baseline> baseline = make();
+    if (!baseline) return;
+    if (baseline->group.empty()) {  // reports take memory
+      SequenceReport numbers;
+      static_cast<SequenceNumbers&>(numbers) = std::move(baseline->numbers);
+      baseline->numbers = std::move(numbers);
+    }
+    baselines.push_back(std::move(*baseline));
   } catch (const NumericalError& error) {
     warn(std::string("no block ") + block + " in summary.json: " + error.what());
   }

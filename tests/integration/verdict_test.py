@@ -41,6 +41,11 @@ class VerdictTest(FabseqTest):
             for words in summary["headline"]["words"]:
                 self.assertIn(words, run.stdout)
             self.check_missed(summary, run)
+            data = read_result(run)
+            for block, group in (("baseline_tilted", "tilted/"), ("baseline_even", "even/"), ("baseline", "planar/")):
+                self.assertEqual(data[group + "layer"].max(), len(summary[block]["layers"]))
+                length = np.linalg.norm(data[group + "displacement"], axis=-1).max()
+                self.assertAlmostEqual(length / summary[block]["displacement"]["max"], 1)
 
     def check_verdict(self, block):
         """A reason for each check that finds something, with its share and place, and no other."""

@@ -23,8 +23,9 @@ struct TriedDirection {
 
 /// A sequence that others are compared with, beside the planar baseline.
 struct Baseline {
-  std::string block, title;  ///< key in summary.json; for people
-  SequenceNumbers numbers;
+  std::string block, title;                ///< key in summary.json; for people
+  std::string group;                       ///< prefix of its fields in result.h5; empty: they are not written
+  SequenceReport numbers;                  ///< without fields where these are not written
   std::vector<double> direction = {};      ///< of tilted planar layers, of length 1; else empty
   std::vector<TriedDirection> tried = {};  ///< all that it was chosen from
   std::vector<int> tried_on = {};          ///< elements of the grid that they were tried on, [axis]

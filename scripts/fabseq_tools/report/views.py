@@ -37,6 +37,7 @@ LARGEST_OF = ("layer", *MARKS, "blocked")  # fields of which a coarser element s
 def views_of(run, labels):
     """The part and a view for each state that result.h5 holds, as arrays. `labels`: words by state."""
     prefixes = {"start": ("start/", "start/"), "baseline": ("planar/", "planar/"),
+                "baseline_tilted": ("tilted/", "tilted/"), "baseline_even": ("even/", "even/"),
                 "binary": ("", "binary/" if "binary/displacement" in run.fields else ""), "simulated": ("", "")}
     return [{**view_of(run, state, group, shape), "label": labels[state]} for state, (group, shape) in prefixes.items()
             if state in labels and {group + "time", group + "layer", shape + "displacement"} <= set(run.fields)]
