@@ -49,7 +49,7 @@ set(FABSEQ_COSTS
     integration.readme=170 integration.stop=140 faults.sample=120 integration.restart=110 integration.slurm=100
     scripts.report_test=80 integration.reproduce=70 integration.configs=70 integration.multi_planar=65
     integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
-    scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45
+    scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
     integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.gradient_matrix=40 integration.guided=30
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30

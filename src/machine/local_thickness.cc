@@ -26,6 +26,7 @@ std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDens
 
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
+                                              std::span<const double> meetings,
                                               const std::optional<std::array<double, 2>>& allowed,
                                               std::span<const double> layer_index, int layers) {
   const MPI_Comm comm = part.grid().comm();
@@ -38,8 +39,19 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
     largest = std::max(largest, value);
     if (allowed) outside.push_back(std::max(value / (*allowed)[1], (*allowed)[0] / value) - 1.0);
   }
-  ThicknessRange result{min(comm, least), max(comm, largest), std::nullopt};
-  if (allowed) result.outside = count_marked(part, outside, layer_index, layers, MarkedPlace::largest);
+  ThicknessRange result;
+  result.least = min(comm, least);
+  result.largest = max(comm, largest);
+  const Point<Dim> at = part.first_place([&](std::size_t e) { return thickness[e] == result.largest; });
+  result.largest_at.assign(at.begin(), at.end());
+  bool meeting = false;
+  for (std::size_t e = 0; e < thickness.size(); ++e)
+    meeting |= thickness[e] == result.largest && meetings[e] != 0.0;
+  result.largest_is_meeting = any(comm, meeting);
+  if (!allowed) return result;
+  result.outside = count_marked(part, outside, layer_index, layers, MarkedPlace::largest);
+  result.worst =
+      result.largest / (*allowed)[1] >= (*allowed)[0] / result.least ? result.largest : result.least;
   return result;
 }
 

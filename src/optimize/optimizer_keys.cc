@@ -117,14 +117,34 @@ void complete_move_limits(OptimizerSettings& optimizer, const SequenceSettings& 
       optimizer.given_final_move_limit.value_or(std::min(last, optimizer.move_limit));
 }
 
+namespace {
+
+void read_direction(BaselineSettings& settings, const Json& value, const KeyPlace&) {
+  settings.best_direction = value == "best";
+  if (value.is_array()) settings.direction = value.get<std::vector<double>>();
+}
+
+/// Derived problems do without the search.
+void write_direction(BaselineSettings& settings, Json& object) {
+  if (!settings.best_direction && object.at("direction") == "best") object["direction"] = "auto";
+}
+
+}  // namespace
+
 Section<BaselineSettings> baseline_keys() {
   using Its = BaselineSettings;
-  return Section<Its>("baseline", "Planar sequence the result is compared with")
+  return Section<Its>("baseline", "Sequences the result is compared with")
       .key("layers", &Its::layers,
            "Number of planar layers; auto: height divided by the target thickness, else layers.count",
            {.range = "[1, 10000]", .words = "auto", .option = "-baseline_layers"})
-      .key("direction", &Its::direction, "Build direction, of any length; auto: the plate's normal",
-           {.words = "auto"});
+      .key("direction",
+           "Build direction of the planar layers, of any length; auto: the plate's normal; best: the same, "
+           "and "
+           "beside them planar layers in the best of several directions within tool.max_tilt",
+           {.type = KeyType::vector, .default_value = to_text("auto"), .words = "auto best"}, read_direction,
+           write_direction)
+      .key("even", &Its::even,
+           "Also layers of equal thickness along the part, by the distance from the plate inside it");
 }
 
 }  // namespace fabseq

@@ -23,11 +23,6 @@ std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model
 /// Its name in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
 
-bool any_measures_release(const std::vector<Term>& terms) {
-  return std::any_of(terms.begin(), terms.end(),
-                     [](const Term& term) { return term.type->facts(term).measures_release; });
-}
-
 /// The functionals of displacements that a row consists of, as few as possible.
 template <int Dim>
 std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, std::size_t cases) {

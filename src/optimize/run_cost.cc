@@ -78,11 +78,11 @@ BlockSolver block_solver(SolverPath path) {
 bool saves_memory(int lanes) { return lanes < widest_block; }
 
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes) {
-  // Gradients with two rows per layer are shared out. The baseline's report is there throughout, two others
-  // when there are no gradients any more.
+  // Gradients with two rows per layer are shared out. The planar baseline's report is there throughout, two
+  // others and two baselines when there are no gradients any more.
   const double gradients = size.part_elements * (24.0 * size.layers + 56.0 * size.functionals + 100.0);
   const double report = size.nodes * 136.0;
-  double held = report + std::max(gradients, 2.0 * report) + size.ranks * bytes_per_rank;
+  double held = report + std::max(gradients, 4.0 * report) + size.ranks * bytes_per_rank;
   double all = 0.0, largest = 0.0;
   for (const StageType* stage : stage_types()) {
     const StageCost cost = stage->cost(size, path, groups, lanes);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/output/records.h"
 
+#include "output/verdict_records.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -49,10 +51,14 @@ Json checks_record(const BuildNumbers& numbers) {
                          {"at", place(numbers.tilt->beyond)},
                          {"per_layer", numbers.tilt->beyond.per_layer}});
   if (const auto& range = numbers.local_thickness) {
-    thickness =
-        Json::object({{"least", range->least}, {"largest", range->largest}, {"share_outside", Json()}});
+    thickness = Json::object({{"least", range->least},
+                              {"largest", range->largest},
+                              {"largest_at", range->largest_at},
+                              {"largest_is_meeting", range->largest_is_meeting},
+                              {"share_outside", Json()}});
     if (const auto& outside = range->outside) {
       thickness["share_outside"] = outside->share;
+      thickness["worst"] = range->worst;
       thickness["at"] = place(*outside);
       thickness["per_layer"] = outside->per_layer;
     }
@@ -110,6 +116,9 @@ Json deposition_record(const DepositionNumbers& numbers) {
 Json to_record(const Deviation& deviation) {
   Json record = sizes_record(deviation);
   record["stock"] = Json::object({{"outward", deviation.outward}, {"inward", deviation.inward}});
+  record["skin"] = to_record(deviation.skin);
+  record["scaled_drawing"] =
+      Json::object({{"factor", deviation.scaled.factor}, {"rms", deviation.scaled.rms}});
   return record;
 }
 
@@ -167,6 +176,7 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   record["deposition"] = Json::object({{"follow", deposition_record(is_nominal ? other : own)},
                                        {"nominal", deposition_record(is_nominal ? own : other)}});
   if (numbers.build) add_build(record, *numbers.build);
+  if (numbers.verdict) record["verdict"] = to_record(*numbers.verdict);
   if (numbers.part_temperature) record["interpass"] = temperature_record(*numbers.part_temperature);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
@@ -230,7 +240,12 @@ Json to_record(const Summary& summary) {
   }
   if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
   if (const auto& finish = summary.finish) {
-    if (const auto& matched = finish->reports.matched) record["baseline_matched"] = to_record(*matched);
+    for (const Baseline& baseline : finish->reports.baselines) {
+      record[baseline.block] = to_record(baseline.numbers);
+      add_directions(record[baseline.block], baseline);
+    }
+    if (const auto& miss = finish->reports.miss) record["violated"] = to_record(*miss);
+    record["headline"] = to_record(finish->headline);
     record["interior_minima"] = finish->reports.interior_minima;
     set_layer_variables(record, finish->layer_variables, finish->best.design());
   }

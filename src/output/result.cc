@@ -25,6 +25,8 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
     fields.add_elements("binary/von_mises", *stress, 1, &setup.part.elements());
   add_sequence_fields(fields, setup.part, baseline, "planar/");
   if (reports.start) add_sequence_fields(fields, setup.part, *reports.start, "start/");
+  for (const Baseline& other : reports.baselines)
+    if (!other.group.empty()) add_sequence_fields(fields, setup.part, other.numbers, other.group);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", best.design());

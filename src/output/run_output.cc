@@ -8,6 +8,7 @@
 #include "fabseq/files/history.h"
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/output/task_directory.h"
+#include "fabseq/responses/response_type.h"
 
 #include <utility>
 
@@ -92,7 +93,9 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports& reports, cons
   terminal_.end_progress();
   write_result(setup_, directory_, reports, *baseline_, best);
   Summary record = summary(end);
-  record.finish.emplace(Finish{reports, best, setup_.layers->variables()});
+  record.finish.emplace(Finish{
+      reports, best, setup_.layers->variables(),
+      make_headline(reports, *baseline_, any_measures_release(setup_.config.objective), setup_.config.unit)});
   write_summary(record);
   terminal_.table(record, directory_.path());
 }

@@ -11,6 +11,9 @@ namespace fabseq {
 
 namespace {
 
+/// Title of the column of smooth layers.
+constexpr const char* smooth = "optimized";
+
 /// What a line of the table says of one sequence.
 struct Row {
   std::string label;
@@ -144,32 +147,47 @@ std::vector<std::string> table(const std::string& unit, const std::vector<Column
   return lines;
 }
 
-/// What is to be known of the planar layers, which all others are compared with.
-std::string words_on_planar(const SequenceNumbers& planar) {
-  if (planar.build->hanging.elements == 0) return "";
-  std::string place;
-  for (const double coordinate : planar.build->hanging.at)
-    place += (place.empty() ? "[" : ",") + number(coordinate, "%.6g");
-  return "planar layers: " + std::to_string(planar.build->hanging.elements) +
-         " elements begin in the air, the first near " + place + "]; a comparison with them flatters";
+/// Whether each of the sequences can be built; the smooth layers never are.
+void add_verdicts(std::vector<std::string>& lines, const std::vector<Column>& columns) {
+  lines.push_back("buildable on this machine");
+  for (const auto& [title, sequence] : columns)
+    if (sequence != nullptr && title != smooth)
+      lines.push_back(formatted("  %-28s", title.c_str()) + sequence->verdict->words());
+}
+
+/// What is to be known of the thickest place: a meeting of fronts is no thick layer.
+std::string words_on_thickness(const SequenceNumbers& of, const std::string& unit) {
+  const auto& thickness = of.build->local_thickness;
+  if (!thickness || !thickness->outside || thickness->outside->elements == 0) return "";
+  const std::string words =
+      thickness->largest_is_meeting
+          ? ": fronts meet there, where the gradient of the time vanishes; it is no thick layer"
+          : ": a thick layer";
+  return "largest local thickness of the binary layers: " + length_words(thickness->largest, unit) + " " +
+         near_words(thickness->largest_at) + words;
 }
 
 }  // namespace
 
 std::vector<std::string> summary_table(const Summary& summary) {
-  const auto& [optimized, binary, start, matched, interior_minima] = summary.finish->reports;
-  std::vector<Column> columns = {{"start", start ? &*start : nullptr}, {"planar", summary.baseline}};
-  if (matched)
-    columns.push_back({"planar, " + std::to_string(matched->layers.size()) + " layers", &*matched});
-  columns.push_back({"optimized", &optimized});
-  columns.push_back({"binary", &binary});
+  const FinalReports& reports = summary.finish->reports;
+  std::vector<Column> columns = {{"start", reports.start ? &*reports.start : nullptr},
+                                 {"planar", summary.baseline}};
+  for (const Baseline& baseline : reports.baselines) columns.push_back({baseline.title, &baseline.numbers});
+  columns.push_back({smooth, &reports.optimized});
+  columns.push_back({"binary", &reports.binary});
   std::vector<std::string> lines = table(summary.unit, columns);
-  if (const std::string words = words_on_planar(*summary.baseline); !words.empty()) lines.push_back(words);
+  add_verdicts(lines, columns);
+  if (const std::string words = words_on_thickness(reports.binary, summary.unit); !words.empty())
+    lines.push_back(words);
+  for (const std::string& words : summary.finish->headline.words) lines.push_back(words);
   return lines;
 }
 
 std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const std::string& unit) {
-  return table(unit, {{"simulated", &numbers}});
+  std::vector<std::string> lines = table(unit, {{"simulated", &numbers}});
+  if (numbers.verdict) lines.push_back("buildable on this machine: " + numbers.verdict->words());
+  return lines;
 }
 
 }  // namespace fabseq

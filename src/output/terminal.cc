@@ -129,8 +129,11 @@ void Terminal::end_progress() {
 void Terminal::table(const Summary& summary, const std::string& directory) const {
   print("");
   for (const std::string& line : summary_table(summary)) print(line);
+  const auto& miss = summary.finish->reports.miss;
+  const bool feasible = summary.finish->best.feasible();
   print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
-        summary.end.reason + "), best feasible: " + (summary.finish->best.feasible() ? "yes" : "no") + ", " +
+        summary.end.reason + "), best feasible: " + (feasible ? "yes" : "no") +
+        (miss && !feasible ? " (constraint " + miss->words + ")" : "") + ", " +
         formatted("%.1f s", summary.seconds.total) + "; results in " + directory);
 }
 

@@ -6,6 +6,7 @@
 #include "fabseq/machine/build_direction.h"
 #include "fabseq/machine/hanging.h"
 #include "fabseq/machine/interior_extrema.h"
+#include "fabseq/machine/meeting_fronts.h"
 #include "fabseq/process/residual_stress.h"
 
 #include <algorithm>
@@ -81,7 +82,8 @@ class MachineChecks {
   void add_thickness(BuildReport& report) const {
     std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
     report.numbers.local_thickness =
-        thickness_range<Dim>(part_, thickness, allowed_thickness(settings_), layer_, state_.layers.count());
+        thickness_range<Dim>(part_, thickness, meeting_fronts(part_, state_.time),
+                             allowed_thickness(settings_), layer_, state_.layers.count());
     if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
   }
 

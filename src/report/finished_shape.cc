@@ -40,6 +40,52 @@ std::vector<double> skin_normals(const Part<Dim>& part) {
   return normals;
 }
 
+/// On the owned nodes that `counts` marks.
+template <int Dim>
+DisplacementSize size_on(const std::vector<char>& counts, const Part<Dim>& part,
+                         const std::vector<double>& displacement) {
+  double largest = 0.0, total = 0.0, count = 0.0;
+  for (std::size_t node = 0; node < counts.size(); ++node) {
+    if (counts[node] == 0) continue;
+    double square = 0.0;
+    for (int axis = 0; axis < Dim; ++axis) square += std::pow(displacement[node * Dim + axis], 2);
+    largest = std::max(largest, std::sqrt(square));
+    total += square;
+    count += 1.0;
+  }
+  const MPI_Comm comm = part.grid().comm();
+  return {max(comm, largest), std::sqrt(sum(comm, total) / sum(comm, count))};
+}
+
+/// Fits the motion of a body that grows evenly, s (x - c), to displacements of the skin that no rigid motion
+/// makes smaller. A drawing that is smaller by s makes up for it.
+template <int Dim>
+ScaledDrawing scaled_drawing(const Grid<Dim>& grid, const std::vector<int>& skin,
+                             const std::vector<double>& displacement) {
+  std::vector<double> sums(Dim + 1, 0.0);  // of the positions, and the number of nodes
+  const auto position = [&](int node) { return grid.node_position(grid.owned_nodes().index(node)); };
+  for (const int node : skin) {
+    const Point<Dim> x = position(node);
+    for (int axis = 0; axis < Dim; ++axis) sums[axis] += x[axis];
+    sums[Dim] += 1.0;
+  }
+  sum_in_place(grid.comm(), sums);
+  std::vector<double> products(3, 0.0);  // u . (x - c), |x - c|^2, |u|^2
+  for (const int node : skin) {
+    const Point<Dim> x = position(node);
+    for (int axis = 0; axis < Dim; ++axis) {
+      const double u = displacement[static_cast<std::size_t>(node) * Dim + axis];
+      const double r = x[axis] - sums[axis] / sums[Dim];
+      products[0] += u * r;
+      products[1] += r * r;
+      products[2] += u * u;
+    }
+  }
+  sum_in_place(grid.comm(), products);
+  const double growth = products[1] > 0.0 ? products[0] / products[1] : 0.0;
+  return {1.0 - growth, std::sqrt(std::max(0.0, products[2] - growth * products[0]) / sums[Dim])};
+}
+
 /// Largest deviation of the skin along its normal to either side, after the best rigid fit.
 template <int Dim>
 void measure_stock(const Part<Dim>& part, std::vector<double> displacement, Deviation& deviation) {
@@ -58,25 +104,12 @@ void measure_stock(const Part<Dim>& part, std::vector<double> displacement, Devi
     deviation.outward = std::max(deviation.outward, along);
     deviation.inward = std::max(deviation.inward, -along);
   }
+  std::vector<char> on_skin(part.touched_nodes().size(), 0);
+  for (const int node : skin) on_skin[node] = 1;
+  deviation.skin = size_on(on_skin, part, displacement);
+  deviation.scaled = scaled_drawing(part.grid(), skin, displacement);
   deviation.outward = max(part.grid().comm(), deviation.outward);
   deviation.inward = max(part.grid().comm(), deviation.inward);
-}
-
-/// On the owned nodes that `counts` marks.
-template <int Dim>
-DisplacementSize size_on(const std::vector<char>& counts, const Part<Dim>& part,
-                         const std::vector<double>& displacement) {
-  double largest = 0.0, total = 0.0, count = 0.0;
-  for (std::size_t node = 0; node < counts.size(); ++node) {
-    if (counts[node] == 0) continue;
-    double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis) square += std::pow(displacement[node * Dim + axis], 2);
-    largest = std::max(largest, std::sqrt(square));
-    total += square;
-    count += 1.0;
-  }
-  const MPI_Comm comm = part.grid().comm();
-  return {max(comm, largest), std::sqrt(sum(comm, total) / sum(comm, count))};
 }
 
 /// Marks the owned nodes of all node sets that the objective measures; none if it measures none.
@@ -93,7 +126,8 @@ std::optional<std::vector<char>> measured_nodes(const Model<Dim>& model) {
 
 template <int Dim>
 Deviation deviation_of(const Model<Dim>& model, const std::vector<double>& displacement) {
-  Deviation result{displacement_sizes(model, displacement)};
+  Deviation result;
+  static_cast<DisplacementSizes&>(result) = displacement_sizes(model, displacement);
   measure_stock(model.part, displacement, result);
   return result;
 }

@@ -122,6 +122,7 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
     report.finished = finished_shape(model, pipeline, state);
     BuildReport build = report_build(model, pipeline, state, report.used_layers());
     report.build = std::move(build.numbers);
+    report.verdict = judge(*report.build, model.settings);
     report.build_fields = std::move(build.fields);
   }
   if (state.temperatures != nullptr) {

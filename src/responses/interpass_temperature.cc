@@ -46,7 +46,7 @@ class InterpassTemperature : public Response<Dim> {
 };
 
 const Registered<InterpassTemperature, InterpassTemperatureSettings> registered(
-    {.list = TermList::constraints, .name = "interpass_temperature"},
+    {.list = TermList::constraints, .name = "interpass_temperature", .unit = "degrees C"},
     Section<InterpassTemperatureSettings>("constraints")
         .key("limit", &InterpassTemperatureSettings::limit,
              "Highest mean temperature of a layer when the next one begins; needs a block thermal",

@@ -88,7 +88,8 @@ const Registered<LayerThickness, LayerThicknessSettings> registered(
     {.list = TermList::constraints,
      .name = "layer_thickness",
      .layers = LayerKind::curved,
-     .needs_time_gradient = true},
+     .needs_time_gradient = true,
+     .unit = "times the target"},
     Section<LayerThicknessSettings>("constraints")
         .key("target", &LayerThicknessSettings::target, "Mean thickness of each layer",
              {.required = true, .range = "(0, inf)", .unit = "length", .option = "-target"})

@@ -120,7 +120,8 @@ const Registered<LocalThickness, LocalThicknessSettings> registered(
     {.list = TermList::constraints,
      .name = "local_thickness",
      .layers = LayerKind::curved,
-     .needs_time_gradient = true},
+     .needs_time_gradient = true,
+     .unit = share_of_part},
     Section<LocalThicknessSettings>("constraints")
         .key("limit", &LocalThicknessSettings::limit,
              "Largest share of the part above the range tool.thickness, and below it, smoothly counted",

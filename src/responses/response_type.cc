@@ -50,6 +50,11 @@ const ResponseType* find_response_type(TermList list, const std::string& name) {
   return nullptr;
 }
 
+bool any_measures_release(const std::vector<Term>& terms) {
+  return std::any_of(terms.begin(), terms.end(),
+                     [](const Term& term) { return term.type->facts(term).measures_release; });
+}
+
 SectionKeys term_keys(TermList list) {
   const bool objective = list == TermList::objective;
   const SectionKeys common = objective ? common_objective_keys().declarations().front()

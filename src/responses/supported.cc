@@ -94,7 +94,7 @@ class Supported : public Response<Dim> {
 };
 
 const Registered<Supported, SupportedSettings> registered(
-    {.list = TermList::constraints, .name = "supported", .needs_time_gradient = true},
+    {.list = TermList::constraints, .name = "supported", .needs_time_gradient = true, .unit = share_of_part},
     Section<SupportedSettings>("constraints")
         .key(
             "limit", &SupportedSettings::limit,

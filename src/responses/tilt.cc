@@ -107,7 +107,7 @@ class Tilt : public Response<Dim> {
 };
 
 const Registered<Tilt, TiltSettings> registered(
-    {.list = TermList::constraints, .name = "tilt", .needs_time_gradient = true},
+    {.list = TermList::constraints, .name = "tilt", .needs_time_gradient = true, .unit = share_of_part},
     Section<TiltSettings>("constraints")
         .key("limit", &TiltSettings::limit,
              "Largest share of the part beyond the limit of tool, smoothly counted", {.range = "(0, 1)"})

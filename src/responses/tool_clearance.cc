@@ -186,7 +186,10 @@ class ToolClearance : public Response<Dim> {
 };
 
 const Registered<ToolClearance, ToolClearanceSettings> registered(
-    {.list = TermList::constraints, .name = "tool_clearance", .layers = LayerKind::curved},
+    {.list = TermList::constraints,
+     .name = "tool_clearance",
+     .layers = LayerKind::curved,
+     .unit = share_of_part},
     Section<ToolClearanceSettings>("constraints")
         .key("limit", &ToolClearanceSettings::limit,
              "Largest share of the torch that what stands is in the way of, mean over the part, smoothly "

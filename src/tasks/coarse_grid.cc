@@ -110,6 +110,7 @@ Config coarsened(const Setup<Dim>& fine) {
   coarsen_domain(fine, config);
   share_out_iterations(config.optimizer);
   config.output.sensitivity = false;
+  config.baseline.best_direction = config.baseline.even = false;  // for the end of the fine run
   widen_node_sets(fine, config);
   complete_derived(config);
   return config;

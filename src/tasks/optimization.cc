@@ -34,30 +34,6 @@ std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Proble
   }
 }
 
-template <int Dim>
-SequenceReport planar_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                             const LayerModel<Dim>& layers, PhaseTimer& timer) {
-  Pipeline<Dim> pipeline(setup, make_baseline_sequence(setup), layers, setup.config.solver.finest_tolerance(),
-                         timer);
-  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
-}
-
-/// Planar layers, as many as an optimized sequence has: what another number of layers alone brings is not the
-/// merit of their shape.
-template <int Dim>
-std::optional<SequenceNumbers> matched_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                                int count, PhaseTimer& timer) {
-  if (count == setup.baseline->count()) return std::nullopt;
-  try {
-    SequenceReport report =
-        planar_report(setup, problem, *make_layer_model({.count = count}, {}, setup.part), timer);
-    return static_cast<SequenceNumbers&&>(report);
-  } catch (const NumericalError& error) {
-    warn(std::string("no block baseline_matched in summary.json: ") + error.what());
-    return std::nullopt;
-  }
-}
-
 /// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
 void drop_unwritten_fields(SequenceReport& binary) {
   binary.time = binary.layer = binary.temperature = binary.nodal_time = {};
@@ -66,8 +42,18 @@ void drop_unwritten_fields(SequenceReport& binary) {
   binary.build_fields = std::move(written);
 }
 
-/// What the best design comes to, the one that the config starts from, at the same sharpness, and as many
-/// planar layers.
+/// By the layers that the best iterate was judged by.
+template <int Dim>
+std::optional<ConstraintMiss> miss_of_best(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                           const FinalReports& reports, const BestIterate& best) {
+  std::optional<ConstraintMiss> smooth = worst_miss(setup, problem, reports.optimized.values);
+  if (!best.by_binary()) return smooth;
+  std::optional<ConstraintMiss> binary = worst_miss(setup, problem, reports.binary.values);
+  return !smooth || (binary && binary->violation > smooth->violation) ? binary : smooth;
+}
+
+/// What the best design comes to, the one that the config starts from, at the same sharpness, and the
+/// baselines.
 template <int Dim>
 FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                            const BestIterate& best, PhaseTimer& timer) {
@@ -82,10 +68,11 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
   // beside another pipeline's solvers.
   pipeline.give_back_memory();
-  reports.matched = matched_baseline(setup, problem, reports.binary.used_layers(), timer);
+  reports.baselines = other_baselines(setup, problem, reports.binary, timer);
   reports.optimized = report(false);
   reports.optimized.strain = strain_when_built(pipeline);
   reports.start = start_report(setup, problem, pipeline, best.beta());
+  reports.miss = miss_of_best(setup, problem, reports, best);
   return reports;
 }
 
@@ -139,11 +126,6 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
 }
 
 template <int Dim>
-SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
-  return planar_report(setup, problem, *setup.baseline, timer);
-}
-
-template <int Dim>
 std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
   if (!run.continuation.judges_binary(iteration)) return std::nullopt;
   const double beta = run.continuation.beta(iteration);
@@ -174,7 +156,6 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
 FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
 FABSEQ_INSTANTIATE_FUNCTION(starting_state);
 FABSEQ_INSTANTIATE_FUNCTION(require_design);
-FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
 FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
 FABSEQ_INSTANTIATE_FUNCTION(finish);
 

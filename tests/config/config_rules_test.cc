@@ -65,7 +65,7 @@ TEST(ConfigRulesTest, KeysThatNeedEachOther) {
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "direction": [0, 0, 0]})"}}),
             "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
   EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),
-            "/baseline/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
+            "/baseline/direction: found [0,0,0]; allowed: \"auto\", \"best\" or a vector other than 0");
 }
 
 TEST(ConfigRulesTest, DirectSequences) {

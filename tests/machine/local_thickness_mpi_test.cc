@@ -2,6 +2,7 @@
 /// Build direction and local thickness of curved and of multi-planar layers (docs/formulation.md 13.1).
 #include "fabseq/machine/build_direction.h"
 #include "fabseq/machine/local_thickness.h"
+#include "fabseq/machine/meeting_fronts.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "support/small_parts.h"
 
@@ -27,16 +28,20 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   for (std::size_t e = 0; e < layer.size(); ++e)
     EXPECT_NEAR(thickness[e], (layer[e] == 1.0 ? 0.25 : 0.75) * height, 1e-12);
   const std::array<double, 2> allowed{0.1 * height, 0.5 * height};
-  const auto range = thickness_range<3>(part, thickness, allowed, layer, 2);
+  const std::vector<double> meetings = meeting_fronts(part, time);
+  EXPECT_EQ(std::count(meetings.begin(), meetings.end(), 0.0), static_cast<std::ptrdiff_t>(layer.size()));
+  const auto range = thickness_range<3>(part, thickness, meetings, allowed, layer, 2);
   ASSERT_TRUE(range);
   EXPECT_NEAR(range->least, 0.25 * height, 1e-12);
   EXPECT_NEAR(range->largest, 0.75 * height, 1e-12);
+  EXPECT_FALSE(range->largest_is_meeting);
+  EXPECT_NEAR(range->worst, 0.75 * height, 1e-12);
   const double second =
       sum(part.grid().comm(), static_cast<double>(std::count(layer.begin(), layer.end(), 2.0)));
   EXPECT_NEAR(range->outside->share, second / static_cast<double>(part.count()), 1e-12);
   EXPECT_EQ(range->outside->per_layer, (std::vector<std::int64_t>{0, static_cast<std::int64_t>(second)}));
   EXPECT_NEAR(range->outside->largest, 0.5, 1e-12);  // 0.75 in place of 0.5
-  EXPECT_FALSE(thickness_range<3>(part, thickness, std::nullopt, layer, 2)->outside);
+  EXPECT_FALSE(thickness_range<3>(part, thickness, meetings, std::nullopt, layer, 2)->outside);
 
   const std::vector<double> direction = build_direction<3>(time, layers, layer);
   for (std::size_t i = 0; i < direction.size(); ++i)
@@ -48,13 +53,38 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   const Part<2>& part = on_grid.part;
   PseudoTime<2> time = planar_time(part, {});
   const std::vector<double> layer(time.time.size(), 1.0);
-  EXPECT_FALSE(
-      thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), std::nullopt, layer, 1));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), {}, std::nullopt,
+                                  layer, 1));
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), std::nullopt, layer, 1));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), {}, std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time, layers, layer).empty());
+}
+
+TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
+  const test::PartOnGrid<2> on_grid(test::odd_domain<2>(), test::block<2>());
+  const Part<2>& part = on_grid.part;
+  PseudoTime<2> time;
+  std::vector<double> middle;
+  for (const int element : part.elements()) {
+    const double x = part.grid().element_center(part.grid().owned_elements().index(element))[0] - 1.75;
+    const bool in_middle = std::abs(x) < 0.1;
+    time.time.push_back(1.0 - 0.2 * std::abs(x));
+    time.gradient.push_back(in_middle ? 0.0 : x > 0.0 ? -0.2 : 0.2);
+    time.gradient.push_back(0.0);
+    middle.push_back(in_middle ? 1.0 : 0.0);
+  }
+  EXPECT_EQ(meeting_fronts(part, time), middle);
+  LayerDensities layers;
+  layers.time_points = {0.0, 1.0};
+  const std::vector<double> layer(time.time.size(), 1.0);
+  const std::vector<double> thickness = local_thickness<2>(time, layers, layer);
+  const auto range = thickness_range<2>(part, thickness, middle, std::nullopt, layer, 1);
+  EXPECT_TRUE(range->largest_is_meeting);
+  EXPECT_NEAR(range->largest_at.at(0), 1.75, 1e-12);
+  time.gradient.clear();
+  EXPECT_TRUE(meeting_fronts(part, time).empty());
 }
 
 TEST(BuildDirectionTest, OfMultiPlanarLayersIsTheirPrintDirection) {

@@ -11,7 +11,8 @@
 namespace fabseq {
 
 /// Refuses the vector 0 for a key that takes a direction of any length or a word. `direction`: empty for the
-/// word. `found`: the key's value. Throws InputError. Not collective.
+/// word. `found`: the key's value. `word`: what is allowed beside vectors, without the outer quotes. Throws
+/// InputError. Not collective.
 void check_direction(const std::string& pointer, const Json& found, const std::vector<double>& direction,
                      const std::string& word);
 

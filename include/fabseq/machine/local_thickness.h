@@ -23,16 +23,21 @@ std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDens
 
 /// What a local thickness is between, and the elements at which it lies outside of an allowed range.
 struct ThicknessRange {
-  double least = 0.0, largest = 0.0;      ///< length unit
+  double least = 0.0, largest = 0.0;  ///< length unit
+  std::vector<double> largest_at;     ///< centre of an element with the largest, [axis]
+  bool largest_is_meeting = false;    ///< whether fronts meet there (meeting_fronts()): it is no thick layer
   std::optional<MarkedElements> outside;  ///< by what share of its end they miss it; none without a range
+  double worst = 0.0;                     ///< that of the element that misses it by most, length unit
 };
 
 /// The range of a local thickness, none if it is not defined. Collective on the grid's communicator.
+/// \param meetings     meeting_fronts()
 /// \param allowed      least and largest length
 /// \param layer_index  the layer that builds each part element, from 1
 /// \param layers       number of layers
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
+                                              std::span<const double> meetings,
                                               const std::optional<std::array<double, 2>>& allowed,
                                               std::span<const double> layer_index, int layers);
 

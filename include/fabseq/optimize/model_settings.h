@@ -21,10 +21,12 @@
 
 namespace fabseq {
 
-/// The planar sequence that others are compared with.
+/// The sequences that others are compared with.
 struct BaselineSettings {
   std::optional<int> layers;      ///< none: as thick as the layers of the design
-  std::vector<double> direction;  ///< empty: the plate's normal
+  std::vector<double> direction;  ///< of the planar layers; empty: the plate's normal
+  bool best_direction = false;    ///< also planar layers in the best of several directions
+  bool even = true;               ///< also layers of equal thickness along the part
 };
 
 /// Section "baseline".

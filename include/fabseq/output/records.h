@@ -13,7 +13,7 @@
 #include "fabseq/optimize/pipeline.h"
 #include "fabseq/optimize/run_state.h"
 #include "fabseq/output/run_clock.h"
-#include "fabseq/report/sequence_report.h"
+#include "fabseq/report/headline.h"
 
 #include <array>
 #include <cstdint>
@@ -45,6 +45,7 @@ struct Finish {
   const FinalReports& reports;
   const BestIterate& best;
   const LayerVariables& layer_variables;
+  Headline headline;
 };
 
 /// summary.json: how an optimization ended.

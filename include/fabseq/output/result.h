@@ -5,7 +5,7 @@
 #include "fabseq/files/output_directory.h"
 #include "fabseq/optimize/best_iterate.h"
 #include "fabseq/optimize/pipeline.h"
-#include "fabseq/report/sequence_report.h"
+#include "fabseq/report/final_reports.h"
 
 #include <span>
 #include <string>

@@ -21,11 +21,19 @@ struct DisplacementSizes {
   std::optional<DisplacementSize> nodes;  ///< of all node sets that the objective measures; none without them
 };
 
+/// A drawing that is scaled so that the skin comes nearest to its place: by which factor, and how much is
+/// left of the skin's displacement, rms, length unit.
+struct ScaledDrawing {
+  double factor = 1.0, rms = 0.0;
+};
+
 /// How far a part is from the drawing, in length units.
 struct Deviation : DisplacementSizes {
   /// Machining stock: how far the skin lies outside and inside of its place along its normal, after the best
   /// rigid fit. Both at least 0.
   double outward = 0.0, inward = 0.0;
+  DisplacementSize skin;  ///< displacement of the skin after that fit
+  ScaledDrawing scaled;
 };
 
 /// The part as it is built, by the deposition model of the run, and cut from its plate or clamps.

@@ -6,6 +6,7 @@
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
 #include "fabseq/report/temperature_report.h"
+#include "fabseq/report/verdict.h"
 
 #include <cstdint>
 #include <optional>
@@ -46,6 +47,7 @@ struct SequenceNumbers {
   std::vector<ScenarioNumbers> scenarios;              ///< of each distortion term; empty without scenarios
   std::optional<FinishedShape> finished;               ///< where it was asked for
   std::optional<BuildNumbers> build;                   ///< where the shape was asked for
+  std::optional<Verdict> verdict;                      ///< the same
   std::optional<TemperatureNumbers> part_temperature;  ///< with a block `thermal`
 
   /// First objective term.
@@ -67,17 +69,6 @@ struct SequenceReport : SequenceNumbers {
   BuildFields build_fields;                   ///< where the shape was asked for
   std::vector<double> interpass_temperature;  ///< TemperatureReport::field, a part field; empty: none
   std::vector<double> strain;                 ///< ElasticModel::strain_when_built(), where it was asked for
-};
-
-/// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is
-/// measured by beside the planar baseline, the binary layers of the design that the config starts from.
-struct FinalReports {
-  SequenceReport optimized, binary;
-  std::optional<SequenceReport> start;  ///< none if its solves failed
-  /// Planar, in as many layers as the binary ones that hold anything; none if the baseline has so many or if
-  /// its solves failed.
-  std::optional<SequenceNumbers> matched;
-  std::int64_t interior_minima = 0;
 };
 
 /// Adds time, layer, displacements and, where there are any, the other fields to a set, names prefixed. Part

@@ -32,6 +32,9 @@ struct TermPlace {
   const std::optional<ThermalSettings>& thermal;
 };
 
+/// ResponseTraits::unit of values that are shares of the part; people read them in percent.
+inline constexpr const char* share_of_part = "share of the part";
+
 /// What is known of a response before there is a part: its name and what it needs.
 struct ResponseTraits {
   TermList list = TermList::objective;
@@ -41,6 +44,7 @@ struct ResponseTraits {
   TermScaling scaling = TermScaling::first;  ///< default scaling of an objective term
   double weight = 1.0;                       ///< its default weight
   std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none
+  std::string unit = "";           ///< of a constraint's values, in words; "" without one
 };
 
 /// What is known of a term before there is a part.
@@ -79,6 +83,8 @@ class ResponseType : public ResponseTraits {
 std::vector<const ResponseType*> response_types(TermList list);
 /// The type of a list with that name; nullptr if there is none.
 const ResponseType* find_response_type(TermList list, const std::string& name);
+/// Whether one of the terms measures displacements after the release.
+bool any_measures_release(const std::vector<Term>& terms);
 /// Declarations of the keys of a list's terms, section "objective" or "constraints".
 SectionKeys term_keys(TermList list);
 /// The term that a completed config object of a list describes.

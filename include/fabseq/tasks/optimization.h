@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/output/run_output.h"
+#include "fabseq/tasks/baselines.h"
 #include "fabseq/tasks/coarse_grid.h"
 
 #include <functional>
@@ -33,9 +34,6 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
 template <int Dim>
 void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
 
-/// The planar sequence that others are compared with.
-template <int Dim>
-SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer);
 /// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
 template <int Dim>
 std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration);

@@ -17,9 +17,10 @@ from fabseq_tools.plot.drawing import INK, OPTIMIZED, PLANAR
 from fabseq_tools.plot.overview_pictures import Pictures
 from fabseq_tools.plot.overview_sheet import draw_sheet
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.check_words import check_sentences, failing_elements
+from fabseq_tools.run.check_words import check_sentences, failing_elements, out_of_thickness, result_of
 from fabseq_tools.run.command_line import parser_of
 from fabseq_tools.run.read_run import Run
+from fabseq_tools.run.verdict_words import headline_sentences, missed_words, thickest_sentence, verdict_sentences
 from fabseq_tools.run.words import alike, duration, factor, quantity
 
 COMMAND = "overview"
@@ -48,11 +49,18 @@ def draw_optimization(run, path):
     constrained = run.config.get("constraints") and any(line["worst_constraint"] is not None for line in run.history)
     plots = [charts.plot_distortion] + [charts.plot_violation] * bool(constrained)
     plots += [charts.plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
-    planar, binary = run.length("baseline"), run.length("binary")
+    draw_sheet(path, title(run), sentences(run), pictures, [*zip(words, 2 * colours)],
+               [partial(plot, run=run) for plot in plots], run.unit)
+
+
+def title(run):
+    """What the program concludes; of results of older programs, the distortion beside planar layers'."""
+    concluded = run.summary.get("headline", {}).get("words")
+    if concluded:
+        return f"{title_name(run)}: {concluded[0]}"
     nodes = run.distortion_config.get("nodes")
     place = f" of the {nodes.replace('_', ' ')}" if nodes else ""
-    draw_sheet(path, f"{title_name(run)}: distortion{place} {compared(planar, binary)} with planar layers",
-               sentences(run), pictures, [*zip(words, 2 * colours)], [partial(plot, run=run) for plot in plots], run.unit)
+    return f"{title_name(run)}: distortion{place} {compared(run.length('baseline'), run.length('binary'))} with planar layers"
 
 
 def pictures_of(run):
@@ -60,7 +68,7 @@ def pictures_of(run):
     the released one where the headline is of it."""
     fields, moved = run.fields, [shape_of(run, group) for group in ("planar/", optimized_group(run))]
     return Pictures(run, [fields["planar/layer"], fields["layer"]], moved,
-                    [failing_elements(run, group) for group in ("planar/", "")])
+                    *([find(run, group) for group in ("planar/", "")] for find in (failing_elements, out_of_thickness)))
 
 
 def optimized_group(run):
@@ -95,11 +103,15 @@ def sentences(run):
     length = {block: quantity(run.length(block), run.length_unit())
               for block in ("baseline", "start", "optimized", "binary") if block in run.summary}
     start = f", not optimized {length['start']}" if "start" in length else ""
-    unmet = "" if run.summary.get("feasible", True) else "  Not all constraints are satisfied."
-    return [f"Distortion ({run.measure()}): planar {length['baseline']}{start}, optimized {length['binary']} "
+    unmet = "" if run.summary.get("feasible", True) else f"  {missed_words(run) or 'Not all constraints are satisfied.'}"
+    states = {"start": "start", "baseline": "planar", "baseline_tilted": "planar, tilted", "baseline_even": "even layers",
+              "binary": "optimized"}
+    return [*headline_sentences(run)[1:],
+            f"Distortion ({run.measure()}): planar {length['baseline']}{start}, optimized {length['binary']} "
             f"(with smooth layers {length['optimized']}).",
             f"{elements(run)}, {len(run.layers('optimized'))} layers, "
             f"{run.summary['iterations']} iterations in {duration(run.summary['seconds']['total'])}.{unmet}",
+            *verdict_sentences(run, states), *filter(None, [thickest_sentence(run, result_of(run))]),
             *check_sentences(run)]
 
 
@@ -111,7 +123,8 @@ def draw_simulation(run, path):
     moved = {"as built": run.fields["displacement"]}
     if "release_displacement" in run.fields:
         moved["released"] = moved["as built"] + run.fields["release_displacement"]
-    pictures = Pictures(run, [run.fields["layer"]], list(moved.values()), [failing_elements(run, "")])
+    pictures = Pictures(run, [run.fields["layer"]], list(moved.values()), [failing_elements(run, "")],
+                        [out_of_thickness(run, "")])
     labels = [(f"{len(run.layers('simulated'))} layers", INK)]
     labels += [(f"{state}, moved by up to {quantity(length, run.unit)}", colour)
                for state, length, colour in zip(moved, pictures.largest_each, (INK, OPTIMIZED))]
@@ -134,7 +147,7 @@ def simulation_sentences(run):
     distortion = f"  Distortion ({run.measure()}): {quantity(run.length('simulated'), run.length_unit())}." if known else ""
     return [f"{after}{distortion}",
             f"{elements(run)}, {len(run.layers('simulated'))} layers, {duration(run.summary['seconds']['total'])}.",
-            *check_sentences(run)]
+            *verdict_sentences(run, {"simulated": "these layers"}), *check_sentences(run)]
 
 
 def table(run):

@@ -6,6 +6,7 @@ from matplotlib import colormaps, ticker
 
 from fabseq_tools.plot import render_part
 from fabseq_tools.plot.drawing import ALLOWED, OPTIMIZED, PLANAR, SOFT_INK
+from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.words import quantity
 
 PALE = "#d5d9de"
@@ -35,7 +36,7 @@ def plot_distortion(axes, run):
 
 def plot_violation(axes, run):
     iterations = run.iterations
-    percent = 100 * np.array([np.nan if line["worst_constraint"] is None else line["worst_constraint"] for line in run.history])
+    percent = 100 * worst_misses(run)
     axes.plot(iterations, percent, color=OPTIMIZED, linewidth=2)
     axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
     largest = np.nanmax(np.append(percent, 1.0))

@@ -12,14 +12,16 @@ from fabseq_tools.run.command_line import RunError, warn
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
 MOST_DOTS = 24
 FAILING = (226, 40, 40)  # bytes: what the machine cannot build
+CHEQUERED = (60, 60, 60)  # bytes: of every other element whose thickness is out of range
 
 
 class Pictures:
     """`images`: one for each of `layers` (fields of the elements), then one for each of `displacements` (of
-    the nodes). `failing`: for each of `layers` which elements cannot be built, marked in its picture.
+    the nodes). `failing`: for each of `layers` which elements cannot be built, marked in its picture;
+    `out_of_range`: which are too thick or too thin, chequered.
     `largest_each`: the largest of each of the displacements, inside the part, too."""
 
-    def __init__(self, run, layers, displacements, failing):
+    def __init__(self, run, layers, displacements, failing, out_of_range):
         config = run.config
         self.part = render_part.VoxelPart(run.fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
         self.displacements = [render_part.node_vectors(self.part, values) for values in displacements]
@@ -32,11 +34,15 @@ class Pictures:
                                for u in self.displacements])
         self.measured = spread(self.part.nodes, marked_nodes(run), MOST_DOTS)
         self.layers, self.marks = len(layers), any(elements.any() for elements in failing)
-        self.images = crop_together([*map(self.layered, layers, failing), *map(self.distorted, self.displacements, self.lengths)])
+        self.chequers = any(elements.any() for elements in out_of_range)
+        self.images = crop_together([*map(self.layered, layers, failing, out_of_range),
+                                     *map(self.distorted, self.displacements, self.lengths)])
         self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
 
-    def layered(self, layer, failing):
+    def layered(self, layer, failing, out_of_range):
         colours = render_part.layer_colours(self.part, layer, int(layer.max()))
+        every_other = np.indices(out_of_range.shape).sum(axis=0) % 2 == 0
+        colours[(out_of_range & every_other).ravel()[self.part.face_element]] = CHEQUERED
         colours[failing.ravel()[self.part.face_element]] = FAILING
         return render_part.render(self.part, frame=self.frame, face_colours=colours)
 

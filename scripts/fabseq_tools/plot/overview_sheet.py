@@ -14,8 +14,10 @@ WIDTH = 16.0  # inches
 DOTS_PER_INCH = 120
 LINE = 0.25   # inches: height of a line below the headline
 LETTERS = 165  # of such a line, at most
+TITLE_LINE, TITLE_LETTERS = 0.38, 95  # the same of the headline
 BETWEEN_PANELS, BETWEEN_GROUPS = 0.01, 0.03  # of the width
 MARKED = "red: begins in the air, out of the torch's reach, or tilted too far"
+CHEQUERED = "chequered: thickness out of range"
 TITLE, HEADINGS, PICTURES, LEGENDS, CHARTS = range(5)  # rows
 LOOK = {"font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
         "axes.edgecolor": "#c5c9ce", "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
@@ -27,13 +29,16 @@ def draw_sheet(path, title, sentences, pictures, labels, charts, unit):
     """Writes the picture. `sentences`: those below the headline, each on a line of its own or more. `labels`:
     words and colour for each of `pictures`. `charts`: functions that draw on axes."""
     plt.rcParams.update(LOOK)
+    headings = textwrap.wrap(title, TITLE_LETTERS)
+    more = TITLE_LINE * (len(headings) - 1)
     lines = [line for sentence in sentences for line in textwrap.wrap(sentence, LETTERS)]
     panels = Panels(pictures)
     tall = min(max(panels.width * WIDTH * pictures.aspect, 1.8), 5.5)
-    sheet = Sheet([0.80 + LINE * len(lines), 0.55, tall, 1.55, 2.9, 0.75])
-    sheet.text(0.03, TITLE, 0.48, title, fontsize=min(22, 1500 / len(title)), weight="bold")
+    sheet = Sheet([0.80 + more + LINE * len(lines), 0.55, tall, 1.55, 2.9, 0.75])
+    for number, line in enumerate(headings):
+        sheet.text(0.03, TITLE, 0.48 + TITLE_LINE * number, line, fontsize=min(22, 1500 / max(map(len, headings))), weight="bold")
     for number, line in enumerate(lines):
-        sheet.text(0.03, TITLE, 0.90 + LINE * number, line, fontsize=11.5, color=SOFT_INK)
+        sheet.text(0.03, TITLE, 0.90 + more + LINE * number, line, fontsize=11.5, color=SOFT_INK)
     panels.draw(sheet, pictures, labels)
     panels.add_legends(sheet, pictures, unit)
     width = (0.93 - 0.075 * (len(charts) - 1)) / max(len(charts), 1)
@@ -91,8 +96,9 @@ class Panels:
         legend(sheet, middles[0], render_part.LAYER_COLOURS, "built first", "built last")
         legend(sheet, middles[1], render_part.DISPLACEMENT_COLOURS, "displacement  0", quantity(pictures.largest, unit))
         notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
-        if pictures.marks:
-            sheet.text(middles[0], LEGENDS, 0.90, MARKED, ha="center", fontsize=10.5, color=SOFT_INK)
+        marks = [MARKED] * pictures.marks + [CHEQUERED] * pictures.chequers
+        if marks:
+            sheet.text(middles[0], LEGENDS, 0.90, "      ".join(marks), ha="center", fontsize=10.5, color=SOFT_INK)
         sheet.text(middles[1], LEGENDS, 0.90, "      ".join(notes), ha="center", fontsize=10.5, color=SOFT_INK)
 
 

@@ -6,6 +6,7 @@ import math
 
 from fabseq_tools.report.words import STATES, Figures, band, model_of, states_of, unit_of
 from fabseq_tools.run.check_words import result_of
+from fabseq_tools.run.misses import worst_misses
 
 PHASES = ("heat", "layers", "primal", "adjoint", "responses", "optimizer", "output")
 
@@ -84,8 +85,11 @@ def relative(values, first, position):
 
 
 def violation(runs):
-    result = over_iterations(runs, "worst_constraint", "Worst violation of a constraint, %", 100.0, symmetric=True,
-                             band=[None, 0.0], note="0 and below: all are satisfied")
+    curves = [{**role(n, run, runs, ""),
+               "points": list(zip((line["iteration"] for line in run.history), 100 * worst_misses(run)))}
+              for n, run in enumerate(runs)]
+    result = chart("Worst violation of a constraint, %", curves, "iteration", symmetric=True, band=[None, 0.0],
+                   note="0 and below: all are satisfied; of counts the share of the part beyond their limits")
     return result if any(run.config.get("constraints") for run in runs) else None
 
 
@@ -111,7 +115,7 @@ def layers(runs, key):
                   if result_of(run) in run.summary]
     else:
         curves = [{"label": words, "role": state, **layer_points(run, state, key)}
-                  for state, words in states_of(run).items() if state != "baseline_matched"]
+                  for state, words in states_of(run).items() if state not in ("baseline_matched", "baseline_tilted")]
     constraint = run.thickness_constraint()
     more = {"band": list(band(constraint))} if key == "thickness" and constraint else {}
     title = f"Thickness of each layer, {unit_of(run)}" if key == "thickness" else f"Volume of each layer, {unit_of(run)}³"

@@ -20,10 +20,11 @@ from fabseq_tools.report.tables import comparison, constraints, facts_table, res
 from fabseq_tools.report.torch_paths import SUMMARY as PATHS, paths
 from fabseq_tools.report.views import packed_scene, views_of
 from fabseq_tools.report.words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
-from fabseq_tools.run.check_words import check_sentences
+from fabseq_tools.run.check_words import check_sentences, result_of
 from fabseq_tools.run.command_line import RunError, parser_of
 from fabseq_tools.run.read_run import Run, read_fields, read_history, read_json
 from fabseq_tools.run.settings import NOT_COMPARED, flat
+from fabseq_tools.run.verdict_words import headline_sentences, missed_words, thickest_sentence, verdict_sentences
 
 COMMAND = "report"
 
@@ -96,8 +97,9 @@ def body_of(runs, notes):
     lines = [f"<h1>{escape('Comparison of runs' if several else run_name(run))}</h1>"]
     for each in runs:
         label = f"<b>{escape(each.label)}</b>: " if several else ""
-        lines.append(f'<p class="headline">{label}{escape(headline(each))}</p>')
-        lines += [f'<p class="worst">{escape(words)}</p>' for words in (worst_case(each), *check_sentences(each)) if words]
+        first, *others = [*headline_sentences(each), headline(each)]
+        lines.append(f'<p class="headline">{label}{escape(first)}</p>')
+        lines += [f'<p class="worst">{escape(words)}</p>' for words in (*others, *conclusions(each, several)) if words]
     if not several:
         lines.append(f'<p class="note">{escape(summary_line(run))}</p>')
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
@@ -107,6 +109,14 @@ def body_of(runs, notes):
                 ("Torch paths", "" if several else paths(run)), ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]
     return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
+
+
+def conclusions(run, several):
+    """Sentences below the headline: of several runs only on what the run is about."""
+    state = result_of(run)
+    states = {state: states_of(run).get(state)} if several else states_of(run)
+    return [worst_case(run), missed_words(run), *verdict_sentences(run, states), thickest_sentence(run, state),
+            *check_sentences(run)]
 
 
 def notes_of(runs, scene, factors):

@@ -11,7 +11,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import element_edges, nodes_of
 from fabseq_tools.geometry.slopes import element_slopes, node_slopes
 from fabseq_tools.report.words import unit_of
-from fabseq_tools.run.check_words import thickness_limits
+from fabseq_tools.run.check_words import percent, thickness_limits
 from fabseq_tools.run.words import number
 
 LARGEST = 4_000_000      # bytes of all views together, as text
@@ -28,13 +28,16 @@ FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "p
           "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
           "blocked": {"label": "depth of collisions with the torch", "colours": "heat", "length": True},
           "tilt": {"label": "tilt of the torch", "colours": "heat", "unit": "degrees"},
-          "hanging": {"label": "what begins in the air", "colours": "marked", "words": ["on something", "begins in the air"]}}
-LARGEST_OF = ("layer", "hanging", "blocked")  # fields of which a coarser element shows the largest value, not the mean
+          "hanging": {"label": "what begins in the air", "colours": "marked", "words": ["on something", "begins in the air"]},
+          "out_of_range": {"label": "thickness out of range", "colours": "marked", "words": ["in its range", "out of range"]}}
+MARKS = ("hanging", "out_of_range")  # 0 or 1
+LARGEST_OF = ("layer", *MARKS, "blocked")  # fields of which a coarser element shows the largest value, not the mean
 
 
 def views_of(run, labels):
     """The part and a view for each state that result.h5 holds, as arrays. `labels`: words by state."""
     prefixes = {"start": ("start/", "start/"), "baseline": ("planar/", "planar/"),
+                "baseline_tilted": ("tilted/", "tilted/"), "baseline_even": ("even/", "even/"),
                 "binary": ("", "binary/" if "binary/displacement" in run.fields else ""), "simulated": ("", "")}
     return [{**view_of(run, state, group, shape), "label": labels[state]} for state, (group, shape) in prefixes.items()
             if state in labels and {group + "time", group + "layer", shape + "displacement"} <= set(run.fields)]
@@ -52,6 +55,10 @@ def view_of(run, state, group, shape):
         limits, thickness = thickness_limits(run), fields["local_thickness"]
         most = limits[1] if limits else SHOWN_THICKNESS * np.nanmedian(thickness[run.fields["density"] > 0])
         fields["local_thickness"] = np.minimum(thickness, most)
+        if limits:
+            fields["out_of_range"] = 1.0 - ((thickness >= limits[0]) & (thickness <= limits[1]))
+            share = np.mean(fields["out_of_range"][run.fields["density"] > 0])
+            notes["out_of_range"] = f"{percent(share)} of the part's elements"
     displacement = np.moveaxis(run.fields[shape + "displacement"], -1, 0)
     view = {"time": run.fields[group + "time"], "displacement": displacement, "fields": fields, "notes": notes}
     if state == "simulated" and "residual_stress" in run.fields:
@@ -171,7 +178,7 @@ def packed_shape(run, shape, part, built, factor):
 def shown_range(name, values, run):
     if name == "local_thickness" and thickness_limits(run):
         return thickness_limits(run)
-    if name == "hanging":
+    if name in MARKS:
         return [0.0, 1.0]
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     return [1.0 if name == "layer" else low if name == "local_thickness" else 0.0, high]

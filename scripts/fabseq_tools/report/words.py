@@ -6,6 +6,7 @@ import math
 from fabseq_tools.run.words import alike, duration, factor, number, quantity
 
 STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
+          "baseline_tilted": "planar, tilted", "baseline_even": "even layers",
           "optimized": "optimized, smooth", "binary": "optimized, binary", "simulated": "simulated"}
 DISPLACEMENTS = [(what, key, f"{kind} displacement of {words}")
                  for what, words in (("nodes", "the objective's nodes"), ("part", "the whole part"))

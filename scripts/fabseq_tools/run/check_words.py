@@ -28,11 +28,22 @@ def failing_elements(run, group):
     return np.any(found, axis=0) if found else np.zeros(run.fields["density"].shape, bool)
 
 
+def out_of_thickness(run, group):
+    """Elements of the layers of that prefix in result.h5 whose local thickness cannot be deposited."""
+    limits, thickness = thickness_limits(run), run.fields.get(group + "local_thickness")
+    if limits is None or thickness is None:
+        return np.zeros(run.fields["density"].shape, bool)
+    return (run.fields["density"] > 0) & ~((thickness >= limits[0]) & (thickness <= limits[1]))
+
+
 def check_sentences(run):
     """Sentences on a sequence that gains nothing, on elements that begin in the air or that the torch does
     not reach, on its tilt, and on stress beyond the yield stress."""
-    return [sentence for sentence in (gain_words(run), planar_words(run), hanging_words(run), reach_words(run), tilt_words(run),
-                                      stress_words(run)) if sentence]
+    # Headline and verdicts of newer programs say more.
+    compared, judged = "headline" in run.summary, "verdict" in run.summary.get(result_of(run), {})
+    words = [*([] if compared else [gain_words, planar_words]), *([] if judged else [hanging_words, reach_words, tilt_words]),
+             stress_words]
+    return list(filter(None, (each(run) for each in words)))
 
 
 def gain_words(run):

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/optimize/problem.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// The constraint that a design misses by most, in the unit of its own values. The same on all ranks.
+struct ConstraintMiss {
+  std::string name, type;           ///< of the component, such as constraint_0_3; of the config
+  double value = 0.0, bound = 0.0;  ///< what it is, and the end of what is allowed
+  bool is_share = false;            ///< both are shares
+  double violation = 0.0;           ///< ConstraintRow::violation(), by which constraints are compared
+  std::string words;                ///< "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"
+};
+
+/// None if all constraints hold. `values`: of Problem::responses(), [response][component]. Not collective.
+template <int Dim>
+std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<Dim>& problem,
+                                         const std::vector<std::vector<double>>& values);
+
+}  // namespace fabseq

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What is concluded from the end of an optimization, as JSON (docs/reference.md, summary.json).
+#pragma once
+
+#include "fabseq/base/json.h"
+#include "fabseq/report/headline.h"
+
+namespace fabseq {
+
+Json to_record(const Verdict& verdict);
+Json to_record(const Headline& headline);
+/// The constraint that is missed by most.
+Json to_record(const ConstraintMiss& miss);
+/// What only a baseline has: the direction of tilted layers, and all that were tried.
+void add_directions(Json& record, const Baseline& baseline);
+
+}  // namespace fabseq

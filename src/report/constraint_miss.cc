@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/report/constraint_miss.h"
+
+#include "fabseq/base/formatted.h"
+#include "fabseq/report/verdict.h"
+#include "fabseq/responses/response_type.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+std::string words_of(const ConstraintMiss& miss, const std::string& unit, const std::string& place,
+                     bool above) {
+  const auto number = [&](double value) {
+    return miss.is_share ? percent_words(value) : formatted("%.4g", value);
+  };
+  std::string type = miss.type;
+  std::replace(type.begin(), type.end(), '_', ' ');
+  return type + place + " is " + number(miss.value) +
+         (miss.is_share  ? " of the part, smoothly counted"
+          : unit.empty() ? ""
+                         : " " + unit) +
+         ", allowed at " + (above ? "most " : "least ") + number(miss.bound);
+}
+
+}  // namespace
+
+template <int Dim>
+std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<Dim>& problem,
+                                         const std::vector<std::vector<double>>& values) {
+  std::optional<ConstraintMiss> worst;
+  const std::size_t first = problem.objective_count();
+  for (std::size_t r = first; r < values.size(); ++r) {
+    const ResponseType& type = *model.settings.constraints[r - first].type;
+    for (const ConstraintRow& row : problem.responses()[r]->rows(1.0))
+      for (std::size_t c = 0; c < values[r].size(); ++c) {
+        const double violation = row.violation(values[r][c]);
+        if (violation <= (worst ? worst->violation : 0.0)) continue;
+        worst = {problem.component_name(r, c),
+                 type.name,
+                 values[r][c],
+                 row.bound,
+                 type.unit == share_of_part,
+                 violation,
+                 ""};
+        const std::string place = values[r].size() > 1 ? ", component " + std::to_string(c) + "," : "";
+        worst->words = words_of(*worst, type.unit, place, row.sign > 0.0);
+      }
+  }
+  return worst;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(worst_miss);
+
+}  // namespace fabseq

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/tasks/baselines.h"
+
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/session.h"
+#include "fabseq/base/stop.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/even_time.h"
+#include "fabseq/sequence/given_sequence.h"
+#include "fabseq/sequence/tilted_directions.h"
+#include "fabseq/tasks/coarse_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+/// Tilt of the directions to try where the machine has no limit, degrees.
+constexpr double usual_tilt = 60.0;
+
+template <int Dim>
+SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, PseudoTime<Dim> time,
+                         const LayerModel<Dim>& layers, PhaseTimer& timer) {
+  Pipeline<Dim> pipeline(setup, std::make_unique<GivenSequence<Dim>>(std::move(time)), layers,
+                         setup.config.solver.finest_tolerance(), timer);
+  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+}
+
+/// Mean of the layers by volume; none where their thickness is not defined.
+std::optional<double> mean_thickness(const std::vector<LayerNumbers>& layers) {
+  double sum = 0.0, volume = 0.0;
+  for (const LayerNumbers& layer : layers) {
+    if (!std::isfinite(layer.thickness) || !(layer.volume > 0.0)) continue;
+    sum += layer.volume * layer.thickness;
+    volume += layer.volume;
+  }
+  return sum > 0.0 ? std::optional(sum / volume) : std::nullopt;
+}
+
+/// How far the skin is from the drawing, as the headline has it.
+double skin_length(const FinishedShape& shape, bool released) {
+  return (released && shape.released ? *shape.released : shape.as_built).skin.rms;
+}
+
+/// Makes baselines in layers as thick as an optimized sequence's, on the grid of a run or on a coarser one.
+template <int Dim>
+class BaselineMaker {
+ public:
+  BaselineMaker(const Setup<Dim>& setup, const Problem<Dim>& problem, const SequenceNumbers& optimized,
+                PhaseTimer& timer)
+      : setup_(setup),
+        problem_(problem),
+        thickness_(mean_thickness(optimized.layers)),
+        used_layers_(optimized.used_layers()),
+        timer_(timer) {}
+
+  /// None if the planar baseline has as many layers.
+  std::optional<Baseline> matched() const {
+    const int count = count_for(planar_height(setup_.part, setup_.config.baseline.direction), used_layers_);
+    if (count == setup_.baseline->count()) return std::nullopt;
+    return Baseline{"baseline_matched", "planar, " + std::to_string(count) + " layers", "",
+                    planar(setup_.config.baseline.direction, count)};
+  }
+
+  std::optional<Baseline> even() const {
+    auto [time, height] = even_time(setup_.part);
+    const int count = count_for(height, setup_.layers->planar_count(height));
+    return Baseline{"baseline_even", "even layers", "even/",
+                    simulated(setup_, problem_, std::move(time), *layers_of(count), timer_)};
+  }
+
+  std::optional<Baseline> tilted() const {
+    Baseline result{"baseline_tilted", "", "tilted/", {}};
+    result.tried = try_directions(result.tried_on);
+    const TriedDirection& best = *std::min_element(result.tried.begin(), result.tried.end(), better);
+    result.direction = best.direction;
+    result.title = formatted("planar at %.3g degrees", best.tilt);
+    result.numbers = planar(best.direction);
+    print(formatted("planar layers in %zu directions: the best is tilted by %.3g degrees",
+                    result.tried.size(), best.tilt));
+    return result;
+  }
+
+ private:
+  /// What can be built comes first.
+  static bool better(const TriedDirection& a, const TriedDirection& b) {
+    return std::pair(!a.buildable, a.length) < std::pair(!b.buildable, b.length);
+  }
+
+  std::unique_ptr<const LayerModel<Dim>> layers_of(int count) const {
+    return make_layer_model({.count = count}, {}, setup_.part);
+  }
+  /// Number of layers for a height; `otherwise` where the optimized layers have no thickness.
+  int count_for(double height, int otherwise) const {
+    if (!thickness_) return otherwise;
+    return static_cast<int>(std::clamp(std::round(height / *thickness_), 1.0, 1.0 * most_layers));
+  }
+
+  SequenceReport planar(const std::vector<double>& direction, int count) const {
+    return simulated(setup_, problem_, planar_time(setup_.part, direction), *layers_of(count), timer_);
+  }
+  SequenceReport planar(const std::vector<double>& direction) const {
+    const double height = planar_height(setup_.part, direction);
+    return planar(direction, count_for(height, setup_.layers->planar_count(height)));
+  }
+
+  /// All directions within the machine's tilt, on the coarse grid of a run that begins on one.
+  std::vector<TriedDirection> try_directions(std::vector<int>& elements) const {
+    if (setup_.config.optimizer.coarse_iterations == 0) return try_directions_here(elements);
+    const CoarseGrid<Dim> coarse(setup_);
+    const Problem<Dim> problem(coarse.setup(), setup_.config.optimizer.constraint_margin);
+    BaselineMaker maker(*this, coarse.setup(), problem);
+    return maker.try_directions_here(elements);
+  }
+  BaselineMaker(const BaselineMaker& fine, const Setup<Dim>& setup, const Problem<Dim>& problem)
+      : setup_(setup),
+        problem_(problem),
+        thickness_(fine.thickness_),
+        used_layers_(fine.used_layers_),
+        timer_(fine.timer_) {}
+
+  std::vector<TriedDirection> try_directions_here(std::vector<int>& elements) const {
+    const double limit = setup_.config.tool.max_tilt;
+    const bool released = any_measures_release(setup_.config.objective);
+    std::vector<TriedDirection> result;
+    for (const auto& [direction, tilt] :
+         tilted_directions<Dim>(setup_.part.plate(), limit < 90.0 ? limit : usual_tilt)) {
+      stop_if_requested(setup_.world());
+      std::vector<double> components(direction.begin(), direction.end());
+      const SequenceNumbers numbers = planar(components);
+      result.push_back({std::move(components), tilt, skin_length(*numbers.finished, released),
+                        numbers.verdict->buildable()});
+    }
+    const Index<Dim>& of_grid = setup_.grid.domain().elements;
+    elements.assign(of_grid.begin(), of_grid.end());
+    return result;
+  }
+
+  const Setup<Dim>& setup_;
+  const Problem<Dim>& problem_;
+  std::optional<double> thickness_;
+  int used_layers_;
+  PhaseTimer& timer_;
+};
+
+/// Adds one, or says why it is missing.
+void add(std::vector<Baseline>& baselines, const char* block,
+         const std::function<std::optional<Baseline>()>& make) {
+  try {
+    std::optional<Baseline> baseline = make();
+    if (!baseline) return;
+    if (baseline->group.empty()) {  // reports take memory
+      SequenceReport numbers;
+      static_cast<SequenceNumbers&>(numbers) = std::move(baseline->numbers);
+      baseline->numbers = std::move(numbers);
+    }
+    baselines.push_back(std::move(*baseline));
+  } catch (const NumericalError& error) {
+    warn(std::string("no block ") + block + " in summary.json: " + error.what());
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
+  return simulated(setup, problem, planar_time(setup.part, setup.config.baseline.direction), *setup.baseline,
+                   timer);
+}
+
+template <int Dim>
+std::vector<Baseline> other_baselines(const Setup<Dim>& setup, const Problem<Dim>& problem,
+                                      const SequenceNumbers& optimized, PhaseTimer& timer) {
+  const BaselineMaker<Dim> maker(setup, problem, optimized, timer);
+  std::vector<Baseline> result;
+  add(result, "baseline_matched", [&] { return maker.matched(); });
+  if (setup.config.baseline.best_direction) add(result, "baseline_tilted", [&] { return maker.tilted(); });
+  if (setup.config.baseline.even) add(result, "baseline_even", [&] { return maker.even(); });
+  return result;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(planar_baseline);
+FABSEQ_INSTANTIATE_FUNCTION(other_baselines);
+
+}  // namespace fabseq
