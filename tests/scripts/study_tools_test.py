@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""fabseq-tools tradeoff and compare-families on a tiny part: tables, pictures, what is not run again, the page."""
+"""fabseq-tools tradeoff and compare-families on a tiny part: tables, pictures, the page, what runs once."""
 
 import csv
 import json
@@ -111,8 +111,8 @@ class Tradeoff(StudyTest):
 
     def test_a_limit_that_the_program_refuses(self):
         """The others are there, with the reason."""
-        run = self.tool("tradeoff", hook(constraints=[{"type": "layer_thickness", "target": 0.55}, {"type": "tilt", "width": 91}]),
-                        "--points", "2")
+        terms = [{"type": "layer_thickness", "target": 0.55}, {"type": "tilt", "width": 91}]
+        run = self.tool("tradeoff", hook(constraints=terms), "--points", "2")
         self.assertEqual(run.returncode, 2)
         self.assertIn("/constraints/1/width", run.stderr)
 
@@ -134,13 +134,18 @@ class Tradeoff(StudyTest):
         self.assertEqual(ranges[-1], [0.25, 2.25])
         for narrow, wide in zip(ranges, ranges[1:]):
             self.assertTrue(LIMITS["thickness"].holds(wide, narrow))
+        self.assertEqual(later_schedule({"max_iterations": 5, "starts": ["planar"], "start_iterations": 3}, 2),
+                         {"optimizer.max_iterations": 2, "optimizer.coarse_iterations": 0, "optimizer.starts": [],
+                          "optimizer.earlier_iterations": 6})
         self.assertEqual(later_schedule({"max_iterations": 20, "coarse_iterations": 100}, None),
                          {"optimizer.max_iterations": 60, "optimizer.coarse_iterations": 0, "optimizer.earlier_iterations": 60})
 
 
 class CompareFamilies(StudyTest):
+    words = "--ranks", "2", "--step", "60", "--azimuths", "2", "--subparts", "2"
+
     def test_families_within_the_same_limits(self):
-        self.assert_ends(self.tool("compare-families", hook(), "--ranks", "2", "--step", "60", "--azimuths", "2", "--subparts", "2"))
+        self.assert_ends(self.tool("compare-families", hook(), *self.words))
         record = self.json("families.json")
         names = [row["layers"] for row in record["rows"]]
         self.assertEqual(names, ["planar", "tilted planar, 60 degrees", "multi-planar, 2 sub-parts", "heat", "guided"])
@@ -157,7 +162,7 @@ class CompareFamilies(StudyTest):
         self.assertEqual(planar["violated"], ["12 elements begin in the air"])
         self.assertTrue(os.path.getsize(self.path("families.png")) > 1000)
         times = os.stat(self.path("heat", "summary.json")).st_mtime_ns
-        self.assert_ends(self.tool("compare-families", hook(), "--ranks", "2", "--step", "60", "--azimuths", "2", "--subparts", "2"))
+        self.assert_ends(self.tool("compare-families", hook(), *self.words))
         self.assertEqual(os.stat(self.path("heat", "summary.json")).st_mtime_ns, times)
 
     def test_two_dimensions(self):

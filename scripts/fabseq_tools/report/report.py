@@ -63,7 +63,8 @@ def page_of(runs):
     """The page as text."""
     shown = [(run, views_of(run, view_labels(run, runs)) if "density" in run.fields else []) for run in runs]
     scene, factors = packed_scene(shown)
-    data = {"unit": unit_of(runs[0]), "charts": charts_of(runs) + (tradeoff_charts(runs[0]) if len(runs) == 1 else []), "scene": scene}
+    charts = charts_of(runs) + (tradeoff_charts(runs[0]) if len(runs) == 1 else [])
+    data = {"unit": unit_of(runs[0]), "charts": charts, "scene": scene}
     title = f"{run_name(runs[0])}: report" if len(runs) == 1 else "Comparison of runs"
     return Template(read("page.html")).substitute(
         title=escape(title), style=read("page.css"), body=body_of(runs, notes_of(runs, scene, factors)),

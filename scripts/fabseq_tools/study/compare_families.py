@@ -4,13 +4,13 @@
     fabseq-tools compare-families PART.json [--subparts 2 3 4] [--step 20] [--azimuths 4] [--ranks 2]
                                   [--output DIR] [--program build/release/fabseq] [-- OPTIONS OF THE PROGRAM]
 
-The limits are those of the config's tool: range of local thickness, largest tilt, torch; and nothing begins in
-the air. The config needs a layer_thickness constraint. Constraints on the limits are added where the config
-has none: those of a type that a kind of layers does not have are left out for it.
+The limits are those of the config's tool: range of local thickness, largest tilt, torch; and nothing begins
+in the air. The config needs a layer_thickness constraint. Constraints on the limits are added where the
+config has none: those of a type that a kind of layers does not have are left out for it.
 
     planar               one simulation
-    tilted planar        the best of a scan: tilts in steps of --step degrees up to the limit (60 without one),
-                         to as many sides as --azimuths says; those whose checks are satisfied before others
+    tilted planar        the best of a scan: tilts in steps of --step degrees up to the limit (60 without
+                         one), to as many sides as --azimuths says; those that satisfy the checks first
     multi-planar         optimized, as many sub-parts as --subparts says, which start leaning to that side
     heat, guided         optimized; guided without the uniformity of layers
 
@@ -80,8 +80,8 @@ class Comparison:
         with Progress(f"{COMMAND}: tilted planar layers") as progress:
             directions = list(self.families.directions(arguments.step, arguments.azimuths))
             for number, (tilt, direction) in enumerate(progress.steps(directions, "direction")):
-                family = self.families.planar(f"tilted planar, {tilt:g} degrees", f"tilted_{tilt:g}_{number % arguments.azimuths}",
-                                              direction, height(direction))
+                name = f"tilted_{tilt:g}_{number % arguments.azimuths}"
+                family = self.families.planar(f"tilted planar, {tilt:g} degrees", name, direction, height(direction))
                 self.scan.append(self.row(family, say=False) | {"tilt": tilt, "direction": direction.tolist()})
         done = [row for row in self.scan if "reason" not in row]
         if not done:

@@ -115,7 +115,8 @@ def cells(row, name):
 def write_table(rows, record, path, first):
     """PATH.json with `record` around the rows, and PATH.csv."""
     write_json(path + ".json", record | {"rows": rows})
-    flat = [{first[0]: row[first[0]], "reason": row.get("reason")} | {key: plain(row.get(key)) for key in COLUMNS} for row in rows]
+    flat = [{first[0]: row[first[0]], "reason": row.get("reason")} | {key: plain(row.get(key)) for key in COLUMNS}
+            for row in rows]
     write_rows(path + ".csv", flat)
     print(path + ".json", path + ".csv", sep="\n")
 

@@ -24,8 +24,8 @@ def parser_of_rounds(text, command, config, default_output):
 
 
 class Rounds:
-    """`config`: as it was written. The words of the command line choose the program and its ranks; what stands
-    behind -- goes to the program in every run, after the settings."""
+    """`config`: as it was written. The words of the command line choose the program and its ranks; what
+    stands behind -- goes to the program in every run, after the settings."""
 
     def __init__(self, arguments):
         self.arguments, self.config = arguments, read_config(arguments.config)

@@ -17,8 +17,8 @@ of the schedules (--iterations for another number).
 Into DIR, by default output/CONFIG_tradeoff, go tradeoff_thickness.json, .csv, .svg and .png (or
 tradeoff_tilt), and a folder for each run. A run that is done is not repeated, and one that was interrupted
 goes on: the command can be killed and called again. `fabseq-tools report` shows curve and table in the page
-of any of these runs, and of DIR where that is the folder of a run itself. `satisfied` is what the exact checks
-of binary layers say. A share of the part that the constraints let pass counts as none.
+of any of these runs, and of DIR where that is the folder of a run itself. `satisfied` is what the exact
+checks of binary layers say. A share of the part that the constraints let pass counts as none.
 """
 
 import os
@@ -120,8 +120,9 @@ def main(words):
     arguments = parse(parser, words)
     arguments.output = arguments.output or figures.folder_of(arguments.config, COMMAND)
     limit, rounds = LIMITS[arguments.over], Rounds(arguments)
-    if rounds.config["sequence"].get("type", "heat") in WITHOUT_DESIGN:
-        raise RunError(f"{arguments.config}: sequence.type: found {rounds.config['sequence']['type']}; allowed: one with a design")
+    kind = rounds.config["sequence"].get("type")
+    if kind in WITHOUT_DESIGN:
+        raise RunError(f"{arguments.config}: sequence.type: found {kind}; allowed: one with a design")
     target, values = rounds.target_thickness(), values_of(arguments, limit, rounds.config)
     record = {"over": arguments.over, "key": limit.key, "label": limit.label, "unit": rounds.config["domain"].get("unit") or ""}
     path, rows, design = os.path.join(arguments.output, name_of(arguments.over)), [], None
@@ -176,9 +177,15 @@ def point(rounds, limit, value, design, iterations, target):
 def later_schedule(optimizer, iterations):
     """Settings of a run that starts from an optimized design: the last part of the schedules of the whole."""
     planned = optimizer.get("max_iterations", 120) + optimizer.get("coarse_iterations", 0)
+    planned += optimizer.get("start_iterations", 15) if optimizer.get("starts") else 0
     own = iterations or max(1, planned // 2)
-    return {"optimizer.max_iterations": own, "optimizer.coarse_iterations": 0,
+    return {"optimizer.max_iterations": own, "optimizer.coarse_iterations": 0, **without_starts(optimizer),
             "optimizer.earlier_iterations": optimizer.get("earlier_iterations", 0) + max(0, planned - own)}
+
+
+def without_starts(optimizer):
+    """A setting where the config has some: a run that starts from a design has no others."""
+    return {"optimizer.starts": []} if optimizer.get("starts") else {}
 
 
 def references(run):
