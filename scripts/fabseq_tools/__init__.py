@@ -4,11 +4,11 @@
 A module with a COMMAND and a function main(words) is a command of `fabseq-tools`; entry.py finds it. A module
 imports from its own package and from those before it in this order, never from one after it or beside it:
 
-    run < geometry < plot < paths, calculix, calibration, orientation, start < report
+    run < geometry < plot < paths, calculix, calibration, orientation, start, study < report
 
 run: output directories, configs, command lines. geometry: grids, surfaces, bodies, layers. plot: pictures.
 paths: torch paths. calculix: decks for another solver. calibration: measured parts. orientation: which way
-up. start: first configs. report: pages for a browser.
+up. start: first configs. study: one part within several limits. report: pages for a browser.
 """
 
 import logging

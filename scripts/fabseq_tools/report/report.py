@@ -18,6 +18,7 @@ from string import Template
 from fabseq_tools.report.charts import charts_of
 from fabseq_tools.report.tables import comparison, constraints, facts_table, results, sensitivity
 from fabseq_tools.report.torch_paths import SUMMARY as PATHS, paths
+from fabseq_tools.report.tradeoff import find_tradeoffs, tradeoff_charts, tradeoff_tables
 from fabseq_tools.report.views import packed_scene, views_of
 from fabseq_tools.report.words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
 from fabseq_tools.run.check_words import check_sentences, result_of
@@ -33,7 +34,7 @@ PARTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
 
 class ReportRun(Run):
     """Whatever an output directory holds: only config.json must be there. `sensitivity` and `paths` may be
-    None."""
+    None. `tradeoffs`: records of the folder or the one above."""
 
     def __init__(self, directory):
         def optional(name, read, otherwise):
@@ -44,6 +45,7 @@ class ReportRun(Run):
                   optional("result.h5", lambda folder, name: read_fields(os.path.join(folder, name)), {}))
         self.sensitivity = optional("sensitivity.json", read_json, None)
         self.paths = optional(PATHS, read_json, None)
+        self.tradeoffs = find_tradeoffs(directory)
         self.label = os.path.basename(os.path.abspath(directory))
         self.settings = settings_of(self.config)
 
@@ -62,7 +64,8 @@ def page_of(runs):
     """The page as text."""
     shown = [(run, views_of(run, view_labels(run, runs)) if "density" in run.fields else []) for run in runs]
     scene, factors = packed_scene(shown)
-    data = {"unit": unit_of(runs[0]), "charts": charts_of(runs), "scene": scene}
+    charts = charts_of(runs) + (tradeoff_charts(runs[0]) if len(runs) == 1 else [])
+    data = {"unit": unit_of(runs[0]), "charts": charts, "scene": scene}
     title = f"{run_name(runs[0])}: report" if len(runs) == 1 else "Comparison of runs"
     return Template(read("page.html")).substitute(
         title=escape(title), style=read("page.css"), body=body_of(runs, notes_of(runs, scene, factors)),
@@ -105,6 +108,7 @@ def body_of(runs, notes):
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
     sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
                 ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
+                ("Trade-off, binary layers", "" if several else tradeoff_tables(run)),
                 ("Constraints", "" if several else constraints(run)),
                 ("Torch paths", "" if several else paths(run)), ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]

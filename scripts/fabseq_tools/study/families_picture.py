@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""The bars of `fabseq-tools compare-families`."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from fabseq_tools.plot.drawing import INK, OPTIMIZED, SOFT_INK, plain_text, save, tidy
+
+BARS = (("skin", "as built", OPTIMIZED), ("skin_released", "after the release", INK))
+HEIGHT, DOTS = 0.38, 130  # of a bar; per inch
+
+
+def draw(rows, record, path):
+    """PATH.png: a pair of bars for each kind of layers, hatched where the checks are not satisfied, with the
+    reason beside it."""
+    with plain_text():
+        figure, axis = plt.subplots(figsize=(11.0, 0.75 * len(rows) + 1.4), constrained_layout=True)
+        tidy([axis])
+        most = max(row[key] or 0.0 for row in rows if "reason" not in row for key, _, _ in BARS)
+        for place, row in enumerate(rows):
+            values = [row.get(key) or 0.0 for key, _, _ in BARS]
+            for number, (value, (_, _, colour)) in enumerate(zip(values, BARS)):
+                filling = {"facecolor": colour} if row.get("satisfied") else {"facecolor": "white", "hatch": "///"}
+                axis.barh(place + HEIGHT * (number - 0.5), value, 0.92 * HEIGHT, edgecolor=colour, **filling)
+            axis.text(max(values) + 0.01 * most, place, words_of(row), va="center", fontsize=8, color=SOFT_INK)
+        axis.set_yticks(np.arange(len(rows)), [row["layers"] for row in rows])
+        axis.invert_yaxis()
+        axis.set_xlim(0.0, 1.6 * most)
+        unit = f", {record['unit']}" if record["unit"] else ""
+        axis.set_xlabel(f"deviation of the skin, root mean square{unit} (hatched: cannot be built within the limits)")
+        axis.legend(handles=[plt.Rectangle((0, 0), 1, 1, color=colour) for _, _, colour in BARS],
+                    labels=[label for _, label, _ in BARS], frameon=False, fontsize=9, loc="lower right")
+        save(figure, path + ".png", DOTS)
+        plt.close(figure)
+
+
+def words_of(row):
+    if "reason" in row:
+        return f"refused: {row['reason'][:90]}"
+    return "satisfied" if row["satisfied"] else "\n".join(row["violated"])

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Runs of one config with other settings, each in a folder of its own, which go on where they were."""
+
+import json
+import os
+import shutil
+
+from fabseq_tools.run.command_line import RunError, parser_of, run_program, write_json
+from fabseq_tools.run.places import PROGRAM
+from fabseq_tools.run.read_run import Run, read_config, read_json
+
+DONE = "converged", "iteration_limit"
+PARTS = {"domain": dict, "part": dict, "sequence": dict, "layers": dict}
+
+
+def parser_of_rounds(text, command, config, default_output):
+    """The words that all such commands share."""
+    parser = parser_of(text, command)
+    parser.add_argument("config", metavar=config)
+    parser.add_argument("--output", default=default_output, metavar="DIR", help="folder of it all (default: %(default)s)")
+    parser.add_argument("--ranks", type=int, default=2, metavar="N", help="of the program (default: %(default)s)")
+    parser.add_argument("--program", default=PROGRAM)
+    return parser
+
+
+class Rounds:
+    """`config`: as it was written. The words of the command line choose the program and its ranks; what
+    stands behind -- goes to the program in every run, after the settings."""
+
+    def __init__(self, arguments):
+        self.arguments, self.config = arguments, read_config(arguments.config)
+        if arguments.ranks < 1:
+            raise RunError(f"--ranks: found {arguments.ranks}; allowed: 1 or more")
+        if shutil.which(arguments.program) is None:
+            raise RunError(f"{arguments.program}: no such program")
+        for key, kind in PARTS.items():
+            if not isinstance(self.config.get(key), kind):
+                raise RunError(f"{arguments.config}: {key} is missing or no object")
+        os.makedirs(arguments.output, exist_ok=True)
+
+    def target_thickness(self):
+        """Of a layer_thickness constraint, which all that is compared here refers to."""
+        for constraint in self.config.get("constraints", []):
+            if constraint.get("type") == "layer_thickness" and isinstance(constraint.get("target"), (int, float)):
+                return constraint["target"]
+        raise RunError(f"{self.arguments.config}: constraints: found no layer_thickness; needed: one with a target, to which "
+                       "local thickness is relative")
+
+    def path(self, name):
+        return os.path.join(self.arguments.output, name)
+
+    def run(self, name, settings, task="optimize", options=()):
+        """The finished run of these settings (of -set, by path). A folder with just this run is only looked
+        at; an optimization that was interrupted goes on. Raises RunError if the program refuses or fails."""
+        directory, words = self.path(name), [*settings_of(settings), *map(str, options)]
+        asked = {"config": self.config, "task": task, "options": words, "rest": self.arguments.rest}
+        done = self.finished(name, asked)
+        if done:
+            return done
+        # The note comes first: without its result it says nothing, and a result beside it is of this run.
+        if self.note(name) != asked:
+            self.drop_result(directory)
+        write_json(self.path(f"{name}.json"), asked)
+        again = ["-restart", "auto"] if task == "optimize" else ["-overwrite"]
+        run_program(self.arguments, self.arguments.config, task, *words, *again, "-output", directory)
+        return Run(directory, simulations=True)
+
+    def note(self, name):
+        """What the last run of that name was asked for; None without one."""
+        try:
+            return read_json(self.arguments.output, f"{name}.json")
+        except RunError:
+            return None
+
+    def finished(self, name, asked):
+        """None unless the folder holds the result of just that."""
+        if self.note(name) != json.loads(json.dumps(asked)):
+            return None
+        try:
+            run = Run(self.path(name), simulations=True)
+        except RunError:
+            return None
+        return run if run.summary.get("status") in DONE else None
+
+    @staticmethod
+    def drop_result(directory):
+        """A result of other settings must not pass for one of these if this run does not get to its end."""
+        path = os.path.join(directory, "summary.json")
+        if os.path.exists(path):
+            os.remove(path)
+
+
+def settings_of(settings):
+    """Words of the command line for settings by path."""
+    return [word for key, value in settings.items() for word in ("-set", f"{key}={json.dumps(value)}")]
+
+
+def with_constraint(constraints, kind, **more):
+    """The list with a constraint of that type: its own, or else a new one."""
+    if any(constraint.get("type") == kind for constraint in constraints):
+        return list(constraints)
+    return [*constraints, {"type": kind, **more}]
