@@ -57,6 +57,7 @@ class BestIterate {
   int iteration() const { return iteration_; }
   double beta() const { return beta_; }
   double worst_constraint() const { return worst_constraint_; }
+  double merit() const { return merit_; }
   bool feasible() const { return standing_ == Standing::satisfied; }
   const Design& design() const { return design_; }
 
