@@ -19,6 +19,7 @@
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/tasks/optimization.h"
+#include "fabseq/tasks/starts.h"
 #include "fabseq/tasks/tasks.h"
 
 #include <exception>
@@ -31,10 +32,12 @@ template <int Dim>
 void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const std::optional<Restart> restart = find_restart(setup, command_line);
   const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
+  const auto starts = restart ? std::nullopt : make_starts(setup, command_line, coarse.has_value());
   if (!restart) require_design(setup, command_line);
   RunOutput<Dim> output(setup, command_line, restart, timer);
-  const CommandLine start =  // grid sequencing (9)
+  const CommandLine refined =  // grid sequencing (9)
       begin_on_coarse_grid<Dim>(coarse, command_line, setup, output, optimize<Dim>);
+  const CommandLine start = begin_with_starts<Dim>(starts, refined, output, optimize<Dim>);
   Pipeline<Dim> pipeline(setup, setup.config.solver.finest_tolerance(), timer);
   RunState<Dim> run = starting_state(setup, command_line, start, restart, pipeline);
   try {

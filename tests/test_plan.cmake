@@ -53,7 +53,7 @@ set(FABSEQ_COSTS
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
     integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.gradient_matrix=40 integration.guided=30
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
-    integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.squares=20 integration.leaks=20
+    integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
     integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
     integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.package=5
     scripts.tools_package_test=15 scripts.new_config_test=25 scripts.study_tools_test=45 scripts.damaged_files_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)

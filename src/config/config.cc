@@ -2,6 +2,8 @@
 #include "fabseq/config/config.h"
 
 #include "config/config_keys.h"
+#include "fabseq/base/error.h"
+#include "fabseq/base/refusal.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/sequence_kind.h"
 
@@ -15,6 +17,12 @@ std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
     if (const auto target = constraints[i].type->facts(constraints[i]).target_thickness)
       return TargetThickness{*target, "/constraints/" + std::to_string(i) + "/target"};
   return std::nullopt;
+}
+
+ToolRange range_of(const ToolSettings& tool) {
+  ToolRange range{tool.max_tilt};
+  if (!tool.profile.empty()) range.thickness = tool.thickness;
+  return range;
 }
 
 }  // namespace
@@ -33,11 +41,30 @@ void complete(Config& config) {
   if (config.layers.multi_planar)
     complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
   config.layers.target = target_of(config.constraints);
-  ToolRange tool{config.tool.max_tilt};
-  if (!config.tool.profile.empty()) tool.thickness = config.tool.thickness;
-  config.sequence.kind->follow_tool(config.sequence, tool);
+  config.sequence.kind->follow_tool(config.sequence, range_of(config.tool));
   complete_move_limits(config.optimizer, config.sequence, config.objective);
   check_rules(config);
+}
+
+SequenceSettings with_start(const Config& config, const Json& sequence, std::size_t start) {
+  const std::string pointer = pointer_to("/optimizer/starts", start), initial = "/sequence/initial";
+  const SequenceKind& kind = *config.sequence.kind;
+  Json object = sequence;
+  const Json& value = config.optimizer.starts[start];
+  if (find_member(object, "initial") == nullptr)
+    refuse(pointer, shown(value) + " with sequence type \"" + kind.name + "\", which has no key initial",
+           "no starts with this type");
+  object["initial"] = value;
+  try {
+    object = complete_section(object, "/sequence", "sequence", config.dimension(), "");
+    SequenceSettings result = read_sequence(object, {"/sequence", config.dimension()});
+    kind.follow_tool(result, range_of(config.tool));
+    kind.check(result, object);
+    return result;
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    throw InputError(message.starts_with(initial) ? pointer + message.substr(initial.size()) : message);
+  }
 }
 
 void complete_derived(Config& config) {

@@ -140,6 +140,8 @@ std::vector<std::string> sequences_with_design() {
 
 void check_optimizer(const Config& config) {
   const OptimizerSettings& optimizer = config.optimizer;
+  for (std::size_t start = 0; start < optimizer.starts.size(); ++start)
+    (void)with_start(config, config.effective.at("sequence"), start);
   if (optimizer.final_move_limit <= optimizer.move_limit) return;
   refuse("/optimizer/final_move_limit", given(config, "optimizer", "final_move_limit"),
          "\"auto\" or a number in (0, " + shown(optimizer.move_limit) + "], at most move_limit");

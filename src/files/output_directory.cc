@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace fabseq {
 
@@ -24,10 +25,11 @@ constexpr std::string_view mark_of_a_run = "config.json";
 /// Files that a run writes (docs/reference.md, output), what tools draw from those of two tasks, and the two
 /// by which a user talks to it.
 constexpr auto files_of_a_run = std::to_array<std::string_view>(
-    {"refined.h5", "history.jsonl", "result.h5", "result.xdmf", "summary.json", "evaluation.json",
-     "gradients.h5", "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest", "stop",
-     "output_now", "gradient_check.csv", "gradient_check.json", "gradient_check.svg", "sensitivity.json",
-     "sensitivity.csv", "sensitivity.svg", mark_of_a_run});
+    {"refined.h5",           "history.jsonl",        "result.h5",           "result.xdmf",
+     "summary.json",         "starts.json",          "evaluation.json",     "gradients.h5",
+     "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest",   "stop",
+     "output_now",           "gradient_check.csv",   "gradient_check.json", "gradient_check.svg",
+     "sensitivity.json",     "sensitivity.csv",      "sensitivity.svg",     mark_of_a_run});
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
   throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);
@@ -58,12 +60,30 @@ void remove_run(const fs::path& directory) {
     fs::remove(directory / folder, error);  // stays if it is not empty
 }
 
-/// Removes runs on coarse grids, which are nested in each other.
-void remove_coarse_runs(const fs::path& directory) {
+/// Removes runs from several designs, and the files of these.
+void remove_starts(const fs::path& directory) {
   std::error_code error;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(directory / starts_folder, error))
+    found.push_back(entry.path());
+  for (const fs::path& path : found) {
+    if (fs::exists(path / mark_of_a_run, error)) {
+      remove_run(path);
+      fs::remove(path, error);
+    } else if (path.filename().string().starts_with("start_") && path.extension() == ".h5") {
+      remove_file(path);
+    }
+  }
+  fs::remove(directory / starts_folder, error);  // stays if it is not empty
+}
+
+/// Removes the runs that others began with, which are nested in each other.
+void remove_earlier_runs(const fs::path& directory) {
+  std::error_code error;
+  remove_starts(directory);
   const fs::path coarse = directory / coarse_folder;
   if (!fs::exists(coarse / mark_of_a_run, error)) return;
-  remove_coarse_runs(coarse);
+  remove_earlier_runs(coarse);
   remove_run(coarse);
   fs::remove(coarse, error);
 }
@@ -110,9 +130,9 @@ bool is_file_of_run(const std::string& directory, const std::string& file) {
   std::error_code error;
   const fs::path inside = fs::relative(file, directory, error);
   if (error || inside.empty() || !fs::exists(fs::path(directory) / mark_of_a_run, error)) return false;
-  const bool of_coarse_run = *inside.begin() == coarse_folder;
-  return of_coarse_run ? is_file_of_run(directory + "/" + coarse_folder, file)
-                       : std::ranges::find(files_of_a_run, inside.string()) != files_of_a_run.end();
+  if (*inside.begin() == coarse_folder) return is_file_of_run(directory + "/" + coarse_folder, file);
+  if (*inside.begin() == starts_folder) return true;
+  return std::ranges::find(files_of_a_run, inside.string()) != files_of_a_run.end();
 }
 
 OutputDirectory::OutputDirectory(MPI_Comm comm, const std::string& path, bool overwrite)
@@ -126,8 +146,8 @@ OutputDirectory OutputDirectory::continued(MPI_Comm comm, const std::string& pat
   return result;
 }
 
-void OutputDirectory::remove_coarse_runs() const {
-  run_on_first(comm_, [&] { fabseq::remove_coarse_runs(path_); });
+void OutputDirectory::remove_earlier_runs() const {
+  run_on_first(comm_, [&] { fabseq::remove_earlier_runs(path_); });
 }
 
 void OutputDirectory::make_folder(const std::string& name) const {

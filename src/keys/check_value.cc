@@ -78,6 +78,8 @@ class ValueCheck {
       case KeyType::word_list:
         return entries_that([&](const Json& item) { return has_word(key_.words, item); },
                             join(split(key_.words, ' '), ", "));
+      case KeyType::starts:
+        return required(value_.is_array());
       case KeyType::shape:
         refuse_found();  // a word that the key does not take
       default:

@@ -73,6 +73,8 @@ std::string plain_values(const ConfigKey& key, int dimension) {
       return "a list of two ascending numbers, or a list of such lists";
     case KeyType::word_list:
       return "a list of some of " + join(split(key.words, ' '), ", ");
+    case KeyType::starts:
+      return "a list of values of sequence.initial";
     case KeyType::shapes:
       return "a list of one or more shapes";
     case KeyType::sections:

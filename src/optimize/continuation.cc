@@ -21,7 +21,8 @@ Continuation::Continuation(const ProjectionSettings& projection, double first_be
       first_beta_(first_beta),
       last_beta_(std::max(first_beta, last_beta)),
       optimizer_(optimizer),
-      earlier_iterations_(optimizer.earlier_iterations + optimizer.coarse_iterations),
+      earlier_iterations_(optimizer.earlier_iterations + optimizer.coarse_iterations +
+                          (optimizer.starts.empty() ? 0 : optimizer.start_iterations)),
       planned_iterations_(earlier_iterations_ + optimizer.max_iterations + optimizer.later_iterations) {}
 
 double Continuation::beta(int iteration) const {

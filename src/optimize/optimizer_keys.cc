@@ -77,6 +77,16 @@ void add_phases(Section<OptimizerSettings>& keys) {
            "Grids that share the coarse iterations in equal parts, "
            "each of half the resolution of the next: 2 begins at a quarter",
            {.range = "[1, 4]", .option = "-coarse_grids"})
+      .key(
+          "starts",
+          "Designs to begin with, each as sequence.initial has it: each is optimized for start_iterations, "
+          "on the coarsest grid, and the best goes on; []: sequence.initial alone",
+          {.type = KeyType::starts, .default_value = "[]"},
+          [](Its& optimizer, const Json& value, const KeyPlace&) { optimizer.starts = value; },
+          [](Its& optimizer, Json& object) { object["starts"] = optimizer.starts; })
+      .key("start_iterations", &Its::start_iterations,
+           "Iterations of each of the starts; the schedules of sharpness and move limit count them once",
+           {.range = "[1, inf)"})
       .key("earlier_iterations", &Its::earlier_iterations,
            "Iterations by which the schedules are ahead, where -design comes from an earlier run",
            {.range = "[0, inf)"})

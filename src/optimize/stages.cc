@@ -9,7 +9,12 @@ namespace fabseq {
 
 template <int Dim>
 std::unique_ptr<Sequence<Dim>> make_sequence(const Model<Dim>& model, double tolerance) {
-  const SequenceSettings& settings = model.sequence_settings;
+  return make_other_sequence(model, model.sequence_settings, tolerance);
+}
+
+template <int Dim>
+std::unique_ptr<Sequence<Dim>> make_other_sequence(const Model<Dim>& model, const SequenceSettings& settings,
+                                                   double tolerance) {
   const double height = model.settings.layers.height_of(model.layers->count());
   const auto heat_solver = [&model, tolerance](const SystemDomain& domain, bool lumped) {
     return make_heat_solver(model.settings.solver, model.grid, domain, lumped, tolerance, model.lanes);
@@ -25,6 +30,7 @@ std::unique_ptr<Sequence<Dim>> make_baseline_sequence(const Model<Dim>& model) {
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_sequence);
+FABSEQ_INSTANTIATE_FUNCTION(make_other_sequence);
 FABSEQ_INSTANTIATE_FUNCTION(make_baseline_sequence);
 
 }  // namespace fabseq

@@ -229,11 +229,13 @@ Json to_record(const Summary& summary) {
                               {"seconds", seconds_record(summary.seconds)},
                               {"peak_memory_bytes", summary.peak_memory_bytes}});
   if (summary.coarse_iterations > 0) record["coarse_iterations"] = summary.coarse_iterations;
+  if (!summary.starts.is_null()) record["starts"] = summary.starts;
   if (const auto& finish = summary.finish) {
     record["best_iteration"] = finish->best.iteration();
     record["feasible"] = finish->best.feasible();
     record["beta"] = finish->best.beta();
     record["worst_constraint"] = finish->best.worst_constraint();
+    record["merit"] = finish->best.merit();
     record["optimized"] = to_record(finish->reports.optimized);
     record["binary"] = to_record(finish->reports.binary);
     if (const auto& start = finish->reports.start) record["start"] = to_record(*start);

@@ -64,6 +64,18 @@ void require_same_config(MPI_Comm comm, const std::string& directory, const Json
   if (!difference.empty()) refuse_other_problem("the run in '" + directory + "'", difference);
 }
 
+/// Whether a run with which that of the directory begins has left a checkpoint.
+bool has_begun(MPI_Comm comm, const OptimizerSettings& optimizer, const std::string& directory) {
+  std::string path = directory;
+  for (int grid = 0; grid <= (optimizer.coarse_iterations > 0 ? optimizer.coarse_grids : 0); ++grid) {
+    if (!optimizer.starts.empty() && !find_checkpoint(comm, path + "/" + starts_folder + "/1").empty())
+      return true;
+    path += std::string("/") + coarse_folder;
+    if (optimizer.coarse_iterations > 0 && !find_checkpoint(comm, path).empty()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -74,14 +86,13 @@ std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& 
   const bool automatic = *command_line.restart == "auto";
   const std::string directory = automatic ? output : *command_line.restart;
   const std::string path = find_checkpoint(comm, directory);
-  const bool coarse = path.empty() && setup.config.optimizer.coarse_iterations > 0 &&
-                      !find_checkpoint(comm, directory + "/" + coarse_folder).empty();
-  if (path.empty() && !automatic && !coarse)
+  const bool begun = path.empty() && has_begun(comm, setup.config.optimizer, directory);
+  if (path.empty() && !automatic && !begun)
     throw InputError("-restart: no checkpoint in '" + directory +
                      "'; allowed: the output directory of a run that has left one, or auto");
   if (path.empty()) {
     require_same_config(comm, directory, setup.effective());
-    if (coarse) return std::nullopt;  // which is where it goes on
+    if (begun) return std::nullopt;  // which is where it goes on
     print("-restart auto: no checkpoint in '" + directory + "' yet, a new run begins");
     return std::nullopt;
   }

@@ -4,6 +4,7 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/posix_file.h"
 #include "fabseq/base/session.h"
 #include "fabseq/files/history.h"
 #include "fabseq/machine/interior_extrema.h"
@@ -13,6 +14,12 @@
 #include <utility>
 
 namespace fabseq {
+
+namespace {
+
+constexpr const char* starts_file = "starts.json";
+
+}  // namespace
 
 template <int Dim>
 RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line,
@@ -25,7 +32,23 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
       clock_(timer),
       checkpoints_(setup, directory_, clock_, timer),
       terminal_(setup.world(), setup.config.optimizer.max_iterations) {
-  if (restart) checkpoints_.continue_from(*restart);
+  if (!restart) return;
+  checkpoints_.continue_from(*restart);
+  take_starts(restart->directory);
+}
+
+template <int Dim>
+void RunOutput<Dim>::set_starts(const Json& record) {
+  starts_ = record;
+  directory_.write(starts_file, to_text(record, 2) + "\n");
+}
+
+template <int Dim>
+void RunOutput<Dim>::take_starts(const std::string& directory) {
+  const MPI_Comm comm = setup_.world();
+  const std::string path = directory + "/" + starts_file;
+  const std::string text = broadcast(comm, rank_of(comm) == 0 ? read_file_if_there(path) : "");
+  if (!text.empty()) set_starts(parse_json(text, path));
 }
 
 template <int Dim>
@@ -79,6 +102,7 @@ Summary RunOutput<Dim>::summary(const RunEnd& end) const {
           clock_.so_far(),
           peak_memory_bytes(setup_.world()),
           setup_.config.optimizer.coarse_iterations,
+          starts_,
           baseline_ ? &*baseline_ : nullptr,
           std::nullopt};
 }

@@ -72,7 +72,7 @@ OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine
   if (replaces && !continues) require_inputs_to_stay(setup.config, command_line, comm, path);
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
-  if (command_line.overwrite && !command_line.restart) directory.remove_coarse_runs();
+  if (command_line.overwrite && !command_line.restart) directory.remove_earlier_runs();
   directory.write("config.json",
                   to_text(config_record(setup.config, setup.effective(), command_line, comm), 2) + "\n");
   return directory;

@@ -33,6 +33,9 @@ void print_cost(const Setup<Dim>& setup) {
   if (optimizer.coarse_iterations > 0)
     print(formatted("before that, on grids of half the resolution: %d iterations",
                     optimizer.coarse_iterations));
+  if (!optimizer.starts.empty())
+    print(formatted("before that, from each of %zu starts: %d iterations", optimizer.starts.size(),
+                    optimizer.start_iterations));
 }
 
 /// How far heat gets while a layer of the mean mass is built, how finely its steps resolve that, and what

@@ -79,14 +79,9 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
 }  // namespace
 
 template <int Dim>
-CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
-                                 const CommandLine& command_line, const Setup<Dim>& setup,
-                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
-  if (!coarse) return command_line;
-  print("begins with " + iterations_on(coarse->setup()));
-  PhaseTimer timer;
+void before_the_first(RunOutput<Dim>& output, const std::function<void()>& run) {
   try {
-    optimize(coarse->command_line(command_line, output.directory().path()), coarse->setup(), timer);
+    run();
   } catch (const Stopped& reason) {
     output.end_before_the_first("stopped", reason.what());
     throw;
@@ -94,6 +89,18 @@ CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
     output.end_before_the_first("failed", error.what());
     throw;
   }
+}
+
+template <int Dim>
+CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
+                                 const CommandLine& command_line, const Setup<Dim>& setup,
+                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
+  if (!coarse) return command_line;
+  print("begins with " + iterations_on(coarse->setup()));
+  PhaseTimer timer;
+  const CommandLine first = coarse->command_line(command_line, output.directory().path());
+  before_the_first<Dim>(output, [&] { optimize(first, coarse->setup(), timer); });
+  output.take_starts(*first.output);
   CommandLine others = command_line;
   others.design_file = CoarseGrid<Dim>::refine(setup, output.directory().path());
   print("goes on with " + iterations_on(setup));
@@ -106,7 +113,7 @@ RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command
                              Pipeline<Dim>& pipeline) {
   RunState<Dim> run(setup, setup.config.optimizer, pipeline.sequence(),
                     starting_design(setup, pipeline.sequence(), after_coarse_grid));
-  if (after_coarse_grid.design_file != command_line.design_file) {
+  if (!restart && after_coarse_grid.design_file != command_line.design_file) {
     const Design initial = starting_design(setup, pipeline.sequence(), command_line);
     run.problem.evaluate(pipeline, pipeline.run(initial, setup.layers->traits().first_beta, false));
     pipeline.start_cold();
@@ -153,6 +160,7 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
   }
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(before_the_first);
 FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
 FABSEQ_INSTANTIATE_FUNCTION(starting_state);
 FABSEQ_INSTANTIATE_FUNCTION(require_design);

@@ -11,7 +11,7 @@ NUMBERS = re.compile(r"(an?|a list of two ascending|a list of 2 or 3) (number|in
 TEXTS = ("x", "ü ñ €", "a/b", "..", " ", "-x", "name with spaces", "'; \"quoted\" \\", "n" * 300, "%s%n", "tab\there")
 # What a run costs is not what is looked for.
 MOST = {"max_iterations": 3, "coarse_iterations": 2, "binary_iterations": 3, "count": 12, "layers": 12, "subparts": 6,
-        "sampling": 3, "coarse_grids": 2}
+        "sampling": 3, "coarse_grids": 2, "start_iterations": 2}
 
 
 @dataclasses.dataclass

@@ -56,6 +56,11 @@ void complete(Config& config);
 /// them first. Terms may have been left out, but not added or changed.
 void complete_derived(Config& config);
 
+/// Settings of the sequence that begins as entry number `start` of optimizer.starts says. `sequence`: the
+/// completed section of that name, with other values for what is "auto" at most. Throws InputError, which
+/// names the entry. Not collective.
+SequenceSettings with_start(const Config& config, const Json& sequence, std::size_t start);
+
 /// Checks relations between the keys of a config whose single values are valid, as complete() does at its
 /// end. Throws InputError. Not collective.
 void check_rules(const Config& config);

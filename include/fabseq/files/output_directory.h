@@ -13,6 +13,8 @@ namespace fabseq {
 
 /// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
+/// Folder for the runs from several designs with which it began, each in a folder named by its number.
+constexpr const char* starts_folder = "starts";
 
 /// Whether `file` is one that a run in `directory` has written, which an overwriting run removes. Looks at
 /// the file system on the calling rank.
@@ -32,8 +34,9 @@ class OutputDirectory {
   /// it cannot be written to. Collective.
   static OutputDirectory continued(MPI_Comm comm, const std::string& path);
 
-  /// Removes what runs on coarser grids have left in the directory. Collective.
-  void remove_coarse_runs() const;
+  /// Removes what the runs with which an earlier one began have left in the directory: those on coarser grids
+  /// and those from several designs. Collective.
+  void remove_earlier_runs() const;
 
   MPI_Comm comm() const { return comm_; }
   const std::string& path() const { return path_; }

@@ -42,6 +42,7 @@ enum class KeyType {
   shape,           ///< object with exactly one shape, or a word
   part,            ///< shape or voxel file
   node_sets,       ///< object of named shapes
+  starts,          ///< list of values of sequence.initial, which the rules across keys check
 };
 
 /// Declaration of a key. A Section fills in name, meaning, section and variant. From the member that the key

@@ -58,6 +58,7 @@ class BestIterate {
   double beta() const { return beta_; }
   double worst_constraint() const { return worst_constraint_; }
   bool by_binary() const { return by_binary_; }
+  double merit() const { return merit_; }
   bool feasible() const { return standing_ == Standing::satisfied; }
   const Design& design() const { return design_; }
 

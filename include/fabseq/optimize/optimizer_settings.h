@@ -3,6 +3,7 @@
 /// How a design is optimized, and for how long (docs/formulation.md 9).
 #pragma once
 
+#include "fabseq/base/json.h"
 #include "fabseq/mma/mma_settings.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence_settings.h"
@@ -28,6 +29,8 @@ struct OptimizerSettings {
   int binary_iterations = 0;                         ///< the last ones, judged by binary layers
   int coarse_iterations = 0;                         ///< before the others, at half the resolution
   int coarse_grids = 1;                              ///< among which they are shared out
+  Json starts = Json::array();                       ///< values of sequence.initial to try first
+  int start_iterations = 15;                         ///< of each of them
   int earlier_iterations = 0, later_iterations = 0;  ///< of other runs, in the schedules of this one
 };
 

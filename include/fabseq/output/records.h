@@ -57,6 +57,7 @@ struct Summary {
   Seconds seconds;
   std::int64_t peak_memory_bytes = 0;
   int coarse_iterations = 0;
+  Json starts = {};                           ///< null: the run began with a single design
   const SequenceNumbers* baseline = nullptr;  ///< nullptr: the run did not get there
   std::optional<Finish> finish;
 };

@@ -27,6 +27,10 @@ class RunOutput {
             PhaseTimer& timer);
 
   const OutputDirectory& directory() const { return directory_; }
+  /// Keeps what is known of the designs that the run began with: of itself, or as the directory of another
+  /// run has it, of which this one is the next part.
+  void set_starts(const Json& record);
+  void take_starts(const std::string& directory);
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport report, const std::string& solver);
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for
@@ -63,6 +67,7 @@ class RunOutput {
   Checkpoints<Dim> checkpoints_;
   Terminal terminal_;
   std::optional<SequenceReport> baseline_;
+  Json starts_;         ///< of the summary
   bool asked_ = false;  ///< for fields and a checkpoint, by output_request
 };
 

@@ -16,8 +16,12 @@ namespace fabseq {
 template <int Dim>
 using Optimize = std::function<void(const CommandLine&, const Setup<Dim>&, PhaseTimer&)>;
 
+/// Runs what comes before the first iteration of a run: what ends it ends the run, which still leaves a
+/// summary.
+template <int Dim>
+void before_the_first(RunOutput<Dim>& output, const std::function<void()>& run);
 /// The first iterations, on a grid of half the resolution if there is a coarse grid; returns the command line
-/// of the others, whose -design they come to. What ends them ends the run, which still leaves a summary.
+/// of the others, whose -design they come to.
 template <int Dim>
 CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
                                  const CommandLine& command_line, const Setup<Dim>& setup,
