@@ -98,12 +98,12 @@ class OutputsOfOneRankTest(FabseqTest):
     def test_result(self):
         elements, nodes = (12, 20), (13, 21)
         shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer",
-                                              "start/time", "start/layer")}
-        for prefix in ("", "planar/", "start/"):
+                                              "start/time", "start/layer", "even/time", "even/layer")}
+        for prefix in ("", "planar/", "start/", "even/"):
             shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements,
                        prefix + "tilt": elements, prefix + "build_direction": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes
-        for prefix in ("", "binary/", "planar/", "start/"):
+        for prefix in ("", "binary/", "planar/", "start/", "even/"):
             shapes[prefix + "displacement"] = shapes[prefix + "release_displacement"] = nodes + (2,)
         shapes |= {"model/stiffness": elements, "model/strain_factor": elements, "model/strain": (3,),
                    "model/unbuilt_stiffness": (1,), "model/node_sets/top": (21,), "model/supports": (21,)}
