@@ -127,7 +127,7 @@ class StartTest(FabseqTest):
         for name in ("time", "layer", "displacement"):
             assert_close(read_result(first)["start/" + name], expected[name], LIMIT, name)
         lengths = [f"{np.sqrt(summary[block]['responses'][0]['value']):.4g}"
-                   for block in ("start", "baseline", "optimized", "binary")]
+                   for block in ("start", "baseline", "baseline_even", "optimized", "binary")]
         self.assertRegex(first.stdout, "(?m)^first distortion +" + " +".join(map(re.escape, lengths)) + " ")
 
 

@@ -72,7 +72,7 @@ class Result:
 
     def history(self):
         with open(self.path("history.jsonl"), encoding="utf-8") as file:
-            return [json.loads(line) for line in file]
+            return [json.loads(line) for line in file if line.endswith("\n")]  # the program may be writing the last one
 
     def __str__(self):
         return f"{' '.join(self.command)}\nexit status {self.status}\nstdout:\n{self.stdout}stderr:\n{self.stderr}"

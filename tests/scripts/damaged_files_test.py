@@ -51,7 +51,7 @@ RUNS = {"report": (["{run}"], ["config.json", "result.h5"]), "overview": (["{run
         "coarsen": (["{run}/result.h5", "{run}/coarse.h5", "2", "0.5"], ["result.h5"]),
         "orient": (["{run}/config.json", "--output", "{run}/out"], ["config.json"]),
         "new": (["{run}/part.stl", "--output", "{run}/new.json"], ["part.stl"])}
-WITHOUT_FILES = {"virtual-display"}
+WITHOUT_FILES = {"virtual-display", "tradeoff", "compare-families"}  # study_tools_test.py has those of the last two
 STILL_DRAWN = {"an empty object", "other things"}  # what some can do without
 WITHOUT_FIELDS = "report", {"missing", "an empty file of HDF5"}  # figures only
 PROGRAM_LOOKS = {"part.stl": {"bytes": BYTES}, "paths.csv": {**NO_CONFIGS, "bytes": BYTES}, "finished.dat": {"bytes": BYTES}}

@@ -3,15 +3,11 @@
 """Elements, own nodes and the linear model of the study with heat and plastic flow
 (scripts/figures/with_heat.py); CalculiX itself is not run."""
 
-import sys
 import unittest
-from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/figures"))
 
 from fabseq_tools.geometry.grid import node_positions
 from heat_and_plasticity import own_cooling, steel

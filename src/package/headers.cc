@@ -1,2 +1,0 @@
-// SPDX-License-Identifier: MIT
-// With this source, CMake precompiles the headers that those of the library share.
