@@ -32,7 +32,7 @@ done
 targets() {
   ctest --preset "$1" --show-only --verbose "${selection[@]}" | sed -nE '/^[0-9]+: Test command:/{
     s#.*/integration/benchmarks_test\.py.*#scaling_plan#; s#.*/python3 .*#fabseq#
-    s#.*/(tests|benchmarks)/([a-z_0-9]+)".*#\2#; p }' | sort -u
+    s#.*/(tests|benchmarks)/([a-z_0-9]+)("| |$).*#\2#; p }' | sort -u
 }
 
 for preset in "${presets[@]}"; do

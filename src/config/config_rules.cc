@@ -154,8 +154,8 @@ void check_rules(const Config& config) {
   check_magnitudes(config);
   config.sequence.kind->check(config.sequence, config.effective.at("sequence"));
   check_direction("/baseline/direction", config.effective.at("baseline").at("direction"),
-                  config.baseline.direction, "auto\", \"best");
-  check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, "normal");
+                  config.baseline.direction, {"auto", "best"});
+  check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, {"normal"});
   check_torch(config);
   check_strain(config);
   if (config.thermal) check_thermal(*config.thermal, config.material, config.process);

@@ -5,13 +5,13 @@ namespace fabseq {
 
 namespace {
 
-Json compared_record(const std::optional<ComparedSequence>& compared) {
-  if (!compared) return {};
-  return Json::object({{"block", compared->block},
-                       {"title", compared->title},
-                       {"length", compared->length},
-                       {"ratio", compared->ratio},
-                       {"buildable", compared->buildable}});
+void add_compared(Json& record, const char* key, const std::optional<ComparedSequence>& compared) {
+  if (!compared) return;
+  record[key] = Json::object({{"block", compared->block},
+                              {"title", compared->title},
+                              {"length", compared->length},
+                              {"ratio", compared->ratio},
+                              {"buildable", compared->buildable}});
 }
 
 }  // namespace
@@ -25,17 +25,15 @@ Json to_record(const Verdict& verdict) {
 }
 
 Json to_record(const Headline& headline) {
-  Json scaled;
+  Json record = Json::object({{"of", "skin"}, {"released", headline.released}, {"length", headline.length}});
+  add_compared(record, "baseline", headline.baseline);
+  add_compared(record, "planar", headline.planar);
+  add_compared(record, "start", headline.start);
   if (headline.scaled)
-    scaled = Json::object({{"factor", headline.scaled->factor}, {"length", headline.scaled->rms}});
-  return Json::object({{"of", "skin"},
-                       {"released", headline.released},
-                       {"length", headline.length},
-                       {"baseline", compared_record(headline.baseline)},
-                       {"planar", compared_record(headline.planar)},
-                       {"start", compared_record(headline.start)},
-                       {"scaled_drawing", scaled},
-                       {"words", headline.words}});
+    record["scaled_drawing"] =
+        Json::object({{"factor", headline.scaled->factor}, {"length", headline.scaled->rms}});
+  record["words"] = headline.words;
+  return record;
 }
 
 Json to_record(const ConstraintMiss& miss) {

@@ -40,13 +40,13 @@ class HeadlineWriter {
 
  private:
   const Deviation& deviation(const SequenceNumbers& of) const {
-    return result_.released && of.finished->released ? *of.finished->released : of.finished->as_built;
+    return of.finished->deviation(result_.released);
   }
-  std::optional<ComparedSequence> compared(const std::string& block, const std::string& title,
-                                           const SequenceNumbers& with) const {
+  ComparedSequence compared(const std::string& block, const std::string& title,
+                            const SequenceNumbers& with) const {
     const double length = deviation(with).skin.rms;
-    return ComparedSequence{block, title, length, result_.length > 0.0 ? length / result_.length : 1.0,
-                            with.verdict->buildable()};
+    return {block, title, length, result_.length > 0.0 ? length / result_.length : 1.0,
+            with.verdict->buildable()};
   }
 
   /// Finds what to compare with.

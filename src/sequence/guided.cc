@@ -50,7 +50,7 @@ struct GuidedKind {
 
   static void check(const Settings& settings, const Json& keys) {
     if (settings.start == GuidedStart::direction)
-      check_direction("/sequence/initial", keys.at("initial"), settings.direction, "distance");
+      check_direction("/sequence/initial", keys.at("initial"), settings.direction, {"distance"});
     const auto& stretch = settings.stretch;
     if (stretch && !settings.stretch_of_tool && ((*stretch)[0] > 1.0 || (*stretch)[1] < 1.0))
       refuse("/sequence/stretch", shown(keys.at("stretch")), "two ascending numbers with 1 between them");

@@ -18,7 +18,7 @@ struct PlanarKind {
   }
 
   static void check(const Settings& settings, const Json& keys) {
-    check_direction("/sequence/direction", keys.at("direction"), settings.direction, "auto");
+    check_direction("/sequence/direction", keys.at("direction"), settings.direction, {"auto"});
   }
 
   static SequenceFacts facts(const Settings& /*settings*/) { return {}; }

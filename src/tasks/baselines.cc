@@ -43,11 +43,6 @@ std::optional<double> mean_thickness(const std::vector<LayerNumbers>& layers) {
   return sum > 0.0 ? std::optional(sum / volume) : std::nullopt;
 }
 
-/// How far the skin is from the drawing, as the headline has it.
-double skin_length(const FinishedShape& shape, bool released) {
-  return (released && shape.released ? *shape.released : shape.as_built).skin.rms;
-}
-
 /// Makes baselines in layers as thick as an optimized sequence's, on the grid of a run or on a coarser one.
 template <int Dim>
 class BaselineMaker {
@@ -134,7 +129,7 @@ class BaselineMaker {
       stop_if_requested(setup_.world());
       std::vector<double> components(direction.begin(), direction.end());
       const SequenceNumbers numbers = planar(components);
-      result.push_back({std::move(components), tilt, skin_length(*numbers.finished, released),
+      result.push_back({std::move(components), tilt, numbers.finished->deviation(released).skin.rms,
                         numbers.verdict->buildable()});
     }
     const Index<Dim>& of_grid = setup_.grid.domain().elements;

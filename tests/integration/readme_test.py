@@ -39,7 +39,8 @@ class ReadmeTest(FabseqTest):
         os.symlink(run_fabseq.PROGRAM, self.path("build/release/fabseq"))
         for name in ("scripts/setup.sh", "bin/cmake", "bin/ctest"):  # they print how they were called, and a test
             with open(self.path(name), "w", encoding="utf-8") as file:
-                file.write(f"#!/bin/sh\necho {os.path.basename(name)} \"$@\"\necho '  Test #1: grid_mpi_test.np2'\n")
+                file.write(f"#!/bin/sh\necho {os.path.basename(name)} \"$@\"\n"
+                           """echo '1: Test command: mpirun "-np" "2" "/build/tests/grid_tests" "--file=grid_mpi_test.cc"'\n""")
             os.chmod(self.path(name), 0o755)
 
     def path(self, name):

@@ -10,10 +10,10 @@
 
 namespace fabseq {
 
-/// Refuses the vector 0 for a key that takes a direction of any length or a word. `direction`: empty for the
-/// word. `found`: the key's value. `word`: what is allowed beside vectors, without the outer quotes. Throws
-/// InputError. Not collective.
+/// Refuses the vector 0 for a key that takes a direction of any length or a word. `direction`: empty for a
+/// word. `found`: the key's value. `words`: what is allowed beside vectors. Throws InputError. Not
+/// collective.
 void check_direction(const std::string& pointer, const Json& found, const std::vector<double>& direction,
-                     const std::string& word);
+                     const std::vector<std::string>& words);
 
 }  // namespace fabseq

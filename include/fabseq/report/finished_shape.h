@@ -40,6 +40,10 @@ struct Deviation : DisplacementSizes {
 struct FinishedShape {
   Deviation as_built;
   std::optional<Deviation> released;  ///< none where a release is not defined or its solve fails
+  /// After the release where that is asked for and known, else as built.
+  const Deviation& deviation(bool after_release) const {
+    return after_release && released ? *released : as_built;
+  }
   std::vector<double> release;  ///< what the release adds, [ElasticModel::nodes][component]; empty: none
   std::string failure;          ///< why the solve for the release failed; empty: it did not
 };
