@@ -149,7 +149,7 @@ std::vector<std::string> table(const std::string& unit, const std::vector<Column
 
 /// Whether each of the sequences can be built; the smooth layers never are.
 void add_verdicts(std::vector<std::string>& lines, const std::vector<Column>& columns) {
-  lines.push_back("buildable on this machine");
+  lines.emplace_back("buildable on this machine");
   for (const auto& [title, sequence] : columns)
     if (sequence != nullptr && title != smooth)
       lines.push_back(formatted("  %-28s", title.c_str()) + sequence->verdict->words());
