@@ -26,7 +26,7 @@ bool is_option(std::string_view word) {
 }
 
 /// Prefixes of the solvers' PETSc options, as stages.cc sets them, without the '_' at the end.
-constexpr std::string_view solver_prefixes = "elasticity heat release";
+constexpr std::string_view solver_words = "elasticity heat release";
 
 /// First words of PETSc's options: the prefixes of its classes and of its sub-solvers.
 constexpr std::string_view petsc_words =
@@ -44,7 +44,7 @@ bool begins_like_petscs(const std::string& option) {
       return (option + "_").starts_with("-" + word + "_");
     });
   };
-  return known(solver_prefixes) || known(petsc_words);
+  return known(solver_words) || known(petsc_words);
 }
 
 /// The option with each of the solvers' prefixes in place of its first word: for "-elastcity_ksp_view" these
@@ -53,7 +53,7 @@ std::vector<std::string> with_solver_prefixes(const std::string& word) {
   const std::size_t rest = word.find('_');
   if (rest == std::string::npos) return {};
   std::vector<std::string> result;
-  for (const std::string& prefix : split(solver_prefixes, ' '))
+  for (const std::string& prefix : split(solver_words, ' '))
     result.push_back("-" + prefix + word.substr(rest));
   return result;
 }

@@ -103,8 +103,14 @@ void check_needs(const Config& config, const ResponseType& type, const std::stri
 }
 
 void check_terms(const Config& config, const std::vector<Term>& terms, const std::string& list) {
-  TermPlace place{"",          config.dimension(), {}, config.layers, config.material.scenarios.size(),
-                  config.tool, config.thermal};
+  TermPlace place{"",
+                  config.dimension(),
+                  {},
+                  config.layers,
+                  config.material.scenarios.size(),
+                  config.tool,
+                  config.thermal,
+                  config.clock()};
   for (const auto& member : config.node_sets) place.node_sets.push_back(member.first);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     place.pointer = pointer_to(pointer_to("", list), i);

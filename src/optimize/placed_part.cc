@@ -53,7 +53,8 @@ ResponseContext<Dim> PlacedPart<Dim>::context() const {
           layers->traits().sub_parts,
           settings.tool,
           settings.layers.target ? settings.layers.target->value : 0.0,
-          settings.thermal};
+          settings.thermal,
+          settings.clock()};
 }
 
 template <int Dim>

@@ -25,10 +25,7 @@ std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& sett
 void estimate_time(const ModelSettings& settings, double volume, int layers, BuildNumbers& numbers) {
   if (!settings.material.mass_density) return;
   numbers.wire = *settings.material.mass_density * volume;
-  if (!settings.process.deposition_rate) return;
-  const int passes = settings.thermal ? settings.thermal->passes : 1;
-  numbers.hours = *numbers.wire / *settings.process.deposition_rate +
-                  layers * passes * settings.process.dwell / seconds_per_hour;
+  if (const auto clock = settings.clock()) numbers.hours = clock->hours(volume, layers);
 }
 
 /// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).

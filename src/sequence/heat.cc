@@ -2,6 +2,7 @@
 /// Sequences of type "heat" (docs/formulation.md 2.1, 2.2).
 #include "fabseq/base/refusal.h"
 #include "fabseq/sequence/sequence_kind.h"
+#include "sequence/drain_length.h"
 #include "sequence/heat_sequence.h"
 
 namespace fabseq {
@@ -28,7 +29,8 @@ struct HeatKind {
              {.range = "(0, inf)", .option = "-drain"})
         .key("characteristic_length", &Its::characteristic_length,
              "Length of the drain; auto: number of layers times the target of a layer_thickness constraint, "
-             "else longest edge of the part's bounding box",
+             "more "
+             "where the part widens above a narrow section, else longest edge of the part's bounding box",
              {.range = "(0, inf)", .words = "auto", .unit = "length", .option = "-characteristic_length"})
         .key("bounds", "Least and largest diffusivity in the part",
              {.type = KeyType::bounds,
@@ -61,8 +63,9 @@ struct HeatKind {
 
   template <int Dim>
   static void fix_lengths(Settings& settings, const Part<Dim>& part, double height_of_layers) {
-    if (!settings.characteristic_length)
-      settings.characteristic_length = height_of_layers > 0.0 ? height_of_layers : part.longest_edge();
+    if (settings.characteristic_length) return;
+    settings.characteristic_length =
+        height_of_layers > 0.0 ? drain_length(part, settings, height_of_layers) : part.longest_edge();
   }
 
   template <int Dim>

@@ -53,7 +53,7 @@ SensitivityRow row_of(const Setup<Dim>& setup, const GivenDesign<Dim>& given, co
     return skipped_row(variation.name, obstacle);
   try {
     const VariedPair pair = simulate_varied(setup, given, variation, false, timer);
-    return {variation.name, "", pair.sequence.own, pair.planar.own};
+    return {variation.name, "", pair.sequence.own, pair.planar.own, variation.layers_times};
   } catch (const InputError& error) {
     return skipped_row(variation.name, error.what());
   } catch (const NumericalError& error) {

@@ -19,6 +19,7 @@ struct SensitivityRow {
   std::string change;
   std::string skipped;  ///< why there are no numbers; empty: there are
   VariedNumbers sequence, planar;
+  int layers_times = 1;  ///< both sequences have so many times as many layers
 
   /// Planar length sqrt(J) over that of the sequence, for the first distortion term; none without one.
   std::optional<double> length_ratio() const;
@@ -35,6 +36,9 @@ struct SensitivityTable {
   using Ratio = std::optional<double> (SensitivityRow::*)() const;
   /// The row with the smallest ratio; nullptr if there is none.
   const SensitivityRow* worst(Ratio ratio) const;
+  /// What the ratio tends to with ever thinner layers, extrapolated from twice and four times as many with an
+  /// error that halves with the thickness; none without these rows or where the ratio does not settle.
+  std::optional<double> thin_layers(Ratio ratio) const;
   Json json() const;
   std::string csv() const;
   /// Lines for the terminal.

@@ -2,11 +2,15 @@
 #include "fabseq/base/formatted.h"
 #include "tasks/sensitivity.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fabseq {
 
 namespace {
+
+/// Relative change of a ratio from twice to four times as many layers that is small enough to go on from.
+constexpr double settled = 0.05;
 
 Json to_record(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
@@ -55,6 +59,11 @@ std::string line_of(const SensitivityRow& row) {
          cell("%12.4e", row.planar.largest, 12);
 }
 
+/// " about 3.2", of what a ratio tends to.
+std::string limit_words(const std::optional<double>& limit) {
+  return limit ? formatted(" about %.3g", *limit) : " not settled";
+}
+
 std::string csv_number(const std::optional<double>& value) {
   return value ? Json(*value).dump() : std::string();
 }
@@ -90,6 +99,20 @@ const SensitivityRow* SensitivityTable::worst(Ratio ratio) const {
   return result;
 }
 
+std::optional<double> SensitivityTable::thin_layers(Ratio ratio) const {
+  const auto with_layers = [&](int times) -> std::optional<double> {
+    // The first row is "unchanged".
+    const auto row = std::ranges::find(rows, times, &SensitivityRow::layers_times);
+    return row == rows.end() ? std::nullopt : ((*row).*ratio)();
+  };
+  const auto once = with_layers(1), twice = with_layers(2), four_times = with_layers(4);
+  if (!once || !twice || !four_times) return std::nullopt;
+  const double last_step = *four_times - *twice;
+  // A sequence whose ratio is still on its way has no limit that two steps could tell.
+  if (std::abs(last_step) > std::max(std::abs(*twice - *once), settled * *four_times)) return std::nullopt;
+  return *four_times + last_step;
+}
+
 Json SensitivityTable::json() const {
   Json list = Json::array();
   for (const SensitivityRow& row : rows) {
@@ -104,10 +127,13 @@ Json SensitivityTable::json() const {
     }
     list.push_back(record);
   }
-  return Json::object({{"name", name},
-                       {"changes", list},
-                       {"worst", Json::object({{"length", worst_record(*this, &SensitivityRow::length_ratio)},
-                                               {"rms", worst_record(*this, &SensitivityRow::rms_ratio)}})}});
+  return Json::object(
+      {{"name", name},
+       {"changes", list},
+       {"worst", Json::object({{"length", worst_record(*this, &SensitivityRow::length_ratio)},
+                               {"rms", worst_record(*this, &SensitivityRow::rms_ratio)}})},
+       {"thin_layers", Json::object({{"length", to_record(thin_layers(&SensitivityRow::length_ratio))},
+                                     {"rms", to_record(thin_layers(&SensitivityRow::rms_ratio))}})}});
 }
 
 std::string SensitivityTable::csv() const {
@@ -138,6 +164,10 @@ std::vector<std::string> SensitivityTable::text() const {
   };
   add_worst("lengths", &SensitivityRow::length_ratio);
   add_worst("the part's rms", &SensitivityRow::rms_ratio);
+  if (std::ranges::any_of(rows, [](const SensitivityRow& row) { return row.layers_times > 1; }))
+    result.push_back("with ever thinner layers the ratio tends to: lengths" +
+                     limit_words(thin_layers(&SensitivityRow::length_ratio)) + ", the part's rms" +
+                     limit_words(thin_layers(&SensitivityRow::rms_ratio)));
   return result;
 }
 

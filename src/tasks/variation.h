@@ -32,6 +32,7 @@ struct Variation {
   std::function<void(Config&)> change;  ///< what it does to the config's settings
   bool smooth = false;                  ///< of the sequence; the planar baseline stays binary
   bool finer = false;                   ///< the grid has twice as many elements along each axis
+  int layers_times = 1;                 ///< both sequences have so many times as many layers
 };
 
 /// What distorts, in numbers. The same on all ranks.
@@ -51,7 +52,7 @@ struct VariedPair {
   Varied sequence, planar;
 };
 
-/// All changes that take a simulation, "unchanged" first. Not collective.
+/// All changes that take a simulation, "unchanged" first. Collective on the world of the setup.
 template <int Dim>
 std::vector<Variation> all_variations(const Setup<Dim>& setup);
 

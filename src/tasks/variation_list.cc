@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The changes of the sensitivity table.
 #include "fabseq/base/formatted.h"
+#include "fabseq/sequence/geodesic_distance.h"
+#include "tasks/advice.h"
 #include "tasks/variation.h"
 
 #include <algorithm>
@@ -64,27 +66,39 @@ void add_thicknesses(List& list, double thickness, int baseline_layers) {
   add("layers half as thick: %.4g", 0.5);
 }
 
-void add_layers(List& list, int layers, int baseline_layers) {
+void refine(Config& config) {
+  for (int& elements : config.elements) elements *= 2;
+  // Stairs may leave crumbs that the coarse grid does not have.
+  config.part.keep_connected = true;
+  // Voxels of a file become 2^Dim elements.
+  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source)) voxels->repeat = 2;
+}
+
+void set_layers(Config& config, int layers, int baseline_layers) {
+  config.layers.count = layers;
+  config.baseline.layers = std::max(1, baseline_layers);
+}
+
+/// `elements_per_layer`: thickness of a layer in elements.
+void add_layers(List& list, int layers, int baseline_layers, double elements_per_layer) {
   const auto add = [&](const std::string& name, int count, int baseline) {
-    list.add(name + ": " + std::to_string(count), [=](Config& its) {
-      its.layers.count = count;
-      its.baseline.layers = std::max(1, baseline);
-    });
+    list.add(name + ": " + std::to_string(count), [=](Config& its) { set_layers(its, count, baseline); });
+  };
+  // Of layers thinner than an element, some planar ones are empty.
+  const auto add_times = [&](const char* name, int factor) {
+    const bool finer = elements_per_layer < factor;
+    list.add(formatted("%s: %d%s", name, factor * layers, finer ? ", grid twice as fine" : ""),
+             [=](Config& its) {
+               set_layers(its, factor * layers, factor * baseline_layers);
+               if (finer) refine(its);
+             })
+        .layers_times = factor;
+    list.variations.back().finer = finer;
   };
   if (layers > 1) add("one layer less", layers - 1, baseline_layers - 1);
   add("one layer more", layers + 1, baseline_layers + 1);
-  add("layers doubled", 2 * layers, 2 * baseline_layers);
-}
-
-void add_finer_grid(List& list) {
-  Variation& variation = list.add("grid twice as fine", [](Config& its) {
-    for (int& elements : its.elements) elements *= 2;
-    // Stairs may leave crumbs that the coarse grid does not have.
-    its.part.keep_connected = true;
-    // Voxels of a file become 2^Dim elements.
-    if (auto* voxels = std::get_if<VoxelFile>(&its.part.source)) voxels->repeat = 2;
-  });
-  variation.finer = true;
+  add_times("layers doubled", 2);
+  add_times("layers quadrupled", 4);
 }
 
 }  // namespace
@@ -99,9 +113,10 @@ std::vector<Variation> all_variations(const Setup<Dim>& setup) {
   if (config.layers.multi_planar)
     add_thicknesses(list, config.layers.multi_planar->thickness, setup.baseline->count());
   else
-    add_layers(list, setup.layers->count(), setup.baseline->count());
+    add_layers(list, setup.layers->count(), setup.baseline->count(),
+               elements_per_layer(setup, geodesic_height(setup.part, geodesic_distance(setup.part))));
   list.add("layers smooth, as optimized", [](Config&) {}).smooth = true;
-  add_finer_grid(list);
+  list.add("grid twice as fine", refine).finer = true;
   const bool absent = config.process.void_model == VoidModel::absent;
   list.add(std::string("void ") + (absent ? "quiet" : "absent"),
            [absent](Config& its) { its.process.void_model = absent ? VoidModel::quiet : VoidModel::absent; });

@@ -86,21 +86,22 @@ def problem(dimension, design, void, turning):
     config["process"] = {"void": void, "deposition": "nominal" if turning else "follow", "deposition_rate": 2.5, "dwell": 60}
     config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant,
                           "mass_density": 7.85}
-    interpass = [{"type": "interpass_temperature", "limit": 300}] if warm else []
-    config["objective"] = distortions(up)
+    of_the_build = [{"type": "build_time", "limit": 3}] + ([{"type": "interpass_temperature", "limit": 300}] if warm else [])
+    config["objective"] = distortions(up) + [{"type": "build_time"}]
     scenarios = void == "quiet"
     if scenarios:  # with a worst case there are no least squares
         axes = [[1, 1, 1], [1.15, 1, 1], [0.9, 1.1, 1.2], [1, 1, 0.8]]
         config["material"]["scenarios"] = [factors[:dimension] for factors in axes]
         for term in config["objective"]:
-            term["least_squares"] = "auto"
+            if term["type"] == "distortion":
+                term["least_squares"] = "auto"
         config["objective"] += aggregates(up)
     if design == "sub-parts":
         config["sequence"] = {"type": "heat"}
         config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.3, "sharpness": {"time": 30, "slab": 8},
                             "angles": [[1.2], [0.5]] if dimension == 2 else [[1.2, 0.4], [0.6, 0.3]]}
         config["objective"].append({"type": "segmentation_alignment"})
-        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}, {"type": "supported"}] + limits(up) + interpass
+        config["constraints"] = [{"type": "subpart_volume"}, {"type": "tilt"}, {"type": "supported"}] + limits(up) + of_the_build
         config["tool"] = {"max_tilt": 40}
         return config
     # As many layers as leave the last ones so small that there is a last layer to bound.
@@ -114,7 +115,7 @@ def problem(dimension, design, void, turning):
         config["sequence"] = {"type": "direct", "location": design.split()[-1], "filter_radius": 0.3}
     config["constraints"] = [{"type": "deposition_speed"}, {"type": "continuity"}, {"type": "minimum_layer_volume"},
                              {"type": "last_layer", "least_volume": least_volume},
-                             {"type": "tool_clearance", "samples": 40}] + limits(up) + interpass
+                             {"type": "tool_clearance", "samples": 40}] + limits(up) + of_the_build
     config["tool"] = {"profile": [[0.1, 0.05], [0.3, 0.3], [0.8, 0.3]], "max_tilt": 50, "thickness": [0.8, 1.4]}
     if design != "times of elements":
         config["objective"] += [{"type": "layer_uniformity", "form": form} for form in ("sum_of_squares", "variance")]

@@ -40,7 +40,7 @@ class SensitivityTest(FabseqTest):
         run = self.run_config(ranks, config, "-task", "sensitivity", "-tolerance", "1e-10", *arguments)
         self.assert_done(run)
         table = run.json("sensitivity.json")
-        self.assertEqual(len(run.stdout.splitlines()), len(table["changes"]) + 6, run.stdout)
+        self.assertEqual(len(run.stdout.splitlines()), len(table["changes"]) + (7 if config["layers"].get("type") != "multi_planar" else 6), run.stdout)
         for name in ("sensitivity.csv", "config.json"):
             with open(run.path(name), encoding="utf-8") as file:
                 self.assertTrue(file.read())

@@ -8,6 +8,7 @@
 #include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/part/part.h"
+#include "fabseq/process/build_clock.h"
 #include "fabseq/process/process_settings.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence_settings.h"
@@ -46,6 +47,11 @@ struct ModelSettings : DomainSettings {
   BaselineSettings baseline;
   ToolSettings tool;
   SolverSettings solver;
+
+  /// How long a machine takes; none: not known.
+  std::optional<BuildClock> clock() const {
+    return build_clock(material, process, thermal ? thermal->passes : 1);
+  }
 };
 
 }  // namespace fabseq

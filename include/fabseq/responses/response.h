@@ -6,6 +6,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
+#include "fabseq/process/build_clock.h"
 #include "fabseq/responses/pipeline_state.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
@@ -33,6 +34,7 @@ struct ResponseContext {
   ToolSettings tool = {};            ///< torch and bead
   double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
   std::optional<ThermalSettings> thermal = std::nullopt;  ///< of layers whose strains follow the temperature
+  std::optional<BuildClock> clock = std::nullopt;         ///< none: the time of the build is not known
 };
 
 /// An inequality for the optimizer: sign * (value of a component) <= sign * bound. Both sides are divided by

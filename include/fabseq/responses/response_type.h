@@ -30,6 +30,7 @@ struct TermPlace {
   std::size_t scenarios;  ///< number of scenarios of the strain
   const ToolSettings& tool;
   const std::optional<ThermalSettings>& thermal;
+  std::optional<BuildClock> clock;  ///< none: the time of the build is not known
 };
 
 /// ResponseTraits::unit of values that are shares of the part; people read them in percent.
