@@ -63,7 +63,6 @@ class Comparison:
 
     def __init__(self, rounds, families, target):
         self.rounds, self.families, self.target, self.scan = rounds, families, target, []
-        self.limits = figures.allowed_shares(families.limits())
 
     def rows(self, arguments):
         families = self.families
@@ -99,7 +98,7 @@ class Comparison:
             if say:
                 print(f"  {error}", flush=True)
             return row | {"reason": str(error)}
-        return row | figures.row_of(run, self.target, self.limits)
+        return row | figures.row_of(run, self.target)
 
     def run(self, family):
         return self.rounds.run(family.name, family.settings, family.task)
