@@ -28,13 +28,24 @@ HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rm
 
 
 def main():
-    print_cases(__doc__, "built", HEAD, ["-sensitivity"], lambda cases, name, directory: [figures(directory)])
+    arguments, cases = parse_cases(parser_of_cases(__doc__, "built"))
+    print_line(HEAD)
+    print_line(["---"] * len(HEAD))
+    for case in arguments.names or cases.table:
+        directory = os.path.join(arguments.output, case)
+        if not arguments.table:
+            again = ["-restart", "auto", "-sensitivity", "-output", directory]
+            run(arguments.program, arguments.ranks, [*cases.command(case), *again, *arguments.rest])
+        try:
+            print_line([cases[case]["what"], *figures(directory)])
+        except (RunError, OSError) as error:
+            if not arguments.table:
+                raise
+            print(f"{case}: {error}", file=sys.stderr)
 
 
-def print_cases(documentation, name, head, options, rows_of):
-    """The command line of a script that runs the cases of configs/studies/NAME_cases.json with these options
-    of the program, into output/NAME, and prints a table. `rows_of`: (cases, name, directory) to lists of
-    cells without the first, which says what the case is."""
+def parser_of_cases(documentation, name):
+    """The words of a script that runs the cases of configs/studies/NAME_cases.json into output/NAME."""
     parser = parser_of(documentation)
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--ranks", type=int, default=2)
@@ -42,21 +53,17 @@ def print_cases(documentation, name, head, options, rows_of):
     parser.add_argument("--table", action="store_true", help="only of what is there")
     parser.add_argument("--cases", default=os.path.join(ROOT, "configs", "studies", f"{name}_cases.json"))
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
+    return parser
+
+
+def parse_cases(parser):
     arguments = parse(parser)
-    cases = Cases(arguments.cases)
-    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
-    for case in arguments.names or cases.table:
-        directory = os.path.join(arguments.output, case)
-        if not arguments.table:
-            again = ["-restart", "auto", *options, "-output", directory]
-            run(arguments.program, arguments.ranks, [*cases.command(case), *again, *arguments.rest])
-        try:
-            for cells in rows_of(cases, case, directory):
-                print("| " + " | ".join([cases[case]["what"], *cells]) + " |", flush=True)
-        except (RunError, OSError) as error:
-            if not arguments.table:
-                raise
-            print(f"{case}: {error}", file=sys.stderr)
+    return arguments, Cases(arguments.cases)
+
+
+def print_line(cells):
+    """Of a table of Markdown."""
+    print("| " + " | ".join(cells) + " |", flush=True)
 
 
 def figures(directory):

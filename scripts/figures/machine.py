@@ -1,60 +1,55 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the cases of configs/studies/machine_cases.json, without and with the limits of a machine, and prints
-what the torch does not reach, tilts, local thickness and what the limits cost in distortion.
+"""Builds the parts of configs/studies/machine_cases.json within the limits of a machine in several kinds of
+layers, and prints a table: planar layers, the best tilted ones, the start, heat and guided layers.
 
-    scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--table] [-- PROGRAM OPTIONS]
+    scripts/figures/machine.py [CASE...] [--ranks N] [--output output/machine] [--cases FILE.json] [--table]
+                               [--step 20] [--azimuths 4] [-- PROGRAM OPTIONS]
 
-A case that was interrupted goes on where it was, one that is done is only looked at again; --table runs
-nothing. Sequences have binary layers. Blocked is what the torch itself does not reach, without a clearance
-that the optimizer kept. A length is the root of the first distortion. Local thickness is given relative to
-the target, between its 1st and its 99th percentile, and the range of all of it.
+The rows are those of `fabseq-tools compare-families`, which says what they mean. A case has a config and
+settings as those of reproduce.py; `heat` and `guided`, which are more settings of layers of that kind; and
+`judging`, settings of the simulation that is judged: there the torch has no clearance that the optimizer
+keeps for safety. A run that was interrupted goes on where it was, one that is done is only looked at again;
+--table runs nothing.
 """
 
+import argparse
+import os
+import sys
+
 import needs_packages  # noqa: F401 (before any package)
-from fabseq_tools.run.command_line import run_script
+from fabseq_tools.run.command_line import RunError, run_script
 
-import numpy as np
-
-from built import print_cases
-from fabseq_tools.run.read_run import Run
-from fabseq_tools.run.words import duration
-
-HEAD = ("case", "sequence", "blocked", "beyond 45°", "beyond 60°", "largest tilt", "thickness, 1 to 99 %", "all", "length",
-        "constraints", "time")
+from built import parse_cases, parser_of_cases, print_line
+from fabseq_tools.study.compare_families import FIRST, add_scan, check_scan
+from fabseq_tools.study.comparison import Comparison
+from fabseq_tools.study.figures import COLUMNS, cells, headings
+from fabseq_tools.study.rounds import Rounds
 
 
 def main():
-    print_cases(__doc__, "machine", HEAD, [],
-                lambda cases, name, directory: rows(Run(directory), "like" not in cases.table[name]))
+    parser = parser_of_cases(__doc__, "machine")
+    add_scan(parser)
+    arguments, cases = parse_cases(parser)
+    check_scan(arguments)
+    print_line(["part", FIRST[1], *headings(COLUMNS)])
+    print_line(["---"] * (2 + len(COLUMNS)))
+    for name in arguments.names or cases.table:
+        try:
+            for row in comparison(cases, name, arguments).rows([], arguments.step, arguments.azimuths):
+                print_line([cases[name]["what"], *cells(row, FIRST[0], COLUMNS)])
+        except RunError as error:
+            if not arguments.table:
+                raise
+            print(f"{name}: {error}", file=sys.stderr)
 
 
-def rows(result, all_sequences):
-    """The cells of the optimized sequence, and before it, if asked for, those of planar and start."""
-    if all_sequences:
-        yield sequence(result, "baseline", "planar/", "planar")
-        yield sequence(result, "start", "start/", "start")
-    satisfied = "satisfied" if result.summary["feasible"] else f"{result.summary['worst_constraint']:.2g} beyond"
-    yield sequence(result, "binary", "", "optimized")[:-2] + [satisfied, duration(result.summary["seconds"]["total"])]
-
-
-def sequence(result, block, prefix, name):
-    built = result.fields["density"].ravel() > 0
-
-    def field(of):
-        return result.fields[prefix + of].ravel()[built]
-
-    blocked = field("blocked") > result.config["tool"]["clearance"]
-    tilt, thickness = field("tilt"), field("local_thickness") / result.thickness_constraint()["target"]
-    least, *percentiles, largest = np.percentile(thickness, [0, 1, 99, 100])
-    return [name, share(blocked), share(tilt > 45), share(tilt > 60), f"{tilt.max():.0f}°",
-            " to ".join(f"{value:.2f}" for value in percentiles), f"{least:.2f} to {largest:.3g}",
-            f"{result.length(block):.3g}", "", ""]
-
-
-def share(marked):
-    """Of the part's elements; a single element is not 0."""
-    return "0" if not marked.any() else f"{100 * marked.mean():.2g} %"
+def comparison(cases, name, arguments):
+    """Of one part, in a folder of its own."""
+    case = cases[name]
+    own = argparse.Namespace(**vars(arguments) | {"config": cases.config(name), "output": os.path.join(arguments.output, name)})
+    rounds = Rounds(own, case["set"], may_run=not arguments.table)
+    return Comparison(rounds, case, case.get("judging"), say=lambda words: print(f"{name}: {words}", file=sys.stderr, flush=True))
 
 
 if __name__ == "__main__":

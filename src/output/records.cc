@@ -246,6 +246,9 @@ Json to_record(const Summary& summary) {
       record[baseline.block] = to_record(baseline.numbers);
       add_directions(record[baseline.block], baseline);
     }
+    Json limits = Json::array();
+    for (const ConstraintLimit& limit : finish->reports.limits) limits.push_back(to_record(limit));
+    record["constraints"] = limits;
     if (const auto& miss = finish->reports.miss) record["violated"] = to_record(*miss);
     record["headline"] = to_record(finish->headline);
     record["interior_minima"] = finish->reports.interior_minima;

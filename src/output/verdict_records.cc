@@ -36,6 +36,14 @@ Json to_record(const Headline& headline) {
   return record;
 }
 
+Json to_record(const ConstraintLimit& limit) {
+  Json bounds = Json::array();
+  for (const ConstraintRow& row : limit.rows)
+    bounds.push_back(Json::object(
+        {{"sign", row.sign}, {"bound", row.bound}, {"scale", row.logarithmic ? 1.0 : row.scale}}));
+  return Json::object({{"type", limit.type}, {"unit", limit.unit}, {"bounds", bounds}});
+}
+
 Json to_record(const ConstraintMiss& miss) {
   return Json::object({{"name", miss.name},
                        {"type", miss.type},

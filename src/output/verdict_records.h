@@ -10,6 +10,8 @@ namespace fabseq {
 
 Json to_record(const Verdict& verdict);
 Json to_record(const Headline& headline);
+/// A constraint with its bounds: sign * (value - bound) / scale of none of its values may be above 0.
+Json to_record(const ConstraintLimit& limit);
 /// The constraint that is missed by most.
 Json to_record(const ConstraintMiss& miss);
 /// What only a baseline has: the direction of tilted layers, and all that were tried.

@@ -28,30 +28,40 @@ std::string words_of(const ConstraintMiss& miss, const std::string& unit, const 
 }  // namespace
 
 template <int Dim>
+std::vector<ConstraintLimit> constraint_limits(const Model<Dim>& model, const Problem<Dim>& problem) {
+  std::vector<ConstraintLimit> limits;
+  for (const Term& term : model.settings.constraints)
+    limits.push_back({term.type->name, term.type->unit,
+                      problem.responses()[problem.objective_count() + limits.size()]->rows(1.0)});
+  return limits;
+}
+
+template <int Dim>
 std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<Dim>& problem,
                                          const std::vector<std::vector<double>>& values) {
   std::optional<ConstraintMiss> worst;
-  const std::size_t first = problem.objective_count();
-  for (std::size_t r = first; r < values.size(); ++r) {
-    const ResponseType& type = *model.settings.constraints[r - first].type;
-    for (const ConstraintRow& row : problem.responses()[r]->rows(1.0))
+  std::size_t r = problem.objective_count();
+  for (const auto& [type, unit, rows] : constraint_limits(model, problem)) {
+    for (const ConstraintRow& row : rows)
       for (std::size_t c = 0; c < values[r].size(); ++c) {
         const double violation = row.violation(values[r][c]);
         if (violation <= (worst ? worst->violation : 0.0)) continue;
         worst = {problem.component_name(r, c),
-                 type.name,
+                 type,
                  values[r][c],
                  row.bound,
-                 type.unit == share_of_part,
+                 unit == share_of_part,
                  violation,
                  ""};
         const std::string place = values[r].size() > 1 ? ", component " + std::to_string(c) + "," : "";
-        worst->words = words_of(*worst, type.unit, place, row.sign > 0.0);
+        worst->words = words_of(*worst, unit, place, row.sign > 0.0);
       }
+    ++r;
   }
   return worst;
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(constraint_limits);
 FABSEQ_INSTANTIATE_FUNCTION(worst_miss);
 
 }  // namespace fabseq

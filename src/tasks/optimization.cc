@@ -72,6 +72,7 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   reports.optimized = report(false);
   reports.optimized.strain = strain_when_built(pipeline);
   reports.start = start_report(setup, problem, pipeline, best.beta());
+  reports.limits = constraint_limits(setup, problem);
   reports.miss = miss_of_best(setup, problem, reports, best);
   return reports;
 }

@@ -41,6 +41,7 @@ class VerdictTest(FabseqTest):
             for words in summary["headline"]["words"]:
                 self.assertIn(words, run.stdout)
             self.check_missed(summary, run)
+            self.check_bounds(summary, run)
             data = read_result(run)
             for block, group in (("baseline_tilted", "tilted/"), ("baseline_even", "even/"), ("baseline", "planar/")):
                 self.assertEqual(data[group + "layer"].max(), len(summary[block]["layers"]))
@@ -78,6 +79,19 @@ class VerdictTest(FabseqTest):
         self.assertAlmostEqual(headline["start"]["length"], skin["start"])
         self.assertTrue(headline["words"][0].startswith("not buildable: the skin distorts "), headline["words"][0])
         self.assertIn("in the best buildable baseline (planar at ", headline["words"][0])
+
+    def check_bounds(self, summary, run):
+        """With them the values of an iterate give its worst violation."""
+        thickness, tilt = summary["constraints"]
+        self.assertEqual((thickness["type"], thickness["unit"]), ("layer_thickness", "times the target"))
+        self.assertEqual([(b["sign"], round(b["bound"], 12), b["scale"]) for b in thickness["bounds"]],
+                         [(1.0, 1.1, 1.0), (-1.0, 0.9, 1.0)])
+        self.assertEqual((tilt["type"], tilt["unit"]), ("tilt", "share of the part"))
+        self.assertEqual(tilt["bounds"], [{"sign": 1.0, "bound": 1e-3, "scale": 1.0}])
+        for line in run.history():
+            misses = [math.log(line["constraints"][1][0] / 1e-3),
+                      max(abs(value - 1) - 0.1 for value in line["constraints"][0])]
+            self.assertAlmostEqual(max(misses), line["worst_constraint"])
 
     def check_missed(self, summary, run):
         missed = summary["violated"]

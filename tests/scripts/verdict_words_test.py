@@ -102,11 +102,16 @@ class VerdictWords(unittest.TestCase):
 
     def test_misses_of_counts_are_shares(self):
         run = Run(self.folder)
-        run.config["constraints"] = [{"type": "tilt", "limit": 0.001}, {"type": "layer_thickness", "target": 1, "tolerance": 0.1}]
+        run.summary["constraints"] = [
+            {"type": "tilt", "bounds": [{"sign": 1.0, "bound": 0.001, "scale": 1.0}]},
+            {"type": "layer_thickness", "bounds": [{"sign": 1.0, "bound": 1.1, "scale": 1.0},
+                                                   {"sign": -1.0, "bound": 0.9, "scale": 1.0}]}]
         run.history = [{"worst_constraint": 5.6, "constraints": [[0.271], [1.05, 0.95]]},
                        {"worst_constraint": 0.1, "constraints": [[0.0001], [1.2, None]]}]
         np.testing.assert_allclose(worst_misses(run), [0.27, 0.1])
-        run.config["constraints"][0] = {"type": "continuity"}
+        run.summary["constraints"][0]["bounds"][0]["scale"] = 0.01
+        np.testing.assert_allclose(worst_misses(run), [27.0, 0.1])
+        del run.summary["constraints"]
         np.testing.assert_allclose(worst_misses(run), [5.6, 0.1])
 
 

@@ -2,12 +2,23 @@
 #pragma once
 
 #include "fabseq/optimize/problem.h"
+#include "fabseq/responses/response.h"
 
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace fabseq {
+
+/// A constraint of the config, with what it allows. The same on all ranks.
+struct ConstraintLimit {
+  std::string type, unit;           ///< of the config; unit of its values, in words, may be empty
+  std::vector<ConstraintRow> rows;  ///< bounds of each of its values
+};
+
+/// All constraints, in the order of the config. Not collective.
+template <int Dim>
+std::vector<ConstraintLimit> constraint_limits(const Model<Dim>& model, const Problem<Dim>& problem);
 
 /// The constraint that a design misses by most, in the unit of its own values. The same on all ranks.
 struct ConstraintMiss {

@@ -37,6 +37,7 @@ struct FinalReports {
   SequenceReport optimized, binary;
   std::optional<SequenceReport> start;  ///< none if its solves failed
   std::vector<Baseline> baselines;      ///< without those whose solves failed
+  std::vector<ConstraintLimit> limits;  ///< of the constraints
   std::optional<ConstraintMiss> miss;   ///< of the best iterate; none if all constraints hold
   std::int64_t interior_minima = 0;
 };

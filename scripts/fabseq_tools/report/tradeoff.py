@@ -6,7 +6,7 @@ import os
 from fabseq_tools.report.charts import chart
 from fabseq_tools.report.tables import cell, table
 from fabseq_tools.run.read_run import read_json
-from fabseq_tools.study.figures import COLUMNS
+from fabseq_tools.study.figures import columns_of, headings
 from fabseq_tools.study.tradeoff import LIMITS, name_of
 
 CURVES = {"skin": ("skin as built", "optimized"), "skin_released": ("skin after the release", "binary")}
@@ -34,13 +34,16 @@ def tradeoff_charts(run):
 
 def tradeoff_tables(run):
     """A table for each trade-off, with the reasons where the checks are not satisfied; empty without any."""
-    return "".join(table([record["label"], *(heading for heading, _ in COLUMNS.values()), "why not"],
-                         [(row["limit"], cells(row)) for row in record["rows"]], id=name_of(record["over"]))
-                   for record in run.tradeoffs)
+    return "".join(tradeoff_table(record, columns_of(record["rows"])) for record in run.tradeoffs)
 
 
-def cells(row):
+def tradeoff_table(record, columns):
+    return table([record["label"], *headings(columns), "why not"],
+                 [(row["limit"], cells(row, columns)) for row in record["rows"]], id=name_of(record["over"]))
+
+
+def cells(row, columns):
     """Of one limit. A run that has not come to an end has its reason alone."""
     shown = [row.get(key) if isinstance(row.get(key), (int, float)) and key in ("objective", "skin", "skin_released")
-             else None if row.get(key) is None else show(row[key]) for key, (_, show) in COLUMNS.items()]
+             else None if row.get(key) is None else show(row[key]) for key, (_, show) in columns.items()]
     return [*map(cell, shown), cell("; ".join([row["reason"]] if "reason" in row else row["violated"]) or None)]

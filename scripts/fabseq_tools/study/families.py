@@ -14,6 +14,7 @@ USUAL_TILT = 60.0                   # largest of a scan, without a limit
 ONLY_CURVED = {"deposition_speed", "last_layer", "layer_thickness", "local_thickness", "minimum_layer_volume",
                "tool_clearance", "layer_uniformity"}
 ONLY_MULTI_PLANAR = {"subpart_volume", "segmentation_alignment"}
+STEPS = ("optimizer.move_limit", "optimizer.final_move_limit")
 FIRST_LEAN, LAST_LEAN = math.radians(3.0), math.radians(30.0)  # of sub-parts at the start
 
 
@@ -26,12 +27,17 @@ class Family:
     settings: dict
     task: str = "optimize"
 
+    def run(self):
+        """What Rounds.run() takes."""
+        return self.name, self.settings, self.task
+
 
 class Families:
-    """`config`: of the part; `target`: thickness of a layer."""
+    """`config`: of the part; `target`: thickness of a layer; `own`: more settings of optimized layers of a
+    kind, by its name."""
 
-    def __init__(self, config, target):
-        self.config, self.target = config, target
+    def __init__(self, config, target, own=None):
+        self.config, self.target, self.own = config, target, own or {}
         tool, plate = config.get("tool", {}), config.get("build_plate")
         self.dimension = len(config["domain"].get("size", [0.0] * 3))  # a mesh has three
         self.up = np.zeros(self.dimension)
@@ -73,14 +79,24 @@ class Families:
         """The part itself, for its size along any direction."""
         return Family("part", "part", self.planar("", "", self.up, self.target).settings, "simulate")
 
+    def start(self):
+        """The design that heat layers begin with."""
+        return dataclasses.replace(self.heat(), label="start", name="start", task="simulate")
+
     def heat(self):
-        settings = {"sequence": self.sequence("heat"), "layers": self.curved_layers()}
-        return Family("heat", "heat", settings | self.terms(curved=True))
+        return Family("heat", "heat", self.curved("heat"))
 
     def guided(self):
         """Without uniformity of the layers, which is 0 at its start and so cannot be scaled by it."""
-        settings = {"sequence": self.sequence("guided"), "layers": self.curved_layers()}
-        return Family("guided", "guided", settings | self.terms(True, ["layer_uniformity"]))
+        return Family("guided", "guided", self.curved("guided", ["layer_uniformity"]))
+
+    def curved(self, kind, left_out=()):
+        settings = {"sequence": self.sequence(kind), "layers": self.curved_layers()}
+        return settings | self.steps(kind) | self.terms(True, left_out) | self.own.get(kind, {})
+
+    def steps(self, kind):
+        """A config's own steps are relative to the range of its variables, and another kind has others."""
+        return {} if self.config["sequence"].get("type", "heat") == kind else dict.fromkeys(STEPS, "auto")
 
     def multi_planar(self, subparts, lean):
         """Sub-parts that start with ever more tilt towards `lean`, a direction."""

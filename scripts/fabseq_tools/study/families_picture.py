@@ -37,4 +37,4 @@ def draw(rows, record, path):
 def words_of(row):
     if "reason" in row:
         return f"refused: {row['reason'][:90]}"
-    return "satisfied" if row["satisfied"] else "\n".join(row["violated"])
+    return "satisfied" if row["satisfied"] else "\n".join(reason.partition(" (")[0] for reason in row["violated"])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Runs of one config with other settings, each in a folder of its own, which go on where they were."""
 
+import argparse
+import copy
 import json
 import os
 import shutil
@@ -8,6 +10,7 @@ import shutil
 from fabseq_tools.run.command_line import RunError, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import Run, read_config, read_json
+from fabseq_tools.run.settings import put
 
 DONE = "converged", "iteration_limit"
 PARTS = {"domain": dict, "part": dict, "sequence": dict, "layers": dict}
@@ -24,11 +27,15 @@ def parser_of_rounds(text, command, config, default_output):
 
 
 class Rounds:
-    """`config`: as it was written. The words of the command line choose the program and its ranks; what
-    stands behind -- goes to the program in every run, after the settings."""
+    """`config`: as it was written, with the `settings` of all runs (of -set, by path) in it. The words of the
+    command line choose the program and its ranks; what stands behind -- goes to the program in every run,
+    between these settings and those of the run. Unless it `may_run`, only what is done is looked at."""
 
-    def __init__(self, arguments):
-        self.arguments, self.config = arguments, read_config(arguments.config)
+    def __init__(self, arguments, settings=None, may_run=True):
+        self.config, self.may_run = read_config(arguments.config), may_run
+        for path, value in (settings or {}).items():
+            put(self.config, path, copy.deepcopy(value), arguments.config)
+        self.arguments = argparse.Namespace(**vars(arguments) | {"rest": [*settings_of(settings or {}), *arguments.rest]})
         if arguments.ranks < 1:
             raise RunError(f"--ranks: found {arguments.ranks}; allowed: 1 or more")
         if shutil.which(arguments.program) is None:
@@ -57,6 +64,8 @@ class Rounds:
         done = self.finished(name, asked)
         if done:
             return done
+        if not self.may_run:
+            raise RunError(f"{directory}: holds no result of these settings")
         # The note comes first: without its result it says nothing, and a result beside it is of this run.
         if self.note(name) != asked:
             self.drop_result(directory)
