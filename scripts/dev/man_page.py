@@ -15,8 +15,8 @@ import textwrap
 
 from made_of_help import ROOT, keep_up_to_date, output_of
 
-FLAT_OPTION = re.compile(r"- `(?P<key>[^`]+)`(?:, only for `(?P<variant>[^`]+)`)?: "
-                         r"(?P<text>.*); option `(?P<option>[^`]+)`\.")
+FLAT_OPTION = re.compile(r"- `(?P<key>[^`]+)`(?: \(`(?P<variant>[^`]+)`(?:, `[^`]+`)*\))?: "
+                         r"(?P<text>.*); `(?P<option>-[^`]+)`\.")
 
 
 def escaped(text):

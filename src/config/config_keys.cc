@@ -25,17 +25,16 @@ ThermalSettings& thermal_of(Config& config) {
 Section<OutputSettings> output_keys() {
   using Its = OutputSettings;
   return Section<Its>("output", "Output")
-      .key("every", &Its::every, "Iterations between two dumps of the fields; 0: none",
+      .key("every", &Its::every, "Iterations between two dumps of fields; 0: none",
            {.range = "[0, inf)", .unit = "iterations", .option = "-output_every"})
       .key("checkpoint_every", &Its::checkpoint_every, "Iterations between two checkpoints; 0: none",
            {.range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every"})
       .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"})
-      .key("sensitivity", &Its::sensitivity,
-           "End an optimization with the table of -task sensitivity, of its binary layers",
+      .key("sensitivity", &Its::sensitivity, "End an optimization with the table of -task sensitivity",
            {.option = "-sensitivity"})
       .key("finer_grid", &Its::finer_grid,
-           "Whether the sensitivity table has the grid twice as fine, which costs 8 to 16 times as much as "
-           "another change; auto: if memory allows",
+           "Sensitivity table with the grid twice as fine, 8 to 16 times the cost of another change; auto: "
+           "if memory allows",
            {.words = "auto", .option = "-finer_grid"});
 }
 
@@ -47,9 +46,7 @@ void add_part(Section<Config>& keys) {
       config.part.*member = make_shape(value, place);
     };
   };
-  keys.section("part", &Its::part,
-               "What is to be built: a shape, evaluated at element centres, or a voxel file", part_keys(),
-               {.type = KeyType::part, .required = true})
+  keys.section("part", &Its::part, "What is built", part_keys(), {.type = KeyType::part, .required = true})
       .key("build_plate", "Face of the box that is the build plate",
            {.type = KeyType::face,
             .default_value = to_text("z-"),
@@ -58,18 +55,14 @@ void add_part(Section<Config>& keys) {
            [](Its& config, const Json& value, const KeyPlace&) {
              config.plate = make_plate(value.get<std::string>());
            })
-      .key("substrate",
-           "What stands from the start, such as a base plate: "
-           "elements whose centre is in the shape; they are no part",
+      .key("substrate", "Stands from the start, such as a base plate: elements whose centre is in the shape",
            {.type = KeyType::shape}, shape_of(&PartDescription::substrate))
       .key("clamps",
-           "Nodes inside or on the shape are held in place of the plate's; "
-           "with a substrate and without clamps: its lowest nodes along the plate's normal",
+           "Nodes in the shape are held instead of the plate's; without it, with a substrate: its lowest "
+           "nodes",
            {.type = KeyType::shape}, shape_of(&PartDescription::clamps))
       .key(
-          "node_sets",
-          "Named sets of nodes for distortion terms: "
-          "nodes inside or on a shape that touch the part or the substrate",
+          "node_sets", "Sets of nodes for distortion terms: those in a shape that touch part or substrate",
           {.type = KeyType::node_sets, .default_value = "{}"},
           [set_keys](Its& config, const Json& value, const KeyPlace& place) {
             for (const auto& [name, set] : value.items())
@@ -112,9 +105,8 @@ void add_terms(Section<Config>& keys) {
       object[name] = std::move(left);
     };
   };
-  keys.key("objective", "Terms of the objective, summed with their weights",
-           {.type = KeyType::sections, .required = true}, terms_of(&Its::objective, TermList::objective),
-           terms_left(&Its::objective, "objective"))
+  keys.key("objective", "Terms, summed with their weights", {.type = KeyType::sections, .required = true},
+           terms_of(&Its::objective, TermList::objective), terms_left(&Its::objective, "objective"))
       .key("constraints", "Constraints", {.type = KeyType::sections, .default_value = "[]"},
            terms_of(&Its::constraints, TermList::constraints), terms_left(&Its::constraints, "constraints"))
       .declare(term_keys(TermList::objective))
@@ -125,22 +117,18 @@ Section<Config> all_keys() {
   using Its = Config;
   const ConfigKey required{.required = true}, optional{.default_value = "{}"};
   Section<Its> keys("", "Top level");
-  keys.key("name", &Its::name, "Name of the case; output goes to output/NAME unless -output says otherwise",
-           {.option = "-name"})
+  keys.key("name", &Its::name, "Name of the case and of output/NAME", {.option = "-name"})
       .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
   add_part(keys);
   keys.section("material", &Its::material, "Material", material_keys(), optional)
       .section("process", &Its::process, "Process simulation", process_keys(), optional)
-      .section(
-          "thermal", thermal_of,
-          "Heat conduction through the layers: the warmer the ground, the less a layer shrinks. Left out: "
-          "strains do not follow the temperature. Needs material.mass_density and process.deposition_rate",
-          thermal_keys());
+      .section("thermal", thermal_of,
+               "Heat conduction; needs material.mass_density and process.deposition_rate", thermal_keys());
   add_sequence(keys);
   keys.section("layers", &Its::layers, "Layers", layer_keys(), required)
       .section("projection", &Its::projection, "Sharpness of the layers", projection_keys(), optional);
   add_terms(keys);
-  return keys.section("baseline", &Its::baseline, "Planar sequence for comparison", baseline_keys(), optional)
+  return keys.section("baseline", &Its::baseline, "Sequences for comparison", baseline_keys(), optional)
       .section("tool", &Its::tool, "Torch and bead", tool_keys(), optional)
       .section("optimizer", &Its::optimizer, "Optimizer", optimizer_keys(), optional)
       .section("solver", &Its::solver, "Linear solver", solver_keys(), optional)

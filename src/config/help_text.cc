@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -100,19 +102,58 @@ void write_item(std::ostream& stream, const std::string& text) {
   stream << line << "\n";
 }
 
-/// "`key`, only for `type`: meaning. Default: ...; allowed: ...; in UNIT; option `-flat`."
-std::string reference_entry(const ConfigKey& key) {
-  std::string text = code(key.name);
-  if (!key.variant.empty()) text += ", only for " + code(key.variant);
-  text += ": " + key.meaning + ". ";
-  text += key.required                  ? "Required"
-          : default_text(key) == "none" ? "No default"
-                                        : "Default: " + code(key.default_value);
+/// "meaning. Default `...`; values [UNIT]; `-flat`." Sections have their own lists of keys.
+std::string reference_text(const ConfigKey& key) {
+  const bool section = key.type == KeyType::section, optional = section || default_text(key) == "none";
+  std::string text = key.meaning + ". ";
+  text += key.required ? "Required" : optional ? "Optional" : "Default " + code(key.default_value);
   if (!key.default_2d.empty()) text += ", in 2D " + code(key.default_2d);
-  text += "; allowed: " + allowed_text(key);
-  if (!key.unit.empty()) text += "; unit: " + key.unit;
-  if (!key.option.empty()) text += "; option " + code(key.option);
+  if (!section || key.dimension != 0) text += "; " + allowed_text(key);
+  if (!key.unit.empty()) text += " [" + key.unit + "]";
+  if (!key.option.empty()) text += "; " + code(key.option);
   return text + ".";
+}
+
+/// Keys of a section that differ by their variant at most.
+struct ReferenceEntry {
+  std::string names;     ///< as code, separated by commas
+  std::string variants;  ///< likewise; empty: of all
+  std::string text;
+
+  bool operator==(const ReferenceEntry&) const = default;
+};
+
+void append(std::string& list, const std::string& word) { list += (list.empty() ? "" : ", ") + code(word); }
+
+std::vector<ReferenceEntry> reference_entries(const SectionKeys& section) {
+  std::vector<ReferenceEntry> result;
+  for (const ConfigKey& key : section.keys) {
+    ReferenceEntry entry{code(key.name), "", reference_text(key)};
+    auto place = std::find_if(result.begin(), result.end(), [&](const ReferenceEntry& other) {
+      return other.names == entry.names && other.text == entry.text;
+    });
+    if (place == result.end()) place = result.insert(result.end(), std::move(entry));
+    if (!key.variant.empty()) append(place->variants, key.variant);
+  }
+  return result;
+}
+
+/// Replaces keys of a type that `earlier` declares word for word by one entry that refers to it.
+void refer_to(const std::string& path, const std::vector<ReferenceEntry>& earlier,
+              std::vector<ReferenceEntry>& entries) {
+  std::vector<ReferenceEntry> result;
+  for (ReferenceEntry& entry : entries) {
+    if (entry.variants.empty() || std::find(earlier.begin(), earlier.end(), entry) == earlier.end()) {
+      result.push_back(std::move(entry));
+      continue;
+    }
+    const std::string text = "as in " + code(path) + ".";
+    if (!result.empty() && result.back().text == text && result.back().variants == entry.variants)
+      result.back().names += ", " + entry.names;
+    else
+      result.push_back({entry.names, entry.variants, text});
+  }
+  entries = std::move(result);
 }
 
 }  // namespace
@@ -131,9 +172,16 @@ std::string help_text() {
 
 std::string reference_table() {
   std::ostringstream stream;
+  std::vector<ReferenceEntry> objective;
   for (const SectionKeys& section : config_sections()) {
     stream << "### " << (section.path.empty() ? "" : code(section.path) + ": ") << section.title << "\n\n";
-    for (const ConfigKey& key : section.keys) write_item(stream, reference_entry(key));
+    std::vector<ReferenceEntry> entries = reference_entries(section);
+    if (section.path == "objective") objective = entries;
+    if (section.path == "constraints") refer_to("objective", objective, entries);
+    for (const ReferenceEntry& entry : entries) {
+      const std::string variants = entry.variants.empty() ? "" : " (" + entry.variants + ")";
+      write_item(stream, entry.names + variants + ": " + entry.text);
+    }
     stream << "\n";
   }
   std::string text = stream.str();

@@ -19,22 +19,19 @@ Section<DomainSettings> domain_keys() {
       .key("size", &Its::size, "Edge lengths of the box",
            {.required = true, .range = "(0, inf)", .unit = "length", .option = "-size"})
       .key("origin", &Its::origin, "Lower corner of the box; left out: 0", {.unit = "length"})
-      .key("elements", &Its::elements, "Elements along each axis; two entries: plane stress, three: solid",
+      .key("elements", &Its::elements, "Elements along each axis; two: plane stress",
            {.required = true, .range = "[1, inf)", .option = "-elements"})
       .key("element",
-           "With part.mesh, in place of size, origin and elements: edge length of an element, or one per "
-           "axis; the box is the placed mesh's, a little larger where its edges are no multiples",
+           "With part.mesh, instead of size, origin and elements: edge length of an element, or one per axis",
            {.type = KeyType::lengths, .range = "(0, inf)", .unit = "length", .option = "-element"},
            refuse_without_mesh)
-      .key("margin",
-           "With element: room around the mesh on all sides but the plate's, or one number per axis; left "
-           "out: 0",
+      .key("margin", "With element: room around the mesh on all sides but the plate's, or per axis; left out: 0",
            {.type = KeyType::lengths, .range = "[0, inf)", .unit = "length"}, refuse_without_mesh)
       .key("thickness", &Its::thickness, "Thickness in plane stress",
            {.range = "(0, inf)", .dimension = 2, .unit = "length"})
       .key("unit", &Its::unit,
-           "Name of the length unit, such as mm: a label in tables and pictures, and the unit to which 3MF "
-           "files are converted, if it is um, mm, cm, m, in, ft or a name of these",
+           "Length unit: a label, and the unit to which 3MF files are converted, if it is um, mm, cm, m, in, "
+           "ft or a name of these",
            {});
 }
 

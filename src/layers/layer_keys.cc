@@ -41,10 +41,8 @@ void read_fixed(MultiPlanarSettings& layers, const Json& value, const KeyPlace&)
 Section<MultiPlanarSettings> sharpness_keys() {
   using Its = MultiPlanarSettings;
   return Section<Its>("layers.sharpness", "Sharpness of multi-planar layers")
-      .key("time", &Its::time_sharpness, "k1, of the steps in pseudo-time between sub-parts",
-           {.range = "(0, inf)"})
-      .key("slab", &Its::slab_sharpness, "k2, of the faces of the layers, relative to their thickness",
-           {.range = "(0, inf)"});
+      .key("time", &Its::time_sharpness, "k1, of the steps between sub-parts", {.range = "(0, inf)"})
+      .key("slab", &Its::slab_sharpness, "k2, of the faces of the layers", {.range = "(0, inf)"});
 }
 
 Section<MultiPlanarSettings> multi_planar_keys() {
@@ -52,26 +50,22 @@ Section<MultiPlanarSettings> multi_planar_keys() {
   return Section<Its>("layers")
       .key("subparts", &Its::subparts, "Number of sub-parts, built one after the other",
            {.required = true, .range = "[1, 100]", .option = "-subparts"})
-      .key("timestamps", &Its::timestamps,
-           "Pseudo-times between the sub-parts, ascending, one less than these; auto: equal steps",
+      .key("timestamps", &Its::timestamps, "Pseudo-times between the sub-parts; auto: equal steps",
            {.type = KeyType::list, .range = "(0, 1)", .words = "auto"})
       .key("thickness", &Its::thickness, "Thickness of the layers",
            {.range = "(0, inf)", .unit = "length", .option = "-layer_thickness"})
       .key("angles",
-           "Print directions to start from, a list per sub-part: in 2D the angle to the x axis, "
-           "in 3D elevation above the xy plane and azimuth in it; auto: the plate's normal",
+           "Initial print direction of each sub-part: 2D angle to the x axis, 3D elevation and azimuth; "
+           "auto: the plate's normal",
            {.type = KeyType::angles, .default_value = to_text("auto"), .words = "auto", .unit = "radians"},
            read_angles)
       .key("angle_bounds",
-           "Bounds of the angles: a pair for all, "
-           "a pair for each angle of a direction, or one for each angle of each sub-part",
+           "Bounds: a pair for all, for each angle of a direction, or for each of each sub-part",
            {.type = KeyType::angle_bounds, .default_value = "[0, 1.5708]", .unit = "radians"},
            read_angle_bounds)
       .section("sharpness", [](Its& layers) -> Its& { return layers; }, "Sharpness", sharpness_keys(),
                {.default_value = "{}"})
-      .key("fixed",
-           "What the optimizer leaves as it is at the start: "
-           "angles (segmentation only) or time (orientation only)",
+      .key("fixed", "Not optimized: angles (segmentation only) or time (orientation only)",
            {.type = KeyType::word_list, .default_value = "[]", .words = "angles time"}, read_fixed);
 }
 
@@ -80,23 +74,19 @@ Section<MultiPlanarSettings> multi_planar_keys() {
 Section<LayerSettings> layer_keys() {
   using Its = LayerSettings;
   Section<Its> keys("layers", "Layers");
-  keys.key("type",
-           "Layers between isosurfaces of the pseudo-time (curved), "
-           "or planar ones in sub-parts, each with a print direction of its own (multi_planar)",
+  keys.key("type", "Between isosurfaces of the pseudo-time, or planar in sub-parts",
            {.type = KeyType::choice, .default_value = to_text("curved"), .words = "curved multi_planar"},
            [](Its& layers, const Json& value, const KeyPlace&) {
              if (value == "multi_planar") layers.multi_planar.emplace();
            });
   keys.only_for("curved")
-      .key("count", &Its::count,
-           "Number of layers; auto: "
-           "largest distance to the plate inside the part divided by the target thickness, rounded up",
+      .key("count", &Its::count, "Number of layers; auto: geodesic height over target thickness, rounded up",
            {.required = true,
             .range = "[1, " + std::to_string(most_layers) + "]",
             .words = "auto",
             .option = "-layers"})
       .key("time_points", &Its::variable_time_points,
-           "Pseudo-times at which layers end: equal steps, or design variables beside the sequence's",
+           "Pseudo-times at which layers end: equal steps, or variables",
            {.words = "uniform variable", .option = "-time_points"});
   keys.only_for("multi_planar")
       .keys([](Its& layers) -> MultiPlanarSettings& { return *layers.multi_planar; }, multi_planar_keys());
@@ -108,17 +98,15 @@ Section<ProjectionSettings> projection_keys() {
   return Section<Its>("projection", "Sharpness of the layers and its continuation")
       .key("beta", &Its::beta, "Sharpness at the start; auto: 4 times the number of layers",
            {.range = "(0, inf)", .words = "auto", .option = "-beta"})
-      .key("factor", &Its::factor, "Sharpness is multiplied by this at every step",
+      .key("factor", &Its::factor, "Factor of the sharpness at every step",
            {.range = "[1, inf)", .option = "-beta_factor"})
-      .key("increment", &Its::increment, "and this is added",
+      .key("increment", &Its::increment, "Added at every step",
            {.range = "[0, inf)", .option = "-beta_increment"})
       .key("interval", &Its::interval, "Iterations between two steps",
            {.range = "[1, inf)", .unit = "iterations", .option = "-beta_interval"})
-      .key("max", &Its::max, "Sharpness at which the steps end; auto: 13.5 times the number of layers",
+      .key("max", &Its::max, "Last sharpness; auto: 13.5 times the number of layers",
            {.range = "(0, inf)", .words = "auto", .option = "-beta_max"})
-      .key("binary", &Its::binary,
-           "Step function instead of a smooth one (no derivatives: for simulate and evaluate)",
-           {.option = "-binary"});
+      .key("binary", &Its::binary, "Binary layers, for simulate and evaluate", {.option = "-binary"});
 }
 
 void complete_layers(MultiPlanarSettings& layers, const BuildPlate& plate, int dimension) {

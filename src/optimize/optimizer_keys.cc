@@ -15,13 +15,12 @@ namespace {
 Section<MmaSettings> asymptote_keys() {
   using Its = MmaSettings;
   return Section<Its>("optimizer.asymptotes", "Asymptotes")
-      .key("initial", &Its::asymptote_initial, "First distance, relative to the variable's range",
+      .key("initial", &Its::asymptote_initial, "First distance over the variable's range",
            {.range = "(0, 10]"})
-      .key("increase", &Its::asymptote_increase, "Factor while a variable moves on in one direction",
+      .key("increase", &Its::asymptote_increase, "Factor while a variable keeps its direction",
            {.range = "[1, inf)"})
       .key("decrease", &Its::asymptote_decrease, "Factor when a variable turns", {.range = "(0, 1]"})
-      .key("floor", &Its::asymptote_floor, "Least distance, relative to the variable's range",
-           {.range = "(0, 10]"});
+      .key("floor", &Its::asymptote_floor, "Least distance over the variable's range", {.range = "(0, 10]"});
 }
 
 /// When and how a run ends.
@@ -30,14 +29,14 @@ void add_ends(Section<OptimizerSettings>& keys) {
   keys.key("max_iterations", &Its::max_iterations, "Iterations at most",
            {.range = "[1, inf)", .option = "-max_iterations"})
       .key("change_tolerance", &Its::change_tolerance,
-           "Converged when no variable moves by as much, relative to its range, "
-           "in `window` iterations at the last sharpness; 0: never",
+           "Ends when no variable moves by this share of its range in `window` iterations at the last "
+           "sharpness; 0: never",
            {.range = "[0, inf)", .option = "-change_tolerance"})
       .key("objective_tolerance", &Its::objective_tolerance,
-           "Converged when there is a feasible iterate and the objective varies by less, "
-           "relative to what its terms are scaled to, in `window` iterations at the last sharpness; 0: never",
+           "Ends when the feasible objective varies by less, over its scale, in `window` iterations at the "
+           "last sharpness; 0: never",
            {.range = "[0, inf)", .option = "-objective_tolerance"})
-      .key("window", &Its::window, "Iterations over which the two tolerances are looked at",
+      .key("window", &Its::window, "Iterations of the two tolerances",
            {.range = "[1, 10000]", .unit = "iterations", .option = "-window"});
 }
 
@@ -49,49 +48,43 @@ void add_steps(Section<OptimizerSettings>& keys) {
   const std::string first = of_kinds(&SequenceTraits::move_limits),
                     last = of_kinds(&SequenceTraits::last_move_limits);
   keys.key("move_limit", &Its::given_move_limit,
-           ("Largest step of a variable, relative to its range; auto: " + first).c_str(),
+           ("Largest step of a variable over its range; auto: " + first).c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-move_limit"})
       .key("final_move_limit", &Its::given_final_move_limit,
-           ("The same at the end of the run; auto: " + formatted("%g", MoveLimits().last_with_squares) +
-            " where a distortion may be handed over as squares, but for tilts; else " + last +
-            ", else move_limit")
+           ("Largest step at the end; auto: " + formatted("%g", MoveLimits().last_with_squares) +
+            " where a distortion may be squares, but for tilts; else " + last + ", else move_limit")
                .c_str(),
            {.range = "(0, 1]", .words = "auto", .option = "-final_move_limit"})
       .section("asymptotes", &Its::mma, "Asymptotes", asymptote_keys(), {.default_value = "{}"})
       .key("constraint_margin", &Its::constraint_margin,
-           "Share of the constraints' tolerance handed to the optimizer",
+           "Share of the constraints' tolerance for the optimizer",
            {.range = "(0, 1]", .option = "-constraint_margin"});
 }
 
 void add_phases(Section<OptimizerSettings>& keys) {
   using Its = OptimizerSettings;
   keys.key("binary_iterations", &Its::binary_iterations,
-           "The last so many iterates are judged by their binary layers, "
-           "for one more simulation each; the best of them is the result",
+           "The last iterates that are judged by their binary layers, too, a simulation each",
            {.range = "[0, inf)", .option = "-binary_iterations"})
       .key("coarse_iterations", &Its::coarse_iterations,
-           "Iterations at half the resolution before the others; "
-           "the schedules of sharpness and move limit go over all of them",
+           "Iterations at half the resolution before the others",
            {.range = "[0, inf)", .option = "-coarse_iterations"})
       .key("coarse_grids", &Its::coarse_grids,
-           "Grids that share the coarse iterations in equal parts, "
-           "each of half the resolution of the next: 2 begins at a quarter",
+           "Grids that share the coarse iterations: 2 begins at a quarter of the resolution",
            {.range = "[1, 4]", .option = "-coarse_grids"})
       .key(
           "starts",
-          "Designs to begin with, each as sequence.initial has it: each is optimized for start_iterations, "
-          "on the coarsest grid, and the best goes on; []: sequence.initial alone",
+          "Designs to begin with, like sequence.initial: the best after start_iterations on the coarsest "
+          "grid goes on",
           {.type = KeyType::starts, .default_value = "[]"},
           [](Its& optimizer, const Json& value, const KeyPlace&) { optimizer.starts = value; },
           [](Its& optimizer, Json& object) { object["starts"] = optimizer.starts; })
-      .key("start_iterations", &Its::start_iterations,
-           "Iterations of each of the starts; the schedules of sharpness and move limit count them once",
+      .key("start_iterations", &Its::start_iterations, "Iterations of each of the starts",
            {.range = "[1, inf)"})
-      .key("earlier_iterations", &Its::earlier_iterations,
-           "Iterations by which the schedules are ahead, where -design comes from an earlier run",
+      .key("earlier_iterations", &Its::earlier_iterations, "Iterations by which the schedules are ahead",
            {.range = "[0, inf)"})
       .key("later_iterations", &Its::later_iterations,
-           "Iterations of a later run that the move limit is planned for", {.range = "[0, inf)"});
+           "Iterations of a later run, for which the move limit is planned", {.range = "[0, inf)"});
 }
 
 /// Whether the optimizer may get a term of the objective as a sum of squares: Problem, which knows the part,
@@ -145,16 +138,14 @@ Section<BaselineSettings> baseline_keys() {
   using Its = BaselineSettings;
   return Section<Its>("baseline", "Sequences the result is compared with")
       .key("layers", &Its::layers,
-           "Number of planar layers; auto: height divided by the target thickness, else layers.count",
+           "Number of planar layers; auto: height over target thickness, else layers.count",
            {.range = "[1, 10000]", .words = "auto", .option = "-baseline_layers"})
       .key("direction",
-           "Build direction of the planar layers, of any length; auto: the plate's normal; best: the same, "
-           "and "
-           "beside them planar layers in the best of several directions within tool.max_tilt",
+           "Build direction of the planar layers; auto: the plate's normal; best: also the best of several "
+           "within tool.max_tilt",
            {.type = KeyType::vector, .default_value = to_text("auto"), .words = "auto best"}, read_direction,
            write_direction)
-      .key("even", &Its::even,
-           "Also layers of equal thickness along the part, by the distance from the plate inside it");
+      .key("even", &Its::even, "Also layers of equal thickness along the part");
 }
 
 }  // namespace fabseq

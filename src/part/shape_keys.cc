@@ -57,7 +57,7 @@ Section<Shape> sphere_keys() {
 Section<Shape> polygon_keys() {
   return Section<Its>("shape.polygon", "Polygon, in three dimensions extruded through the box")
       .key(
-          "points", "Corners, in three dimensions in the two other axes in ascending order",
+          "points", "Corners, in 3D in the two other axes in ascending order",
           {.type = KeyType::points, .required = true, .unit = "length"},
           [](Its& shape, const Json& value, const KeyPlace&) {
             shape.polygon = Polygon(value.get<std::vector<Polygon::Point>>());

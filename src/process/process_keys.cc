@@ -29,38 +29,33 @@ std::vector<double> voigt_factors(const std::vector<double>& of_axes) {
 Section<MaterialSettings> material_keys() {
   using Its = MaterialSettings;
   return Section<Its>("material", "Material; displacements do not depend on Young's modulus")
-      .key("file",
-           "File with a JSON object that has any of these keys, such as one of configs/materials; keys given "
-           "beside it take precedence",
+      .key("file", "JSON file with any of these keys, which keys beside it replace",
            {.type = KeyType::path, .option = "-material"}, [](Its&, const Json&, const KeyPlace&) {})
-      .key("name", &Its::name, "Name of the material, a label")
+      .key("name", &Its::name, "A label")
       .key("young", &Its::young, "Young's modulus",
            {.range = "(0, inf)", .unit = "stress", .option = "-young"})
       .key("poisson", &Its::poisson, "Poisson's ratio", {.range = "(-1, 0.5)", .option = "-poisson"})
-      .key("mass_density", &Its::mass_density, "Density, from which the mass of wire follows",
+      .key("mass_density", &Its::mass_density, "Density, for the mass of wire",
            {.range = "(0, inf)", .words = "none", .unit = "kg/length^3"})
-      .key("yield_stress", &Its::yield_stress,
-           "Yield stress: a run says in which share of the part the residual stress is above it",
+      .key("yield_stress", &Its::yield_stress, "Yield stress, to compare the residual stress with",
            {.range = "(0, inf)", .words = "none", .unit = "stress", .option = "-yield_stress"})
-      .key("conductivity", &Its::conductivity, "Thermal conductivity, for a block thermal",
+      .key("conductivity", &Its::conductivity, "Thermal conductivity",
            {.range = "(0, inf)", .words = "none", .unit = "W/(length*K)"})
-      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity, for a block thermal",
+      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity",
            {.range = "(0, inf)", .words = "none", .unit = "J/(kg*K)"})
-      .key("solidification", &Its::solidification,
-           "Temperature at which it solidifies and its inherent strain begins, for a block thermal",
+      .key("solidification", &Its::solidification, "Temperature at which it solidifies",
            {.range = "(-273.15, inf)", .words = "none", .unit = "degrees C"})
       .key("inherent_strain",
-           "Inherent strain: a Voigt vector, engineering shear, "
-           "or values along and across the layers, with which it turns",
+           "Inherent strain: a Voigt vector, or values along and across the layers, with which it turns",
            {.type = KeyType::strain,
             .default_value = "[-0.01, -0.01, -0.01, 0, 0, 0]",
             .default_2d = "[-0.01, -0.01, 0]"},
            read_strain)
       .key("strain_scale", &Its::strain_scale,
-           "Factors on the inherent strain, axis by axis; shear by the root of the product of its two",
+           "Factors on the inherent strain per axis; shear by the root of its two",
            {.default_value = "[1, 1, 1]", .default_2d = "[1, 1]", .range = "[0, inf)"})
       .key("scenarios", &Its::scenarios,
-           "Strains that are possible, too: for each a list of factors axis by axis, on top of strain_scale",
+           "Possible strains: for each, factors per axis, on top of strain_scale",
            {.type = KeyType::vectors, .default_value = "[]", .range = "[0, inf)"})
       .then([](Its& material, const Json&, const KeyPlace&) {
         const std::vector<double> factors = voigt_factors(material.strain_scale);
@@ -72,27 +67,21 @@ Section<MaterialSettings> material_keys() {
 Section<ProcessSettings> process_keys() {
   using Its = ProcessSettings;
   return Section<Its>("process", "Process simulation")
-      .key("stiffness_penalty", &Its::stiffness_penalty, "Exponent p of the stage density in the stiffness",
+      .key("stiffness_penalty", &Its::stiffness_penalty, "Exponent p of the density in the stiffness",
            {.range = "[1, inf)"})
       .key("strain_penalty", &Its::strain_penalty,
-           "Exponent q of the layer density in the inherent strain; should not be below p",
-           {.range = "[1, inf)"})
+           "Exponent q of the layer's density in the load, not below p", {.range = "[1, inf)"})
       .key("min_stiffness", &Its::min_stiffness,
-           "Stiffness of what is not built yet, relative to the material's", {.range = "(0, 1)"})
+           "Stiffness of unbuilt material, relative to the material's", {.range = "(0, 1)"})
       .key("void", &Its::void_model,
-           "Elements outside the part are left out (absent) or carry the least stiffness (quiet)",
+           "Elements outside the part are left out (absent) or have min_stiffness (quiet)",
            {.words = "absent quiet", .option = "-void"})
-      .key(
-          "deposition", &Its::deposition,
-          "Where a layer goes: to nominal positions, so that a place counts motion from the layer on that "
-          "builds it (nominal), or with the deformed part, so that it counts all motion before, too (follow)",
-          {.words = "nominal follow", .option = "-deposition"})
-      .key("deposition_rate", &Its::deposition_rate,
-           "Wire deposited per hour of welding, from which the build time follows",
+      .key("deposition", &Its::deposition,
+           "A place moves from the layer on that builds it (nominal), or from the first layer (follow)",
+           {.words = "nominal follow", .option = "-deposition"})
+      .key("deposition_rate", &Its::deposition_rate, "Wire deposited per hour of welding",
            {.range = "(0, inf)", .words = "none", .unit = "kg/h", .option = "-deposition_rate"})
-      .key("dwell", &Its::dwell,
-           "Pause after each layer, for the build time and, with a block thermal, the temperature",
-           {.range = "[0, inf)", .unit = "s"});
+      .key("dwell", &Its::dwell, "Pause after each layer", {.range = "[0, inf)", .unit = "s"});
 }
 
 }  // namespace fabseq

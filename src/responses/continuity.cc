@@ -103,11 +103,8 @@ class Continuity : public Response<Dim> {
 const Registered<Continuity, ContinuitySettings> registered(
     {.list = TermList::constraints, .name = "continuity"},
     Section<ContinuitySettings>("constraints")
-        .key(
-            "limit", &ContinuitySettings::limit,
-            "Largest mean square of the difference between the pseudo-time of an element and the mean of its "
-            "neighbours",
-            {.range = "(0, inf)"}));
+        .key("limit", &ContinuitySettings::limit,
+             "Largest mean square of the difference from the neighbours' mean", {.range = "(0, inf)"}));
 
 }  // namespace
 

@@ -52,7 +52,7 @@ const Registered<DepositionSpeed, DepositionSpeedSettings> registered(
     {.list = TermList::constraints, .name = "deposition_speed", .layers = LayerKind::curved},
     Section<DepositionSpeedSettings>("constraints")
         .key("slack", &DepositionSpeedSettings::slack,
-             "By how much the built volume may lag behind, relative to the part's", {.range = "(0, 1)"}));
+             "How far the volume may lag behind, relative to the part's", {.range = "(0, 1)"}));
 
 }  // namespace
 

@@ -78,8 +78,8 @@ class DistortionLimit : public Response<Dim> {
 Section<DistortionSettings> distortion_objective_keys() {
   return distortion_keys("objective")
       .key("least_squares", &DistortionSettings::least_squares,
-           "Hand displacement, flatness or shape to the optimizer as a sum of squares, an elastic adjoint "
-           "each; auto: with scaling current, while these hold most of it",
+           "Hand the term over as squares, an elastic adjoint each; auto: with scaling current, while they "
+           "hold most of it",
            {.words = "auto"});
 }
 
@@ -88,7 +88,7 @@ Section<DistortionLimitSettings> constraint_keys() {
       .keys([](DistortionLimitSettings& its) -> DistortionSettings& { return its; },
             distortion_keys("constraints"))
       .key("limit", &DistortionLimitSettings::limit,
-           "Largest root of the measure, in the length unit; of angle in degrees",
+           "Largest root of the measure, a length, of angle degrees",
            {.required = true, .range = "(0, inf)"});
 }
 

@@ -98,30 +98,23 @@ void DistortionSettings::check(const TermPlace& place) const {
 Section<DistortionSettings> distortion_keys(const std::string& section) {
   using Its = DistortionSettings;
   return Section<Its>(section)
-      .key("measure", &Its::measure,
-           "Squared displacement over a node set, its flatness along an axis, the squared displacement of "
-           "every layer over all nodes, the mean squared deviation of a node set's shape from a best fit, or "
-           "the squared change of the angle between the planes fitted to two node sets, in degrees",
-           {.words = measure_names})
-      .key("nodes", &Its::nodes, "Node set of displacement, flatness, shape and angle (required)")
-      .key("to", &Its::to, "Node set whose plane angle compares with that of nodes (required)")
+      .key("measure", &Its::measure, "Which square is measured", {.words = measure_names})
+      .key("nodes", &Its::nodes, "Node set (required, but for layerwise)")
+      .key("to", &Its::to, "Second node set of angle (required)")
       .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
-      .key("fit", "What the best fit of shape may move: translation, always, rotation and scale",
+      .key("fit", "Motions of the best fit of shape; translation always",
            {.type = KeyType::word_list,
             .default_value = to_text(Its{}.fit),
             .words = "translation rotation scale"},
            [](Its& settings, const Json& value, const KeyPlace&) { value.get_to(settings.fit); })
-      .key("mean", &Its::mean, "Divide displacement by the number of nodes")
+      .key("mean", &Its::mean, "Mean square instead of the sum of displacement")
       .key("norm", &Its::norm,
-           "Power p of displacement, ((1/n) sum of |u|^p)^(2/p), which comes near the square of the largest "
-           "displacement for p = 8 or so; left out: the sum or mean of squares",
+           "Power p of displacement: ((1/n) sum of |u|^p)^(2/p), near the largest square for p = 8",
            {.range = "[2, inf)"})
       .key("aggregate", &Its::aggregate,
-           "Strain that counts: as given, or of material.scenarios the mean of the measures, that of the "
-           "deviations from the mean displacement, or the worst",
+           "Of material.scenarios: the given strain, mean, spread or worst counts",
            {.words = aggregate_names})
-      .key("after_release", &Its::after_release,
-           "Measure displacement, flatness, shape or angle after the release from plate or clamps");
+      .key("after_release", &Its::after_release, "Measure after the release from plate or clamps");
 }
 
 }  // namespace fabseq

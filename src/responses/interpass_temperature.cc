@@ -49,7 +49,7 @@ const Registered<InterpassTemperature, InterpassTemperatureSettings> registered(
     {.list = TermList::constraints, .name = "interpass_temperature", .unit = "degrees C"},
     Section<InterpassTemperatureSettings>("constraints")
         .key("limit", &InterpassTemperatureSettings::limit,
-             "Highest mean temperature of a layer when the next one begins; needs a block thermal",
+             "Highest mean temperature of a layer when the next one begins",
              {.required = true, .range = "(-273.15, inf)", .unit = "degrees C"}));
 
 }  // namespace

@@ -91,7 +91,7 @@ const Registered<LastLayer, LastLayerSettings> registered(
     {.list = TermList::constraints, .name = "last_layer", .layers = LayerKind::curved},
     Section<LastLayerSettings>("constraints")
         .key("least_volume", &LastLayerSettings::least_volume,
-             "No element may be later than the last layer with as much volume, relative to the mean of all",
+             "No element is later than the last layer of this volume, relative to the mean",
              {.range = "(0, 1)"}));
 
 }  // namespace

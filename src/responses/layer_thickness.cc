@@ -95,11 +95,9 @@ const Registered<LayerThickness, LayerThicknessSettings> registered(
              {.required = true, .range = "(0, inf)", .unit = "length", .option = "-target"})
         .key("tolerance", &LayerThicknessSettings::tolerance, "Allowed deviation, relative to the target",
              {.range = "(0, 1)", .option = "-thickness_tolerance"})
-        .key(
-            "least_volume", &LayerThicknessSettings::least_volume,
-            "Layers with less volume, relative to the mean of all, fade out of the constraint; 0: all layers "
-            "count, however small",
-            {.range = "[0, 1)", .option = "-least_volume"}));
+        .key("least_volume", &LayerThicknessSettings::least_volume,
+             "Layers of less volume, relative to the mean, fade out; 0: none",
+             {.range = "[0, 1)", .option = "-least_volume"}));
 
 }  // namespace
 

@@ -94,7 +94,7 @@ const Registered<Uniformity, UniformitySettings> registered(
      .weight = 0.3,  // measured at nominal positions (docs/results/defaults.md)
      .weight_option = "-alpha"},
     Section<UniformitySettings>("objective")
-        .key("form", &UniformitySettings::form, "Form of the deviation of the thickness within each layer",
+        .key("form", &UniformitySettings::form, "Form of the deviation within each layer",
              {.words = "sum_of_squares variance"}));
 
 }  // namespace

@@ -124,10 +124,8 @@ const Registered<LocalThickness, LocalThicknessSettings> registered(
      .unit = share_of_part},
     Section<LocalThicknessSettings>("constraints")
         .key("limit", &LocalThicknessSettings::limit,
-             "Largest share of the part above the range tool.thickness, and below it, smoothly counted",
-             {.range = "(0, 1)"})
-        .key("width", &LocalThicknessSettings::width,
-             "Relative range of thicknesses around a limit within which the count becomes steep",
+             "Largest share of the part above tool.thickness, and below it", {.range = "(0, 1)"})
+        .key("width", &LocalThicknessSettings::width, "Relative range within which the count becomes steep",
              {.range = "(0, 1]"}));
 
 }  // namespace

@@ -61,7 +61,7 @@ SectionKeys term_keys(TermList list) {
                                        : SectionKeys{"constraints", "Constraints: a list", {}};
   SectionKeys result{common.path, common.title, {}};
   ConfigKey type{.type = KeyType::choice, .required = true, .name = "type", .section = common.path};
-  type.meaning = objective ? "What is measured" : "What is bounded";
+  type.meaning = objective ? "Kind of term" : "Kind of constraint";
   result.keys.push_back(type);
   std::string words;
   for (const ResponseType* response : response_types(list)) {

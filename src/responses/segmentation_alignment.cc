@@ -111,8 +111,8 @@ class SegmentationAlignment : public Response<Dim> {
 const Registered<SegmentationAlignment, SegmentationAlignmentSettings> registered(
     {.name = "segmentation_alignment", .layers = LayerKind::multi_planar, .needs_time_gradient = true},
     Section<SegmentationAlignmentSettings>("objective")
-        .key("band", &SegmentationAlignmentSettings::band,
-             "Width, in pseudo-time, of the band after each segmentation line", {.range = "(0, 1)"}));
+        .key("band", &SegmentationAlignmentSettings::band, "Width in pseudo-time of the band after each line",
+             {.range = "(0, 1)"}));
 
 }  // namespace
 

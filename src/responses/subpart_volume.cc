@@ -59,8 +59,7 @@ const Registered<SubpartVolume, SubpartVolumeSettings> registered(
     {.list = TermList::constraints, .name = "subpart_volume", .layers = LayerKind::multi_planar},
     Section<SubpartVolumeSettings>("constraints")
         .key("tolerance", &SubpartVolumeSettings::tolerance,
-             "By how much a sub-part may exceed its equal share of the volume, relative to that",
-             {.range = "[0, 1)"}));
+             "How far a sub-part may exceed its equal share, relative to it", {.range = "[0, 1)"}));
 
 }  // namespace
 

@@ -96,15 +96,12 @@ class Supported : public Response<Dim> {
 const Registered<Supported, SupportedSettings> registered(
     {.list = TermList::constraints, .name = "supported", .needs_time_gradient = true, .unit = share_of_part},
     Section<SupportedSettings>("constraints")
-        .key(
-            "limit", &SupportedSettings::limit,
-            "Largest share of the part's elements that begin in the air, smoothly counted; auto: half of one "
-            "element's",
-            {.range = "(0, 1)", .words = "auto"})
-        .key(
-            "sharpness", &SupportedSettings::sharpness,
-            "Number of elements in build time within which the count becomes steep; in space a quarter of it",
-            {.range = "(0, 1]"}));
+        .key("limit", &SupportedSettings::limit,
+             "Largest share of elements that begin in the air; auto: half of one element",
+             {.range = "(0, 1)", .words = "auto"})
+        .key("sharpness", &SupportedSettings::sharpness,
+             "Elements in build time within which the count becomes steep; in space a quarter",
+             {.range = "(0, 1]"}));
 
 }  // namespace
 

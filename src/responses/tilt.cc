@@ -109,10 +109,9 @@ class Tilt : public Response<Dim> {
 const Registered<Tilt, TiltSettings> registered(
     {.list = TermList::constraints, .name = "tilt", .needs_time_gradient = true, .unit = share_of_part},
     Section<TiltSettings>("constraints")
-        .key("limit", &TiltSettings::limit,
-             "Largest share of the part beyond the limit of tool, smoothly counted", {.range = "(0, 1)"})
-        .key("width", &TiltSettings::width,
-             "Range of tilts around the limit within which the count becomes steep",
+        .key("limit", &TiltSettings::limit, "Largest share of the part beyond tool.max_tilt",
+             {.range = "(0, 1)"})
+        .key("width", &TiltSettings::width, "Range within which the count becomes steep",
              {.range = "(0, 90]", .unit = "degrees"}));
 
 }  // namespace

@@ -192,15 +192,13 @@ const Registered<ToolClearance, ToolClearanceSettings> registered(
      .unit = share_of_part},
     Section<ToolClearanceSettings>("constraints")
         .key("limit", &ToolClearanceSettings::limit,
-             "Largest share of the torch that what stands is in the way of, mean over the part, smoothly "
-             "counted",
-             {.range = "(0, 1)"})
-        .key("samples", &ToolClearanceSettings::samples, "Number of points by which the torch is sampled",
+             "Largest mean fraction of the torch obstructed by deposited material", {.range = "(0, 1)"})
+        .key("samples", &ToolClearanceSettings::samples, "Points that sample the torch",
              {.range = "[1, 100000]"})
-        .key("delay", &ToolClearanceSettings::delay, "What is earlier by this many layers is in the way",
+        .key("delay", &ToolClearanceSettings::delay, "Material earlier by this many layers obstructs",
              {.range = "[0, 10]"})
-        .key("sharpness", &ToolClearanceSettings::sharpness,
-             "Number of layers around it within which the count becomes steep", {.range = "(0, 10]"}));
+        .key("sharpness", &ToolClearanceSettings::sharpness, "Layers within which the count becomes steep",
+             {.range = "(0, 10]"}));
 
 }  // namespace
 

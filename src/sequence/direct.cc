@@ -14,20 +14,16 @@ struct DirectKind {
   static Section<Settings> keys() {
     using Its = Settings;
     return Section<Its>("sequence")
-        .key("location", &Its::location,
-             "Where the pseudo-time is a design variable; thickness and uniformity of layers need nodes",
+        .key("location", &Its::location, "Where the pseudo-time varies; terms of thickness need nodes",
              {.words = "elements nodes"})
-        .key("start",
-             "Where the pseudo-time is 0: elements by their centres or else by their nodes, "
-             "or nodes; plate: what touches the build plate or the substrate",
+        .key("start", "Where the pseudo-time is 0; plate: all that touches plate or substrate",
              {.type = KeyType::shape, .default_value = to_text("plate"), .words = "plate"},
              [](Its& sequence, const Json& value, const KeyPlace& place) {
                if (value.is_object()) sequence.start = make_shape(value, place);
              })
-        .key(
-            "filter_radius", &Its::filter_radius,
-            "Radius within which times are smoothed inside the part, before layers are made of them; 0: none",
-            {.range = "[0, inf)", .unit = "length"});
+        .key("filter_radius", &Its::filter_radius,
+             "Radius within which times are smoothed inside the part; 0: none",
+             {.range = "[0, inf)", .unit = "length"});
   }
 
   /// Move limit: measured for times.

@@ -12,7 +12,7 @@ struct FileKind {
 
   static Section<Settings> keys() {
     return Section<Settings>("sequence")
-        .key("file", &Settings::file, "HDF5 file with the pseudo-time of each element",
+        .key("file", &Settings::file, "HDF5 file with the pseudo-time",
              {.type = KeyType::path, .required = true})
         .key("dataset", &Settings::dataset, "Dataset with axes [z][y][x], values in [0, 1]");
   }

@@ -19,31 +19,27 @@ struct GuidedKind {
   static Section<Settings> keys() {
     using Its = Settings;
     return Section<Its>("sequence")
-        .key(
-            "max_tilt", &Its::given_max_tilt,
-            "Bound of each component of the tilt vector, by which the build direction leans from the plate's "
-            "normal; auto: tool.max_tilt if that is below 90, else 60",
-            {.range = "(0, 90]", .words = "auto", .unit = "degrees"})
+        .key("max_tilt", &Its::given_max_tilt,
+             "Bound of each component of the tilt from the plate's normal; auto: tool.max_tilt below 90, "
+             "else 60",
+             {.range = "(0, 90]", .words = "auto", .unit = "degrees"})
         .key("stretch",
-             "Least and largest local thickness relative to the target, around 1; none: the thickness is no "
-             "variable; auto: tool.thickness if there is a torch, else none",
+             "Least and largest local thickness over the target; none: no variable; auto: tool.thickness "
+             "with a torch, else none",
              {.type = KeyType::bounds,
               .default_value = to_text("auto"),
               .range = "(0, inf)",
               .words = "auto none"},
              read_stretch)
         .key("filter_radius", &Its::filter_radius,
-             "Radius of the averaging filter on the design; 0: none; auto: two elements' longest edges",
+             "Radius of the averaging filter; 0: none; auto: two longest edges",
              {.range = "[0, inf)", .words = "auto", .unit = "length"})
-        .key("void", &Its::void_diffusivity, "Diffusivity outside the part, where it is 1 inside",
-             {.range = "(0, inf)"})
+        .key("void", &Its::void_diffusivity, "Diffusivity outside the part; 1 inside", {.range = "(0, inf)"})
         .key("characteristic_length", &Its::characteristic_length,
-             "Length that layers of the target thickness make together; auto: number of layers times the "
-             "target, else the part's height along paths inside it",
+             "auto: number of layers times the target thickness, else the geodesic height",
              {.range = "(0, inf)", .words = "auto", .unit = "length"})
         .key("initial",
-             "Initial build directions: those of the distance to the plate inside the part, the plate's "
-             "normal, or a vector of any length",
+             "Initial build directions: of the distance to the plate, the plate's normal, or a vector",
              {.type = KeyType::vector, .default_value = to_text("distance"), .words = "distance planar"},
              read_start);
   }

@@ -19,18 +19,15 @@ struct HeatKind {
         .key("scale", &Its::scale, "Scale on which the optimizer moves the diffusivity",
              {.words = "log linear", .option = "-scale"})
         .key("mass", &Its::mass,
-             "Mass matrix of the drain; auto: "
-             "lumped where the consistent one would leave the range of temperatures",
+             "Mass matrix of the drain; auto: lumped where the consistent one would undershoot",
              {.words = "auto consistent lumped", .option = "-mass"})
-        .key("initial", &Its::initial,
-             "Initial diffusivity, uniform or from the distance to the plate inside the part",
+        .key("initial", &Its::initial, "Initial diffusivity, uniform or from the distance to the plate",
              {.range = "(0, inf)", .words = "distance"})
-        .key("drain", &Its::drain, "Drain, divided by the square of the characteristic length",
+        .key("drain", &Its::drain, "Drain, over the square of characteristic_length",
              {.range = "(0, inf)", .option = "-drain"})
         .key("characteristic_length", &Its::characteristic_length,
-             "Length of the drain; auto: number of layers times the target of a layer_thickness constraint, "
-             "more "
-             "where the part widens above a narrow section, else longest edge of the part's bounding box",
+             "auto: number of layers times the target thickness, more above a narrow foot; else the part's "
+             "longest edge",
              {.range = "(0, inf)", .words = "auto", .unit = "length", .option = "-characteristic_length"})
         .key("bounds", "Least and largest diffusivity in the part",
              {.type = KeyType::bounds,
@@ -41,8 +38,7 @@ struct HeatKind {
                value[1].get_to(sequence.max_diffusivity);
              })
         .key("void", &Its::void_diffusivity, "Diffusivity outside the part", {.range = "(0, inf)"})
-        .key("filter_radius", &Its::filter_radius,
-             "Radius of the averaging filter on the diffusivity; 0: none",
+        .key("filter_radius", &Its::filter_radius, "Radius of the averaging filter; 0: none",
              {.range = "[0, inf)", .unit = "length", .option = "-filter_radius"});
   }
 

@@ -13,7 +13,7 @@ struct PlanarKind {
 
   static Section<Settings> keys() {
     return Section<Settings>("sequence")
-        .key("direction", &Settings::direction, "Build direction, of any length; auto: the plate's normal",
+        .key("direction", &Settings::direction, "Build direction; auto: the plate's normal",
              {.words = "auto"});
   }
 

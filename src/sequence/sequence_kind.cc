@@ -50,7 +50,7 @@ std::vector<SectionKeys> sequence_keys() {
                       .required = true,
                       .words = join(of_sequence_kinds(&SequenceTraits::name), " "),
                       .name = "type",
-                      .meaning = "Where the pseudo-time of each element comes from",
+                      .meaning = "Where the pseudo-time comes from",
                       .section = own.path});
   std::vector<SectionKeys> further;
   for (const SequenceKind* kind : sequence_kinds())

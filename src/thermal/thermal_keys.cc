@@ -41,33 +41,30 @@ void require(const char* key, const char* of_material, bool given) {
 Section<ThermalSettings> thermal_keys() {
   using Its = ThermalSettings;
   return Section<Its>("thermal", "Heat conduction through the layers")
-      .key("conductivity", &Its::conductivity, "Thermal conductivity; material: material.conductivity",
+      .key("conductivity", &Its::conductivity, "Thermal conductivity",
            {.range = "(0, inf)", .words = "material", .unit = "W/(length*K)"})
-      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity; material: material.heat_capacity",
+      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity",
            {.range = "(0, inf)", .words = "material", .unit = "J/(kg*K)"})
-      .key("heat_input", &Its::heat_input,
-           "Heat that deposited wire brings: arc power times efficiency over deposition rate",
+      .key("heat_input", &Its::heat_input, "Arc power times efficiency over deposition rate",
            {.required = true, .range = "[0, inf)", .unit = "J/kg", .option = "-heat_input"})
       .key("vanishing", &Its::vanishing,
-           "Temperature at which the inherent strain vanishes, where material solidifies; "
-           "material: material.solidification",
+           "Temperature at which the inherent strain vanishes; material: its solidification",
            {.range = temperature_range, .words = "material", .unit = "degrees C"})
       .key("film_coefficient", &Its::film_coefficient,
-           "Heat that leaves a surface, by convection and radiation together",
+           "Heat that leaves a surface, by convection and radiation",
            {.range = "[0, inf)", .unit = "W/(length^2*K)"})
       .key("ambient", &Its::ambient, "Temperature of the air",
            {.range = temperature_range, .unit = "degrees C"})
-      .key("plate", &Its::plate,
-           "Temperature that the plate's face of the box is held at, and that a substrate starts with",
+      .key("plate", &Its::plate, "Temperature of the held plate, and of a substrate at the start",
            {.range = temperature_range, .unit = "degrees C"})
       .key("reference", &Its::reference, "Temperature at which material.inherent_strain holds",
            {.range = temperature_range, .unit = "degrees C"})
-      .key("passes", &Its::passes, "Real layers that a simulated layer stands for, each with its pause",
+      .key("passes", &Its::passes, "Real layers per simulated layer, each with its pause",
            {.range = "[1, inf)", .unit = "layers"})
       .key("interpass_limit", &Its::interpass_limit,
-           "Interpass temperature of the welding procedure: a run reports the pauses that keep it",
+           "Interpass temperature for which a run reports the pauses",
            {.range = temperature_range, .words = "none", .unit = "degrees C"})
-      .key("steps", "Implicit steps in time of each layer, while material is deposited and in the last pause",
+      .key("steps", "Time steps of each layer, while welding and in the last pause",
            {.type = KeyType::list, .default_value = default_steps(), .range = "[1, 1000]", .unit = "steps"},
            read_steps);
 }

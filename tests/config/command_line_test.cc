@@ -177,9 +177,11 @@ TEST(CommandLineTest, HelpAndReferenceNameEveryKey) {
   }
   for (const char* option : {"-restart DIR", "-max_wall_time TIME"})
     EXPECT_NE(help.find("\n  " + std::string(option)), std::string::npos) << option;
-  const std::string young =
-      "- `young`: Young's modulus. Default: `1.0`; allowed: a number > 0; unit: stress; option `-young`.\n";
+  const std::string young = "- `young`: Young's modulus. Default `1.0`; a number > 0 [stress]; `-young`.\n";
   EXPECT_NE(reference.find(young), std::string::npos);
+  EXPECT_NE(reference.find("- `weight` (`distortion`, `segmentation_alignment`): "), std::string::npos);
+  EXPECT_NE(reference.find("- `measure`, `nodes`, `to`, "), std::string::npos);
+  EXPECT_NE(reference.find(" (`distortion`): as in `objective`.\n"), std::string::npos);
 }
 
 }  // namespace

@@ -6,7 +6,10 @@ import dataclasses
 import re
 import subprocess
 
-ENTRY = re.compile(r"- `(?P<name>[^`]+)`(?:, only for `(?P<variant>[^`]+)`)?: .*; allowed: (?P<allowed>.*)\.$")
+CODES = r"`[^`]+`(?:, `[^`]+`)*"
+ENTRY = re.compile(rf"- `(?P<name>[^`]+)`(?: \((?P<variants>{CODES})\))?: .*\. "
+                   r"(?:Required|Optional|Default `[^`]*`)(?:, in 2D `[^`]*`)?(?:; (?P<allowed>.*))?\.$")
+REFERENCE = re.compile(rf"- (?P<names>{CODES}) \(`(?P<variant>[^`]+)`\): as in `(?P<section>[^`]+)`\.$")
 NUMBERS = re.compile(r"(an?|a list of two ascending|a list of 2 or 3) (number|integer)s?( ?(?:in|>=|>) ?.*)?$")
 TEXTS = ("x", "ü ñ €", "a/b", "..", " ", "-x", "name with spaces", "'; \"quoted\" \\", "n" * 300, "%s%n", "tab\there")
 # What a run costs is not what is looked for.
@@ -34,12 +37,17 @@ def parse(markdown):
         if line.startswith("### "):
             path = re.match(r"### `([^`]+)`", line)
             section = path.group(1) if path else ""
-        entry = ENTRY.match(line)
+        entry, reference = ENTRY.match(line), REFERENCE.match(line)
         if entry:
-            allowed = re.sub(r"(; unit: [^;]*)?(; option [^;]*)?$", "", entry["allowed"])
-            option = re.search(r"; option `([^`]+)`$", entry["allowed"])
-            keys.append(Key(section, entry["name"], entry["variant"], re.sub(r" \(only in .D\)$", "", allowed),
-                            option and option[1]))
+            values = entry["allowed"] or ""  # none of a section
+            allowed = re.sub(r"( \[[^\],]*\])?(; `-[^`]*`)?$", "", values)
+            option = re.search(r"; `(-[^`]+)`$", values)
+            for variant in re.findall("`([^`]+)`", entry["variants"] or "") or [None]:
+                keys.append(Key(section, entry["name"], variant, re.sub(r" \(only in .D\)$", "", allowed), option and option[1]))
+        if reference:
+            names = re.findall("`([^`]+)`", reference["names"])
+            keys += [dataclasses.replace(key, section=section) for key in keys
+                     if (key.section, key.variant) == (reference["section"], reference["variant"]) and key.name in names]
     return keys
 
 
