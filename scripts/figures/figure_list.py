@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: MIT
+"""The figures that stand on more than one page: docs/results/figures.json."""
+
+import json
+import os
+import re
+
+from fabseq_tools.run.places import ROOT
+
+PATH = os.path.join(ROOT, "docs", "results", "figures.json")
+
+
+def read_figures():
+    """A list of {"name", "what", "value", "pages": [[page, text around {}]], and "run" or "by"}. The value is the
+    figure as the pages print it. "run": {"study", "case", "lengths": [numerator, denominator]} or "worst": true,
+    from which fill_figures.py takes it; "by": what else made it."""
+    with open(PATH, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def write_figures(figures):
+    with open(PATH, "w", encoding="utf-8") as file:
+        json.dump(figures, file, ensure_ascii=False, indent=1)
+        file.write("\n")
+
+
+def faults(figures, read_page):
+    """One line for each place where a page says another figure; `read_page`: the text of a page by its name."""
+    result = []
+    for figure in figures:
+        for page, around in figure["pages"]:
+            text = around.replace("{}", figure["value"])
+            if single_spaced(text) not in single_spaced(read_page(page)):
+                result.append(f'{page}: found no "{text}"; {figure["name"]} is {figure["value"]}')
+    return result
+
+
+def single_spaced(text):
+    return re.sub(r"\s+", " ", text)

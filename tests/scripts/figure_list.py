@@ -1,0 +1,1 @@
+../../scripts/figures/figure_list.py
