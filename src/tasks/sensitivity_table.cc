@@ -50,7 +50,7 @@ std::string cell(const char* format, const std::optional<double>& value, int wid
 }
 
 std::string line_of(const SensitivityRow& row) {
-  const std::string name = formatted("%-36s", row.change.c_str());
+  const std::string name = formatted("%-44s", row.change.c_str());
   if (!row.skipped.empty()) return name + " skipped: " + row.skipped;
   return name + cell("%12.4e", first_length(row.sequence), 12) +
          cell("%12.4e", first_length(row.planar), 12) + cell("%9.3g", row.length_ratio(), 9) +
@@ -154,7 +154,7 @@ std::string SensitivityTable::csv() const {
 
 std::vector<std::string> SensitivityTable::text() const {
   std::vector<std::string> result = {
-      "", formatted("%-36s%12s%12s%9s%12s%12s%9s%12s%12s", "change", "length", "planar", "ratio", "rms",
+      "", formatted("%-44s%12s%12s%9s%12s%12s%9s%12s%12s", "change", "length", "planar", "ratio", "rms",
                     "planar", "ratio", "max", "planar")};
   for (const SensitivityRow& row : rows) result.push_back(line_of(row));
   const auto add_worst = [&](const char* of, Ratio ratio) {

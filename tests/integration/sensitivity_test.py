@@ -76,6 +76,7 @@ class SensitivityTest(FabseqTest):
                     changed["material"]["inherent_strain"][c] *= 1.1
                     self.assert_row(rows[f"strain {name} +10 %"], changed)
                 self.assert_layers(rows, config)
+                self.assert_limit(rows, table)
                 for kind in ("length", "rms"):
                     ratios = {name: row["ratio"][kind] for name, row in rows.items()}
                     worst = min(ratios, key=ratios.get)
@@ -88,6 +89,24 @@ class SensitivityTest(FabseqTest):
         for name, layers in (("one layer less", count - 1), ("one layer more", count + 1), ("layers doubled", 2 * count)):
             self.assert_row(rows[f"{name}: {layers}"], config, "-sequence", run.path("result.h5"), "-layers", layers,
                             planar_arguments=("-layers", layers))
+        (name,) = [name for name in rows if name.startswith(f"layers quadrupled: {4 * count}")]
+        changed = planar(config)
+        if name.endswith("grid twice as fine"):  # where these layers are thinner than an element
+            changed["domain"]["elements"] = [2 * n for n in config["domain"]["elements"]]
+        expected = self.simulated(changed, "-layers", 4 * count)
+        self.assertLess(largest_relative_difference(numbers(rows[name]["planar"]), numbers(expected)), LIMIT)
+
+    def assert_limit(self, rows, table):
+        """What the ratios tend to: an error that halves with the thickness."""
+        for kind in ("length", "rms"):
+            once, twice, four_times = (next(row["ratio"][kind] for name, row in rows.items() if name.startswith(words))
+                                       for words in ("unchanged", "layers doubled", "layers quadrupled"))
+            step = four_times - twice
+            settles = abs(step) <= max(abs(twice - once), 0.05 * four_times)
+            if settles:
+                self.assertAlmostEqual(table["thin_layers"][kind], four_times + step, places=12)
+            else:
+                self.assertIsNone(table["thin_layers"][kind])
 
     def test_smooth_layers(self):
         config = plate_2d()
