@@ -25,7 +25,8 @@ Section<DomainSettings> domain_keys() {
            "With part.mesh, instead of size, origin and elements: edge length of an element, or one per axis",
            {.type = KeyType::lengths, .range = "(0, inf)", .unit = "length", .option = "-element"},
            refuse_without_mesh)
-      .key("margin", "With element: room around the mesh on all sides but the plate's, or per axis; left out: 0",
+      .key("margin",
+           "With element: room around the mesh on all sides but the plate's, or per axis; left out: 0",
            {.type = KeyType::lengths, .range = "[0, inf)", .unit = "length"}, refuse_without_mesh)
       .key("thickness", &Its::thickness, "Thickness in plane stress",
            {.range = "(0, inf)", .dimension = 2, .unit = "length"})

@@ -71,8 +71,8 @@ Section<ProcessSettings> process_keys() {
            {.range = "[1, inf)"})
       .key("strain_penalty", &Its::strain_penalty,
            "Exponent q of the layer's density in the load, not below p", {.range = "[1, inf)"})
-      .key("min_stiffness", &Its::min_stiffness,
-           "Stiffness of unbuilt material, relative to the material's", {.range = "(0, 1)"})
+      .key("min_stiffness", &Its::min_stiffness, "Stiffness of unbuilt material, relative to the material's",
+           {.range = "(0, 1)"})
       .key("void", &Its::void_model,
            "Elements outside the part are left out (absent) or have min_stiffness (quiet)",
            {.words = "absent quiet", .option = "-void"})

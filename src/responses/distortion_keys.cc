@@ -109,7 +109,7 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
            [](Its& settings, const Json& value, const KeyPlace&) { value.get_to(settings.fit); })
       .key("mean", &Its::mean, "Mean square instead of the sum of displacement")
       .key("norm", &Its::norm,
-           "Power p of displacement: ((1/n) sum of |u|^p)^(2/p), near the largest square for p = 8",
+           "Power p of displacement, ((1/n) sum of |u|^p)^(2/p); 8: near the largest square",
            {.range = "[2, inf)"})
       .key("aggregate", &Its::aggregate,
            "Of material.scenarios: the given strain, mean, spread or worst counts",
