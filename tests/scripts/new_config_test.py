@@ -49,10 +49,13 @@ class NewConfigTest(unittest.TestCase):
         self.assertEqual(self.warnings, "")
         self.assertEqual(config["domain"], {"element": 2.0, "unit": "mm"})
         self.assertEqual(config["part"]["mesh"], {"file": "bar.stl"})
-        self.assertEqual((config["layers"]["count"], config["sequence"]["characteristic_length"]), (3, 24.0))
-        self.assertEqual(config["tool"], {"bead_width": 10.0, "axis": "normal", "max_tilt": 60.0})
+        self.assertEqual((config["layers"]["count"], config["sequence"]), (3, {"type": "guided"}))
+        self.assertEqual(config["tool"], {"thickness": [0.6, 1.6], "bead_width": 10.0, "axis": "normal", "max_tilt": 60.0})
         self.assertEqual([one["type"] for one in config["constraints"]],
-                         ["layer_thickness", "last_layer", "local_thickness", "tilt"])
+                         ["layer_thickness", "last_layer", "local_thickness", "tilt", "supported"])
+        self.assertEqual([one["limit"] for one in config["constraints"][2:4]], [1.7e-4] * 2)
+        self.assertEqual([one["type"] for one in config["objective"]], ["distortion"])
+        self.assertEqual(config["baseline"], {"direction": "best"})
         self.assertEqual(config["projection"], {"interval": 13})
         self.assertIn("domain: {\"element\": 2.0, \"unit\": \"mm\"}: Edge of an element: a quarter of a layer of 8 mm.", printed)
         command = printed.splitlines()[-2]
@@ -62,6 +65,20 @@ class NewConfigTest(unittest.TestCase):
         self.assertIn("3000 elements", done.stdout)
         self.assertIn("exists; allowed: another --output, or --overwrite",
                       self.run_new("it's a part/bar.stl", "-o", "it's a part/case.json", status=2))
+
+    def test_kind_of_sequence(self):
+        """Guided with a limit of the tilt, unless asked for heat or the limit is none."""
+        write_box(self.path("bar.stl"), (60.0, 20.0, 20.0))
+        for words, kind in (([], "heat"), (["--max-tilt", "90"], "heat"), (["--max-tilt", "45"], "guided"),
+                            (["--max-tilt", "45", "--sequence", "heat"], "heat"), (["--sequence", "guided"], "guided")):
+            self.run_new("bar.stl", "--thickness", "8", "--overwrite", *words)
+            config = read_config(self.path("bar.json"))
+            self.assertEqual(config["sequence"]["type"], kind)
+            self.assertEqual(config["sequence"].get("characteristic_length"), 24.0 if kind == "heat" else None)
+            types = [one["type"] for one in config["constraints"]]
+            self.assertEqual(("tilt" in types, types[-1]), ("--max-tilt" in words, "supported"))
+            self.assertEqual("layer_uniformity" in [one["type"] for one in config["objective"]], kind == "heat")
+            self.assertEqual(self.warnings, "")
 
     def test_thin_wall(self):
         """Three elements across it where the bound allows, else a warning and a config that is taken."""

@@ -6,6 +6,10 @@ import os
 from fabseq_tools.start.config_text import Entry
 
 NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact below is little
+THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (docs/results/machine.md)
+# Of an element's share, the limit of smooth counts, which are no less than the exact shares
+# (docs/formulation.md 13.2): more lets some elements pass, and the verdict counts each.
+NO_ELEMENT = 0.5
 
 
 def entries_of(arguments, look, element, material, target, why_target, count):
@@ -16,31 +20,46 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         wall = f"The wall at {found.wall_at} has {found.wall:g}, so least_elements lets it pass."
     interval = max(1, min(15, arguments.iterations * 2 // 9))
     name = os.path.splitext(os.path.basename(arguments.part))[0]
-    entries = [
+    return [
         Entry("name", name, "Output goes to output/NAME."),
         Entry("domain", {"element": found.edge, "unit": unit}, f"Edge of an element: {element.why[0]}."),
         Entry("part", {"mesh": mesh}, wall),
         Entry("node_sets", {"skin": {"all": True, "surface": True}}, "What a scan sees."),
         material,
-        Entry("sequence", {"type": "heat", "characteristic_length": float(f"{count * target:.6g}")},
-              f"Number of layers times their thickness.{narrow_foot(found)}"),
+        sequence(arguments, count * target, found),
         Entry("layers", {"count": count}, f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more."),
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
-        Entry("objective", [
-            Entry("", {"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": True},
-                  "The shape of the skin once the plate has let go, after the best fit."),
-            Entry("", {"type": "layer_uniformity", "weight": 0.05}, "Even layers; more weight makes them evener.")],
-            "What is made small. The first term is printed."),
-        Entry("constraints", constraints(arguments, target, why_target), "What holds."),
+        Entry("objective", objective(arguments), "What is made small. The first term is printed."),
+        Entry("constraints", constraints(arguments, target, why_target, found.elements),
+              "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
+        Entry("tool", tool_of(arguments),
+              "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
+              "layers'. profile adds the torch, whose reach is then checked; the constraint tool_clearance keeps it free."),
+        Entry("baseline", {"direction": "best"},
+              "The result is compared with upright planar layers, and with planar ones in the best of several directions within "
+              "the tilt limit: a machine that tilts builds them without any optimized sequence."),
+        Entry("optimizer", {"max_iterations": arguments.iterations,
+                            "binary_iterations": min(40, max(1, arguments.iterations // 3))},
+              "60 show what can be gained, 120 are usually enough. The last ones are judged by binary layers."),
     ]
-    tool = tool_of(arguments)
-    if tool:
-        entries.append(Entry("tool", tool, "The machine; tool.profile adds the torch, whose reach is then checked."))
-    entries.append(Entry("optimizer", {"max_iterations": arguments.iterations,
-                                       "binary_iterations": min(40, max(1, arguments.iterations // 3))},
-                         "60 show what can be gained, 120 are usually enough. The last ones are judged by binary layers."))
-    return entries
+
+
+def sequence(arguments, length, found):
+    if arguments.sequence == "guided":
+        return Entry("sequence", {"type": "guided"},
+                     "Build directions are the design, and lean by no more than tool.max_tilt. Layers of type heat meet the "
+                     "part's sides at right angles, so a limb that leaves sideways would need 90 degrees.")
+    return Entry("sequence", {"type": "heat", "characteristic_length": float(f"{length:.6g}")},
+                 f"Number of layers times their thickness.{narrow_foot(found)}")
+
+
+def objective(arguments):
+    result = [Entry("", {"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": True},
+                    "The shape of the skin once the plate has let go, after the best fit.")]
+    if arguments.sequence == "heat":  # guided layers start evenly: their first value, which scales the term, is nearly 0
+        result.append(Entry("", {"type": "layer_uniformity", "weight": 0.05}, "Even layers; more weight makes them evener."))
+    return result
 
 
 def narrow_foot(found):
@@ -51,7 +70,7 @@ def narrow_foot(found):
 
 
 def tool_of(arguments):
-    tool = {}
+    tool = {"thickness": THICKNESS}
     if arguments.bead_width:
         tool["bead_width"] = arguments.bead_width
     if arguments.max_tilt:
@@ -59,12 +78,16 @@ def tool_of(arguments):
     return tool
 
 
-def constraints(arguments, target, why_target):
+def constraints(arguments, target, why_target, elements):
+    none = float(f"{NO_ELEMENT / elements:.2g}")
     result = [Entry("", {"type": "layer_thickness", "target": target, "least_volume": 0.05},
                     f"Every layer this thick on average, within 10 %: {why_target}."),
               Entry("", {"type": "last_layer"}, "The part ends with a whole layer."),
-              Entry("", {"type": "local_thickness", "limit": 0.03},
-                    "Place by place between 0.5 and 1.5 times the thickness, but for a share of the part.")]
+              Entry("", {"type": "local_thickness", "limit": none},
+                    "Place by place within tool.thickness. The limit is a share of the part, smoothly counted: half of one "
+                    "element's, so that there is none outside. Where layers meet behind a hole no sequence may keep it: more, "
+                    "such as 0.02, lets as many elements pass, and the distortion gain a little.")]
     if arguments.max_tilt:
-        result.append(Entry("", {"type": "tilt", "limit": 0.003}, "No tilt beyond tool.max_tilt, but for a share of the part."))
+        result.append(Entry("", {"type": "tilt", "limit": none}, "No tilt beyond tool.max_tilt, with the same limit."))
+    result.append(Entry("", {"type": "supported"}, "No element begins in the air. It has such a limit of its own."))
     return result

@@ -3,6 +3,7 @@
 
     fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
                      [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
+                     [--sequence heat|guided]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
                      [--program build/release/fabseq]
 
@@ -14,8 +15,12 @@ of several sizes. What is chosen stands in the config, each with the reason as a
   the part has (default: 50,000), --memory what a run takes on one rank. Where the bound does not leave three
   elements across a wall, or where the part runs out to an edge, part.mesh.least_elements lets it pass.
 - The number of layers: the geodesic height over the thickness, and 5 % more.
-- The objective: the shape of the skin after the release, and even layers. Constraints: the thickness of each
-  layer and, place by place, the range of tool.thickness; a whole last layer; with --max-tilt the tilt.
+- The sequence: with --max-tilt below 90 degrees guided, which leans no further; else heat. --sequence says
+  otherwise.
+- The objective: the shape of the skin after the release, and, of heat, even layers. Constraints: the
+  thickness of each layer and, place by place, the range of tool.thickness; a whole last layer; no element
+  begins in the air; with --max-tilt the tilt.
+- What it is compared with: also planar layers in the best direction within the tilt (baseline.direction).
 
 Lengths are in --unit, which names the config's unit (default: mm); --scale is the factor from the file's unit
 to it. CONFIG.json is PART.json beside the mesh unless given. The last line is the command that comes next.
@@ -35,6 +40,7 @@ from fabseq_tools.start.config_text import config_text
 
 COMMAND = "new"
 
+ANY_TILT, UPRIGHT = 180.0, 90.0  # degrees: of a machine without a limit; of layers that stand upright along a limb
 LARGE, SMALL = 5000.0, 5.0  # mm: a longest edge beyond is that of a file in another unit, more often than not
 
 
@@ -81,6 +87,7 @@ def parsed(words):
     thickness.add_argument("--bead-height", type=positive, metavar="H", help="a layer is as thick as a bead is high")
     parser.add_argument("--bead-width", type=positive, metavar="W")
     parser.add_argument("--max-tilt", type=positive, metavar="DEGREES", help="between torch and plate's normal")
+    parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with --max-tilt below 90, else heat")
     bound = parser.add_mutually_exclusive_group()
     bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
     bound.add_argument("--memory", type=positive, metavar="GB", help="of a run on one rank, at most")
@@ -89,6 +96,7 @@ def parsed(words):
     parser.add_argument("--program", default=PROGRAM)
     arguments = parser.parse_args(words)
     arguments.ranks, arguments.rest = 1, []
+    arguments.sequence = arguments.sequence or ("guided" if (arguments.max_tilt or ANY_TILT) < UPRIGHT else "heat")
     arguments.millimetres = millimetres_of(arguments.unit)
     if arguments.iterations < 1:
         raise RunError(f"--iterations: found {arguments.iterations}; allowed: an integer >= 1")
