@@ -6,16 +6,10 @@ import os
 from fabseq_tools.start.config_text import Entry
 
 NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact below is little
-<<<<<<< HEAD
-# Limits that optimized parts keep (configs/studies/machine_cases.json, docs/results/machine.md).
-THICKNESS = [0.6, 1.6]  # local, relative to the target
-OUTSIDE, BEYOND = 0.02, 0.003  # largest counts of local_thickness and of tilt
-=======
 THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (docs/results/machine.md)
 # Of an element's share, the limit of smooth counts, which are no less than the exact shares
 # (docs/formulation.md 13.2): more lets some elements pass, and the verdict counts each.
 NO_ELEMENT = 0.5
->>>>>>> tools
 
 
 def entries_of(arguments, look, element, material, target, why_target, count):
@@ -37,11 +31,7 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
         Entry("objective", objective(arguments), "What is made small. The first term is printed."),
-<<<<<<< HEAD
-        Entry("constraints", constraints(arguments, target, why_target),
-=======
         Entry("constraints", constraints(arguments, target, why_target, found.elements),
->>>>>>> tools
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         Entry("tool", tool_of(arguments),
               "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
@@ -93,14 +83,6 @@ def constraints(arguments, target, why_target, elements):
     result = [Entry("", {"type": "layer_thickness", "target": target, "least_volume": 0.05},
                     f"Every layer this thick on average, within 10 %: {why_target}."),
               Entry("", {"type": "last_layer"}, "The part ends with a whole layer."),
-<<<<<<< HEAD
-              Entry("", {"type": "local_thickness", "limit": OUTSIDE},
-                    "Place by place within tool.thickness. The limit is a share of the part, smoothly counted: less binds the "
-                    "whole part for the sake of places that no sequence mends, such as where layers meet behind a hole.")]
-    if arguments.max_tilt:
-        result.append(Entry("", {"type": "tilt", "limit": BEYOND}, "No tilt beyond tool.max_tilt, counted in the same way."))
-    result.append(Entry("", {"type": "supported"}, "No element begins in the air: the limit is half of one element's share."))
-=======
               Entry("", {"type": "local_thickness", "limit": none},
                     "Place by place within tool.thickness. The limit is a share of the part, smoothly counted: half of one "
                     "element's, so that there is none outside. Where layers meet behind a hole no sequence may keep it: more, "
@@ -108,5 +90,4 @@ def constraints(arguments, target, why_target, elements):
     if arguments.max_tilt:
         result.append(Entry("", {"type": "tilt", "limit": none}, "No tilt beyond tool.max_tilt, with the same limit."))
     result.append(Entry("", {"type": "supported"}, "No element begins in the air. It has such a limit of its own."))
->>>>>>> tools
     return result
