@@ -1,33 +1,34 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing (Debian 12; as root or with sudo) and builds the program. Its tests are only configured: scripts/test.sh
-# builds those that it runs.
+# Installs what is missing (Debian 12; as root or with sudo) and builds the program and the Python module. Its tests are only
+# configured: scripts/test.sh builds those that it runs.
 #
 #   scripts/setup.sh [--ci] [--benchmarks] [--preset NAME | --package]
 #
 #   --ci           also install what scripts/dev/lint.sh and all tests need, and, if it can be had, Slurm, in which the tests run the batch scripts
 #   --benchmarks   also install Google Benchmark and build three of benchmarks/, now and with this preset from now on
 #   --preset NAME  release (default), debug, sanitizers or indices64, see CMakePresets.json
-#   --package      build build/package/fabseq_*.deb, Debian's package of the program and its tools; installs no tools
+#   --package      build build/package/fabseq_*.deb, Debian's package of the program and its tools; installs no tools, builds no module
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/environment.sh
 
 packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev liblapack-dev nlohmann-json3-dev
   lib3mf-dev libzip-dev libexpat1-dev libgtest-dev libopenblas0-serial)
+module_packages=(pybind11-dev python3-dev)
 tool_packages=(python3-numpy python3-scipy python3-h5py python3-matplotlib python3-paraview xvfb)
 ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8 mandoc chromium calculix-ccx locales
-  dpkg-dev file)
+  dpkg-dev file python3-mpi4py)
 slurm_packages=()
 preset=release
 package=no
 cmake_options=(-D FABSEQ_UNITY=ON)
-targets=(fabseq)
+targets=(fabseq fabseq_python)
 while (($#)); do
   case $1 in
     --ci) tool_packages+=("${ci_packages[@]}"); slurm_packages=(slurm-wlm munge) ;;
     --benchmarks) packages+=(libbenchmark-dev); cmake_options+=(-D FABSEQ_BENCHMARKS=ON); targets+=(kernels voxelize machine_checks) ;;
-    --package) package=yes; preset=package; packages+=(dpkg-dev file); tool_packages=() ;;
+    --package) package=yes; preset=package; packages+=(dpkg-dev file); module_packages=() tool_packages=() ;;
     --preset) preset=${2:?"--preset needs a name"}; shift ;;
     *) echo "usage: scripts/setup.sh [--ci] [--benchmarks] [--preset NAME | --package]" >&2; exit 2 ;;
   esac
@@ -93,7 +94,7 @@ select_blas() {
 
 if [[ $preset == indices64 ]]; then packages+=(libpetsc64-real-dev); fi
 
-install_missing "${packages[@]}"
+install_missing "${packages[@]}" "${module_packages[@]}"
 select_blas
 # What the program is not compiled with is fetched and unpacked while it is compiled.
 tools_log=$(mktemp)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/one_line.h"
+#include "fabseq/base/one_line.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,10 +2,10 @@
 #include "fabseq/base/session.h"
 
 #include "base/launch.h"
-#include "base/one_line.h"
 #include "base/processor.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/one_line.h"
 #include "fabseq/base/petsc.h"
 #include "fabseq/base/plain_numbers.h"
 #include "fabseq/base/stop.h"
@@ -32,16 +32,12 @@ PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, Pets
 
 /// Says in one line what PetscInitialize does not like of its options, and returns the exit status. Ranks
 /// that wait for this one in there are ended by mpirun.
-int refused(PetscErrorCode code) {
-  try {
-    check_options(code);
-  } catch (const Error& error) {
-    int initialized = 0;
-    MPI_Initialized(&initialized);
-    if (initialized == 0 || rank_of(MPI_COMM_WORLD) == 0)
-      write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
-  }
-  return static_cast<int>(ExitStatus::bad_input);
+int refused(const Error& error) {
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  if (initialized == 0 || rank_of(MPI_COMM_WORLD) == 0)
+    write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
+  return static_cast<int>(error.status());
 }
 
 /// PETSc options that were never read are most likely misspelt. With -options_left, PETSc lists them itself.
@@ -125,29 +121,43 @@ bool wait_for_room(int descriptor) {
 
 }  // namespace
 
-int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
+Session::Session(const std::vector<std::string>& petsc_arguments) {
   require_processor();
-  std::vector<std::string> copies = petsc_arguments;
-  // fabseq handles signals itself (stop.h), and a closed pipe, as of `| head`, must not end in a trace.
-  copies.emplace_back("-no_signal_handler");
-  std::vector<char*> pointers;
-  pointers.reserve(copies.size() + 1);
-  for (std::string& argument : copies) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  int count = static_cast<int>(copies.size());
-  char** arguments = pointers.data();
-  const PlainNumbers plain;  // PETSc's options and what it prints follow the locale
-  prefer_romio();
-  give_memory_back();
-  PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet
-  if (const PetscErrorCode code = PetscInitialize(&count, &arguments, nullptr, nullptr); code != 0)
-    return refused(code);
-  PetscErrorPrintf = PetscErrorPrintfDefault;
+  PetscBool running = PETSC_FALSE;
+  (void)PetscInitialized(&running);
+  begun_ = running == PETSC_FALSE;
+  if (begun_) {
+    std::vector<std::string> copies = petsc_arguments;
+    // fabseq handles signals itself (stop.h), and a closed pipe, as of `| head`, must not end in a trace.
+    copies.emplace_back("-no_signal_handler");
+    std::vector<char*> pointers;
+    pointers.reserve(copies.size() + 1);
+    for (std::string& argument : copies) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    int count = static_cast<int>(copies.size());
+    char** arguments = pointers.data();
+    prefer_romio();
+    give_memory_back();
+    PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet
+    check_options(PetscInitialize(&count, &arguments, nullptr, nullptr));
+    PetscErrorPrintf = PetscErrorPrintfDefault;
+  }
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
-  const int status = is_one_of_copies() ? static_cast<int>(ExitStatus::bad_input) : guarded(program);
+}
+
+Session::~Session() {
   (void)PetscPopErrorHandler();
-  (void)PetscFinalize();
-  return status;
+  if (begun_) (void)PetscFinalize();
+}
+
+int run_session(const std::vector<std::string>& petsc_arguments, const std::function<void()>& program) {
+  const PlainNumbers plain;  // PETSc's options and what it prints follow the locale
+  try {
+    const Session session(petsc_arguments);
+    return is_one_of_copies() ? static_cast<int>(ExitStatus::bad_input) : guarded(program);
+  } catch (const Error& error) {
+    return refused(error);
+  }
 }
 
 void warn(const std::string& message) { warn(PETSC_COMM_WORLD, message); }

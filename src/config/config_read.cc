@@ -112,7 +112,14 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   const std::string& file = command_line.config_file;
   std::string text;
   run_on_first(comm, [&] { text = config_text(file); });
-  Json document = parse_json(broadcast(comm, text), file);
+  std::error_code error;
+  const std::string directory =
+      broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
+  return read_config(comm, parse_json(broadcast(comm, text), file), directory, command_line);
+}
+
+Config read_config(MPI_Comm comm, Json document, const std::string& directory,
+                   const CommandLine& command_line) {
   for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
   std::error_code error;
   std::string sequence_file;
@@ -120,8 +127,6 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
     sequence_file = std::filesystem::absolute(*command_line.sequence_file, error).string();
     apply_override(document, "sequence", Json::object({{"type", "file"}, {"file", sequence_file}}).dump());
   }
-  const std::string directory =
-      broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
   merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
   Config config = read_settings(document, directory, mesh);

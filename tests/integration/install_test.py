@@ -5,6 +5,7 @@ docs/example builds against the library."""
 import glob
 import os
 import re
+import unittest
 from unittest import mock
 
 import run_fabseq
@@ -38,6 +39,12 @@ class InstallTest(FabseqTest):
         self.assertIn("elements", self.run_command(program, "-config", os.path.join(configs, "voxel_part.json"), "-task",
                                                    "check"))
         self.assertTrue(os.path.exists(os.path.join(prefix, "share", "man", "man1", "fabseq.1")))
+
+    @unittest.skipIf(os.environ.get("FABSEQ_PYTHON") == "0", run_fabseq.OF_THIS_BUILD + "it has no Python module")
+    def test_installed_module(self):
+        (folder,) = glob.glob(os.path.join(self.install(), "lib", "python3*", "site-packages"))
+        text = f"import sys; sys.path.insert(0, {folder!r}); import fabseq; print(fabseq.__version__)"
+        self.assertRegex(self.run_command("/usr/bin/python3", "-c", text), r"^\d+\.\d+\.\d+$")
 
     def test_installed_tools(self):
         """They find each other and the program, without the source tree and without its environment."""

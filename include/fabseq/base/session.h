@@ -12,6 +12,21 @@
 
 namespace fabseq {
 
+/// MPI and PETSc for the lifetime of the object, for whoever has no function to hand to run_session().
+/// Constructor and destructor are collective on the world.
+class Session {
+ public:
+  /// Begins what does not run already: under mpi4py MPI, under petsc4py both do, and then they also go on
+  /// afterwards. `petsc_arguments` as in run_session(); PETSc that runs already does not get them. Throws
+  /// InputError if PETSc does not like its options.
+  explicit Session(const std::vector<std::string>& petsc_arguments);
+  Session(Session&&) = delete;
+  ~Session();
+
+ private:
+  bool begun_ = false;  ///< whether PETSc is this object's to end
+};
+
 /// Runs `program` between PetscInitialize and PetscFinalize and returns the exit status of the process.
 /// Collective on the world.
 ///

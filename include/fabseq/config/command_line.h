@@ -54,6 +54,9 @@ void apply_override(Json& document, const std::string& path, const std::string& 
 /// and checks that it suits the task and that the files it names can be read. Collective on `comm`. Throws
 /// the same InputError on all ranks.
 Config read_config(MPI_Comm comm, const CommandLine& command_line);
+/// The same for a document that all ranks have; `directory`: absolute, which relative paths in it refer to.
+Config read_config(MPI_Comm comm, Json document, const std::string& directory,
+                   const CommandLine& command_line);
 
 /// Text of -help: usage, options, and the table of keys with unit, default, range and meaning.
 std::string help_text();
