@@ -19,7 +19,7 @@ Section<ToolSettings> tool_keys() {
            {.range = "[0, inf)", .unit = "length"})
       .key("max_tilt", &Its::max_tilt, "Largest angle between torch and plate's normal",
            {.range = "(0, 180]", .unit = "degrees", .option = "-max_tilt"})
-      .key("bead_width", &Its::bead_width, "Width of a weld bead; 0: two longest edges",
+      .key("bead_width", &Its::bead_width, "Width of a weld bead; 0: twice the longest edge",
            {.range = "[0, inf)", .unit = "length", .option = "-bead_width"})
       .key("thickness", "Least and largest local thickness that can be deposited, over the target",
            {.type = KeyType::bounds, .default_value = "[0.5, 1.5]", .range = "(0, inf)"},

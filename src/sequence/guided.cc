@@ -32,7 +32,7 @@ struct GuidedKind {
               .words = "auto none"},
              read_stretch)
         .key("filter_radius", &Its::filter_radius,
-             "Radius of the averaging filter; 0: none; auto: two longest edges",
+             "Radius of the averaging filter; 0: none; auto: twice the longest edge",
              {.range = "[0, inf)", .words = "auto", .unit = "length"})
         .key("void", &Its::void_diffusivity, "Diffusivity outside the part; 1 inside", {.range = "(0, inf)"})
         .key("characteristic_length", &Its::characteristic_length,
