@@ -31,6 +31,8 @@ class Page:
             self.text = file.read()
         self.source, self.config, commands = (self.block(language) for language in ("cpp", "json", "sh"))
         self.commands = commands.splitlines()
+        self.config_file = re.findall(r"-config (\S+)", commands)[0]
+        self.outputs = re.findall(r"-output (\S+)", commands)
 
     def block(self, language):
         (block,) = re.findall(rf"^```{language}\n(.*?)^```$", self.text, re.MULTILINE | re.DOTALL)
@@ -63,36 +65,39 @@ class OwnKindsTest(FabseqTest):
         self.run_shell(linking, BUILD)
 
     def follow(self, kind):
-        """Does what the page says; its outputs are then in the working directory."""
+        """Does what the page says; its outputs are then in the working directory. Returns the page."""
         page = Page(f"your-own-{kind}.md")
         self.assertLessEqual(len(page.text.split()), MOST_WORDS[kind])
         self.build(page)
-        self.write_config(page.config, "own.json")
+        self.write_config(page.config, page.config_file)
         for command in page.commands:
             self.run_shell(command, self.directory)
-        with open(os.path.join(self.directory, "check", "gradient_check.json"), encoding="utf-8") as file:
+        with open(os.path.join(self.directory, page.outputs[0], "gradient_check.json"), encoding="utf-8") as file:
             check = json.load(file)
         self.assertEqual(check["components"][0]["name"], "objective_0")
         self.assertLess(check["worst"], 1e-5)
         self.assertNotEqual(check["components"][0]["adjoint"], 0)
+        return page
 
-    def refusal(self, *options):
+    def refusal(self, page, *options):
         program = os.path.join("build", "release", "fabseq")
-        status, _, stderr = run_fabseq.run_command([program, "-config", "own.json", "-task", "check", *options],
+        status, _, stderr = run_fabseq.run_command([program, "-config", page.config_file, "-task", "check", *options],
                                                    self.directory, 60)
         self.assertEqual(status, run_fabseq.BAD_INPUT)
         return stderr
 
     def test_a_response(self):
-        self.follow("response")
-        self.assertIn("/objective/0/top: found 2; allowed: a number in (0, 1]", self.refusal("-set", "objective.0.top=2"))
+        page = self.follow("response")
+        self.assertIn("/objective/0/top: found 2; allowed: a number in (0, 1]",
+                      self.refusal(page, "-set", "objective.0.top=2"))
 
     def test_a_sequence(self):
-        self.follow("sequence")
-        with open(os.path.join(self.directory, "run", "summary.json"), encoding="utf-8") as file:
+        page = self.follow("sequence")
+        with open(os.path.join(self.directory, page.outputs[1], "summary.json"), encoding="utf-8") as file:
             summary = json.load(file)
         self.assertEqual(summary["iterations"], 5)
-        self.assertIn("type \"mixed\"", self.refusal("-set", 'constraints=[{"type": "layer_thickness", "target": 0.3}]'))
+        self.assertIn("type \"mixed\"",
+                      self.refusal(page, "-set", 'constraints=[{"type": "layer_thickness", "target": 0.3}]'))
 
 
 if __name__ == "__main__":
