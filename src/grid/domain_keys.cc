@@ -16,10 +16,10 @@ void refuse_without_mesh(DomainSettings& /*settings*/, const Json& value, const 
 Section<DomainSettings> domain_keys() {
   using Its = DomainSettings;
   return Section<Its>("domain", "Box and grid; \"up\" is the last axis")
-      .key("size", &Its::size, "Edge lengths of the box",
+      .key("size", &Its::size, "Edge lengths of the box (not with element)",
            {.required = true, .range = "(0, inf)", .unit = "length", .option = "-size"})
       .key("origin", &Its::origin, "Lower corner of the box; left out: 0", {.unit = "length"})
-      .key("elements", &Its::elements, "Elements along each axis; two: plane stress",
+      .key("elements", &Its::elements, "Elements along each axis (not with element); two: plane stress",
            {.required = true, .range = "[1, inf)", .option = "-elements"})
       .key("element",
            "With part.mesh, instead of size, origin and elements: edge length of an element, or one per axis",

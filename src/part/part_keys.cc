@@ -69,8 +69,8 @@ Section<PartDescription> part_keys() {
       .key("keep", &Its::keep_connected,
            "Pieces without a path of faces to the plate are refused (all) or dropped (connected)",
            {.words = "all connected"})
-      .key("sampling", &Its::sampling, "Points per axis of an element; voxel files are as many times finer",
-           {.range = "[1, 16]"})
+      .key("sampling", &Its::sampling,
+           "Sample points per element and axis; a voxel file has as many voxels there", {.range = "[1, 16]"})
       .then(
           [](Its& part, const Json& value, const KeyPlace& place) {
             if (std::holds_alternative<Shape>(part.source)) part.source = make_shape(value, place);

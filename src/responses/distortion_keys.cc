@@ -99,9 +99,9 @@ Section<DistortionSettings> distortion_keys(const std::string& section) {
   using Its = DistortionSettings;
   return Section<Its>(section)
       .key("measure", &Its::measure, "Which square is measured", {.words = measure_names})
-      .key("nodes", &Its::nodes, "Node set (required, but for layerwise)")
-      .key("to", &Its::to, "Second node set of angle (required)")
-      .key("axis", &Its::axis, "Axis of flatness (required)", {.type = KeyType::axis})
+      .key("nodes", &Its::nodes, "Node set of all measures but layerwise")
+      .key("to", &Its::to, "Second node set of angle")
+      .key("axis", &Its::axis, "Axis of flatness", {.type = KeyType::axis})
       .key("fit", "Motions of the best fit of shape; translation always",
            {.type = KeyType::word_list,
             .default_value = to_text(Its{}.fit),

@@ -100,7 +100,7 @@ const Registered<Supported, SupportedSettings> registered(
              "Largest share of elements that begin in the air; auto: half of one element",
              {.range = "(0, 1)", .words = "auto"})
         .key("sharpness", &SupportedSettings::sharpness,
-             "Elements in build time within which the count becomes steep; in space a quarter",
+             "Range of the smooth count: build time of so many elements; in space a quarter",
              {.range = "(0, 1]"}));
 
 }  // namespace

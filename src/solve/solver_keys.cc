@@ -23,7 +23,7 @@ Section<SolverSettings> solver_keys() {
            "Groups of ranks that share the layers; a divisor of the number of ranks",
            {.range = "[1, inf)", .words = "auto", .option = "-layer_groups"})
       .key("lanes", &Its::lanes,
-           "Layers solved side by side; fewer take less memory; auto: as many as it holds",
+           "Layers solved side by side; fewer take less memory; auto: as many as memory holds",
            {.range = "[1, 8]", .words = "auto", .option = "-lanes"});
 }
 
