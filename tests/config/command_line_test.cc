@@ -179,7 +179,8 @@ TEST(CommandLineTest, HelpAndReferenceNameEveryKey) {
     EXPECT_NE(help.find("\n  " + std::string(option)), std::string::npos) << option;
   const std::string young = "- `young`: Young's modulus. Default `1.0`; a number > 0 [stress]; `-young`.\n";
   EXPECT_NE(reference.find(young), std::string::npos);
-  EXPECT_NE(reference.find("- `weight` (`distortion`, `segmentation_alignment`): "), std::string::npos);
+  EXPECT_NE(reference.find("- `weight` (`build_time`, `distortion`, `segmentation_alignment`): "),
+            std::string::npos);
   EXPECT_NE(reference.find("- `measure`, `nodes`, `to`, "), std::string::npos);
   EXPECT_NE(reference.find(" (`distortion`): as in"), std::string::npos);
 }

@@ -71,7 +71,8 @@ TEST(ConfigErrorsTest, MissingKeys) {
   EXPECT_EQ(solid_error("layers", "{}"),
             "/layers/count: missing; allowed: \"auto\" or an integer in [1, 10000]");
   EXPECT_EQ(solid_error("objective.0", "{}"),
-            "/objective/0/type: missing; allowed: distortion, layer_uniformity, segmentation_alignment");
+            "/objective/0/type: missing; allowed: build_time, distortion, layer_uniformity, "
+            "segmentation_alignment");
   EXPECT_EQ(solid_error("constraints.0", R"({"type": "layer_thickness"})"),
             "/constraints/0/target: missing; allowed: a number > 0");
   EXPECT_EQ(solid_error("part", R"({"box": {"min": [0, 0, 0]}})"),
