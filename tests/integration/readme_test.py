@@ -87,7 +87,7 @@ class ReadmeTest(FabseqTest):
             file.write(fenced("json"))
         subprocess.run(["/usr/bin/python3", "-c", fenced("python")], cwd=self.directory, check=True)
         (block,) = [block for block in commands(TUTORIAL) if "part.json" in block]
-        stdout = self.shell(block)
+        stdout = self.shell("PATH=$PWD/build/release:$PATH\n" + block)  # as section 1 says
         self.assertIn("planar / this", stdout)
         self.assert_better("part_out", 14.0)
 
