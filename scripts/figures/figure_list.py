@@ -11,9 +11,9 @@ PATH = os.path.join(ROOT, "docs", "results", "figures.json")
 
 
 def read_figures():
-    """A list of {"name", "what", "value", "pages": [[page, text around {}]], and "run" or "by"}. The value is the
-    figure as the pages print it. "run": {"study", "case", "lengths": [numerator, denominator]} or "worst": true,
-    from which fill_figures.py takes it; "by": what else made it."""
+    """A list of figures: "name", "what", "value" as the pages print it, "pages" [[page, text around {}], ...],
+    and either "by", what made it, or "run", from which fill_figures.py takes it: "study", "case", and
+    "lengths": [numerator, denominator] or "worst": true."""
     with open(PATH, encoding="utf-8") as file:
         return json.load(file)
 
@@ -25,7 +25,7 @@ def write_figures(figures):
 
 
 def faults(figures, read_page):
-    """One line for each place where a page says another figure; `read_page`: the text of a page by its name."""
+    """One line for each place where a page says another figure. `read_page`: text of a page by its name."""
     result = []
     for figure in figures:
         for page, around in figure["pages"]:

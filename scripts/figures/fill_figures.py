@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Fills docs/results/figures.json from the runs that scripts/figures/built.py and machine.py have made, and says
-which pages then have another figure.
+"""Fills docs/results/figures.json from the runs that it names, and says which pages then have another figure.
 
     scripts/figures/fill_figures.py [--output output] [--check]
 

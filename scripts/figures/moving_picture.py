@@ -5,7 +5,7 @@
     scripts/figures/moving_picture.py RUN_DIR PICTURE.gif [--width 840] [--bytes 3000000] [--seconds 6]
 
 Both parts grow at the same pace, and the picture stands still at the end. Material that begins in the air is
-red. The picture has as many colours and pixels as fit into the bytes. Without a display it is drawn in memory.
+red. The picture has as many pixels as fit into the bytes. Without a display it is drawn in memory.
 """
 
 import io

@@ -129,7 +129,8 @@ class ThermalTest(FabseqTest):
         self.assertIn("/process/deposition_rate: found", message(lambda config: config["process"].pop("deposition_rate")))
         build_time = {"type": "build_time", "limit": 1}
         self.assertIn("/constraints/0/type: found", message(
-            lambda config: (config["process"].pop("deposition_rate"), config.pop("thermal"), config.update(constraints=[build_time]))))
+            lambda config: (config["process"].pop("deposition_rate"), config.pop("thermal"),
+                            config.update(constraints=[build_time]))))
         self.assertIn("/thermal/heat_input: missing", message(lambda config: config["thermal"].pop("heat_input")))
         self.assertIn('/thermal/conductivity: found "material"', message(lambda config: config["thermal"].pop("conductivity")))
         self.assertIn("/thermal/vanishing: found 20.0; allowed: more than",
