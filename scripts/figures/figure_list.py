@@ -11,7 +11,7 @@ PATH = os.path.join(ROOT, "docs", "results", "figures.json")
 
 
 def read_figures():
-    """A list of figures: "name", "what", "value" as the pages print it, "pages" [[page, text around {}], ...],
+    """A list of figures: "name", "what", "value" as the pages print it, "pages" [[page, text], ...],
     and either "by", what made it, or "run", from which fill_figures.py takes it: "study", "case", and
     "lengths": [numerator, denominator] or "worst": true."""
     with open(PATH, encoding="utf-8") as file:
