@@ -24,15 +24,20 @@ def write_figures(figures):
         file.write("\n")
 
 
-def faults(figures, read_page):
-    """One line for each place where a page says another figure. `read_page`: text of a page by its name."""
+def faults(figures):
+    """One line for each place where a page says another figure."""
     result = []
     for figure in figures:
         for page, around in figure["pages"]:
             text = around.replace("{}", figure["value"])
-            if single_spaced(text) not in single_spaced(read_page(page)):
+            if single_spaced(text) not in single_spaced(page_text(page)):
                 result.append(f'{page}: found no "{text}"; {figure["name"]} is {figure["value"]}')
     return result
+
+
+def page_text(page):
+    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
+        return file.read()
 
 
 def single_spaced(text):

@@ -12,7 +12,6 @@ import sys
 
 import needs_packages  # noqa: F401 (before any package)
 from fabseq_tools.run.command_line import parser_of, run_script
-from fabseq_tools.run.places import ROOT
 from fabseq_tools.run.read_run import Run, read_json
 
 from figure_list import faults, read_figures, write_figures
@@ -29,7 +28,7 @@ def main():
             if "run" in figure:
                 fill(figure, arguments.output)
         write_figures(figures)
-    found = faults(figures, page_text)
+    found = faults(figures)
     print("\n".join(found), end="\n" if found else "")
     sys.exit(1 if found else 0)
 
@@ -52,11 +51,6 @@ def fill(figure, output):
 
 def printed(ratio):
     return f"{ratio:.1f}"
-
-
-def page_text(page):
-    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
-        return file.read()
 
 
 if __name__ == "__main__":

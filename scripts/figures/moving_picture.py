@@ -11,7 +11,7 @@ red. The picture has as many pixels as fit into the bytes. Without a display it 
 import io
 
 import needs_packages  # noqa: F401 (before any package)
-from fabseq_tools.run.command_line import parser_of, run_script
+from fabseq_tools.run.command_line import run_script
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -19,6 +19,7 @@ from PIL import Image, ImageDraw, ImageFont
 from fabseq_tools.plot.render_part import VoxelPart, layer_colours, render
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.read_run import Run
+from small_picture import first_that_fits, parser_of_picture, resized
 
 PIXELS = (1000, 900)      # of a drawn part
 CAPTION = 110             # pixels below it
@@ -29,11 +30,7 @@ FONT = "DejaVuSans.ttf"   # comes with Matplotlib
 
 
 def main():
-    parser = parser_of(__doc__)
-    parser.add_argument("directory", metavar="RUN_DIR")
-    parser.add_argument("picture", metavar="PICTURE.gif")
-    parser.add_argument("--width", type=int, default=840, help="pixels (default: %(default)s)")
-    parser.add_argument("--bytes", type=int, default=3000000, help="size of the file at most (default: %(default)s)")
+    parser = parser_of_picture(__doc__, "PICTURE.gif", 840, 3000000)
     parser.add_argument("--seconds", type=float, default=6.0, help="until both are done (default: %(default)s)")
     arguments = parser.parse_args()
     run = Run(arguments.directory)
@@ -49,17 +46,16 @@ class Growing:
     """A sequence of a run, layer by layer."""
 
     def __init__(self, run, prefix, name):
-        self.density, self.size, self.plate = run.fields["density"], run.config["domain"]["size"], run.config["build_plate"]
+        self.whole = VoxelPart(run.fields["density"], run.config["domain"]["size"], run.config["build_plate"])
         self.layer = run.fields[prefix + "layer"]
-        self.hanging = (run.fields[prefix + "hanging"] > 0) & (self.density > 0)
+        self.hanging = run.fields[prefix + "hanging"] > 0
         self.count, self.name = int(self.layer.max()), name
-        self.whole = VoxelPart(self.density, self.size, self.plate)
 
     def frame(self, share):
         """The part when this share of the layers is done, with its caption: (height, width, 3) bytes."""
         done = round(share * self.count)
-        built = (self.density > 0) & (self.layer <= done)
-        part = VoxelPart(built.astype(float), self.size, self.plate)
+        built = (self.whole.density > 0) & (self.layer <= done)
+        part = VoxelPart(built.astype(float), self.whole.size, self.whole.plate)
         colours = layer_colours(part, self.layer, self.count)
         colours[(self.hanging & built).ravel()[part.face_element]] = HANGING
         picture = render(part, face_colours=colours, pixels=PIXELS, frame=self.whole.nodes)
@@ -81,19 +77,16 @@ def font_file():
 
 def compressed(frames, arguments):
     """GIF of at most so many bytes."""
-    width = arguments.width
-    while True:
-        height = round(width * frames[0].height / frames[0].width)
-        small = [frame.resize((width, height), Image.Resampling.LANCZOS) for frame in frames]
+    def encodings(width):
+        small = [resized(frame, width) for frame in frames]
         palette = small[-1].quantize(COLOURS, dither=Image.Dither.NONE)
         images = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small]
         pace = round(1000 * arguments.seconds / len(images))
         stream = io.BytesIO()
         images[0].save(stream, "gif", save_all=True, append_images=images[1:], loop=0, optimize=True,
                        duration=[pace] * (len(images) - 1) + [3000])
-        if stream.tell() <= arguments.bytes or width < 64:
-            return stream.getvalue()
-        width = int(0.85 * width)
+        yield stream.getvalue()
+    return first_that_fits(encodings, arguments.width, arguments.bytes)
 
 
 if __name__ == "__main__":

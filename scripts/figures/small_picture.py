@@ -26,12 +26,7 @@ GAP = 12  # pixels of the drawn pictures between two of them
 
 
 def main():
-    parser = parser_of(__doc__)
-    parser.add_argument("directory", metavar="RUN_DIR")
-    parser.add_argument("picture", metavar="PICTURE.png")
-    parser.add_argument("--width", type=int, default=960, help="pixels (default: %(default)s)")
-    parser.add_argument("--bytes", type=int, default=80000, help="size of the file at most (default: %(default)s)")
-    arguments = parser.parse_args()
+    arguments = parser_of_picture(__doc__, "PICTURE.png", 960, 80000).parse_args()
     run = Run(arguments.directory)
     ensure_display()
     images = overview.pictures_of(run).images
@@ -41,16 +36,39 @@ def main():
         file.write(compressed(side_by_side, arguments.width, arguments.bytes))
 
 
+def parser_of_picture(documentation, picture, width, most_bytes):
+    """The words of a script that draws a run into a file of limited size."""
+    parser = parser_of(documentation)
+    parser.add_argument("directory", metavar="RUN_DIR")
+    parser.add_argument("picture", metavar=picture)
+    parser.add_argument("--width", type=int, default=width, help="pixels (default: %(default)s)")
+    parser.add_argument("--bytes", type=int, default=most_bytes, help="size of the file at most (default: %(default)s)")
+    return parser
+
+
 def compressed(image, width, most_bytes):
     """PNG of at most so many bytes: first with fewer colours, then with fewer pixels."""
     whole = Image.fromarray(np.ascontiguousarray(image))
-    while True:
-        small = whole.resize((width, max(1, round(width * whole.height / whole.width))), Image.Resampling.LANCZOS)
+
+    def encodings(of_width):
+        small = resized(whole, of_width)
         for colours in COLOURS:
             stream = io.BytesIO()
             small.quantize(colours, dither=Image.Dither.NONE).save(stream, "png", optimize=True)
-            if stream.tell() <= most_bytes or width < 64:
-                return stream.getvalue()
+            yield stream.getvalue()
+    return first_that_fits(encodings, width, most_bytes)
+
+
+def resized(image, width):
+    return image.resize((width, max(1, round(width * image.height / image.width))), Image.Resampling.LANCZOS)
+
+
+def first_that_fits(encodings, width, most_bytes):
+    """The first of encodings(width) of at most so many bytes; with ever smaller widths, if none is."""
+    while True:
+        for encoded in encodings(width):
+            if len(encoded) <= most_bytes or width < 64:
+                return encoded
         width = int(0.85 * width)
 
 

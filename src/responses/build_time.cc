@@ -13,22 +13,16 @@ namespace {
 /// Volume of a sliver relative to the mean of all layers: a layer of that size counts by 1 - 1/e.
 constexpr double sliver = 0.05;
 
-void require_clock(const TermPlace& place) {
-  if (!place.clock)
-    refuse(pointer_to(place.pointer, "type"),
-           "\"build_time\" without material.mass_density and "
-           "process.deposition_rate",
-           "this type with both");
-}
-
+/// Of both lists; an objective has no limit.
 struct BuildTimeSettings {
-  void check(const TermPlace& place) const { require_clock(place); }
-};
-
-struct BuildTimeLimitSettings {
   double limit = 0.0;  ///< hours
 
-  void check(const TermPlace& place) const { require_clock(place); }
+  void check(const TermPlace& place) const {
+    if (!place.clock)
+      refuse(pointer_to(place.pointer, "type"),
+             "\"build_time\" without material.mass_density and process.deposition_rate",
+             "this type with both");
+  }
 };
 
 /// Hours of welding and of the pauses behind layers that hold something: a layer of volume V counts as
@@ -36,11 +30,11 @@ struct BuildTimeLimitSettings {
 template <int Dim>
 class BuildTime : public Response<Dim> {
  public:
-  BuildTime(const ResponseContext<Dim>& context, const BuildTimeSettings&) : BuildTime(context) {}
-  BuildTime(const ResponseContext<Dim>& context, const BuildTimeLimitSettings& settings)
-      : BuildTime(context) {
-    limit_ = settings.limit;
-  }
+  BuildTime(const ResponseContext<Dim>& context, const BuildTimeSettings& settings)
+      : grid_(context.part.grid()),
+        volume_(context.part.volume()),
+        clock_(context.clock.value()),
+        limit_(settings.limit) {}
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> volume = layer_volumes(grid_, state.layers);
@@ -67,24 +61,21 @@ class BuildTime : public Response<Dim> {
   }
 
  private:
-  explicit BuildTime(const ResponseContext<Dim>& context)
-      : grid_(context.part.grid()), volume_(context.part.volume()), clock_(context.clock.value()) {}
-
   /// Volume that a layer is held against.
   double sliver_of(const PipelineState<Dim>& state) const { return sliver * volume_ / state.layers.count(); }
 
   const Grid<Dim>& grid_;
   double volume_;
   BuildClock clock_;
-  double limit_ = 0.0;
+  double limit_;
 };
 
 const Registered<BuildTime, BuildTimeSettings> objective({.list = TermList::objective, .name = "build_time"},
                                                          Section<BuildTimeSettings>("objective"));
-const Registered<BuildTime, BuildTimeLimitSettings> constraint(
+const Registered<BuildTime, BuildTimeSettings> constraint(
     {.list = TermList::constraints, .name = "build_time", .unit = "h"},
-    Section<BuildTimeLimitSettings>("constraints")
-        .key("limit", &BuildTimeLimitSettings::limit,
+    Section<BuildTimeSettings>("constraints")
+        .key("limit", &BuildTimeSettings::limit,
              "Longest time of the build, welding and pauses; needs material.mass_density and "
              "process.deposition_rate",
              {.required = true, .range = "(0, inf)", .unit = "h"}));
