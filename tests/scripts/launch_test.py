@@ -93,7 +93,7 @@ class TerminalTest(LaunchTest):
             begin = time.monotonic()
             terminal.type(CONTROL_C)
             terminal.wait_for("stopping after the solve in hand")
-            self.assertLess(time.monotonic() - begin, 2)
+            self.assertLess(time.monotonic() - begin, AT_ONCE)
             self.assertEqual(terminal.wait_for_status(), STOPPED)
             self.assert_stopped()
             terminal.run(self.command(start, "-restart", "auto", "-max_iterations", 1))
@@ -111,7 +111,7 @@ class TerminalTest(LaunchTest):
             terminal.wait_for("ending at once")
             begin = time.monotonic()
             self.assertEqual(terminal.wait_for_status(), KILLED_BY_USR1)
-            self.assertLess(time.monotonic() - begin, 10)
+            self.assertLess(time.monotonic() - begin, AT_ONCE)
 
     def test_the_terminal_goes(self):
         for terminal, start in self.terminals():
