@@ -43,6 +43,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   try {
     output.keep(run, pipeline);
     output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());
+    pipeline.set_region(setup.region_of_iterations());
     while (!run.ended()) {
       note_iterations(run.completed());
       stop_if_requested(setup.world());
@@ -68,6 +69,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
     pipeline.set_tolerances(Tolerances::all({setup.config.solver.finest_tolerance()}));
+    pipeline.set_region(SolverRegion::whole);
     finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);

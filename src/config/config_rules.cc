@@ -91,6 +91,14 @@ void check_torch(const Config& config) {
 }
 
 /// Checks what a term needs: a kind of layers, and the gradient of the pseudo-time.
+void check_region(const Config& config) {
+  if (config.solver.region != SolverRegion::built || may_leave_out_unbuilt(config.process)) return;
+  const bool is_quiet = config.process.void_model == VoidModel::quiet;
+  refuse("/solver/region",
+         std::string("\"built\" with process.") + (is_quiet ? "void \"quiet\"" : "deposition \"follow\""),
+         "\"auto\" or \"whole\"");
+}
+
 void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {
   const LayerKind kind = config.layers.multi_planar ? LayerKind::multi_planar : LayerKind::curved;
   const auto name = [](LayerKind of) { return of == LayerKind::curved ? "curved" : "multi_planar"; };
@@ -170,6 +178,7 @@ void check_rules(const Config& config) {
   check_largest(config);
   check_layers(config.layers, config.projection, config.effective, config.dimension());
   check_optimizer(config);
+  check_region(config);
 }
 
 void check_task(const Config& config, Task task) {

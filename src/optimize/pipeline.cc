@@ -40,7 +40,7 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool bi
   results_ = {};
   adjoint_iterations_.clear();
   layer_variables_ = design.layer_variables.size();
-  const StageInput input{design, beta, binary, tolerances_.primal};
+  const StageInput input{design, beta, binary, tolerances_.primal, region_};
   for (const auto& stage : stages_) {
     const auto scope = timer_.enter(stage->phase());
     stage->forward(input, results_);

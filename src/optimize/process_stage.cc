@@ -89,6 +89,7 @@ ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
 template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
   simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
+  simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
   results.process = &simulation_.simulate(*results.layers, std::move(results.strains));
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();

@@ -173,8 +173,9 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   const auto& [own, other, own_model] = numbers.depositions;
   const bool is_nominal = own_model == DepositionModel::nominal;
   record["displacement"] = to_record(own.part);
-  record["deposition"] = Json::object({{"follow", deposition_record(is_nominal ? other : own)},
-                                       {"nominal", deposition_record(is_nominal ? own : other)}});
+  const Json of_own = deposition_record(own), of_other = other ? deposition_record(*other) : Json();
+  record["deposition"] =
+      Json::object({{"follow", is_nominal ? of_other : of_own}, {"nominal", is_nominal ? of_own : of_other}});
   if (numbers.build) add_build(record, *numbers.build);
   if (numbers.verdict) record["verdict"] = to_record(*numbers.verdict);
   if (numbers.part_temperature) record["interpass"] = temperature_record(*numbers.part_temperature);

@@ -89,7 +89,7 @@ template <int Dim>
 LaneVector AdjointLoads<Dim>::nodal_stiffness(const LayerDensities& densities,
                                               const LayerBlock& block) const {
   const Grid<Dim>& grid = model_.part.grid();
-  const std::vector<double> of_elements = elements_.stiffness(densities, block.first, block.lanes);
+  const std::vector<double> of_elements = elements_.stiffness(densities, {block, {}});
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()) * block.lanes, 0.0);
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     for (const int offset : grid.corner_offsets()) {

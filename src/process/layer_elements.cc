@@ -15,38 +15,40 @@ LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
 
 template <int Dim>
 template <class Use>
-void LayerElements<Dim>::for_chunks(int first, int lanes, const StrainFactors<Dim>& factors,
+void LayerElements<Dim>::for_chunks(const BlockRegion& region, const StrainFactors<Dim>& factors,
                                     Use&& use) const {
   const std::size_t elements = model_.part_position.size();
   for (std::size_t begin = 0; begin < elements; begin += chunk_size)
-    for_lane_chunks(lanes, [&]<int Width>(int lane) {
-      const Chunk chunk{begin, std::min(begin + chunk_size, elements), first + lane, factors};
+    for_lane_chunks(region.block.lanes, [&]<int Width>(int lane) {
+      const Chunk chunk{begin, std::min(begin + chunk_size, elements), region.block.first + lane, region,
+                        factors};
       use.template operator()<Width>(chunk, lane);
     });
 }
 
 template <int Dim>
-std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densities, int first,
-                                                  int lanes) const {
+std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densities,
+                                                  const BlockRegion& region) const {
+  const int lanes = region.block.lanes;
   // Elements outside the part, where the model has any, keep theirs.
   static const std::vector<double> none;
   std::vector<double> result(model_.elements.size() * lanes);
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     if (model_.part_element[e] < 0)
       std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
-  for_chunks(first, lanes, no_change<Dim>(), [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(region, no_change<Dim>(), [&]<int Width>(const Chunk& chunk, int lane) {
     for (int i = 0; i < Width; ++i) {
       const auto& stage = densities.stage[chunk.first_layer + i];
       for (std::size_t e = chunk.begin; e < chunk.end; ++e)
         result[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane + i] =
-            model_.stiffness(stage[e]);
+            counts(chunk, e) ? model_.stiffness(stage[e]) : 0.0;
     }
   });
   return result;
 }
 
 template <int Dim>
-void LayerElements<Dim>::set_load(const LayerDensities& densities, int first,
+void LayerElements<Dim>::set_load(const LayerDensities& densities, const BlockRegion& region,
                                   const StrainFactors<Dim>& factors, LaneVector& load) const {
   static const LogEvent event("fabseq loads");
   const auto scope = event.enter();
@@ -55,7 +57,7 @@ void LayerElements<Dim>::set_load(const LayerDensities& densities, int first,
   std::vector<double> room;
   std::vector<double>& values = has_all_nodes() ? load.values : room;
   values.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes, 0.0);
-  for_chunks(first, lanes, factors, [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(region, factors, [&]<int Width>(const Chunk& chunk, int lane) {
     add_load<Width>(densities, chunk, &values[lane], lanes);
   });
   if (!has_all_nodes()) grid.exchange(Dim * lanes).add_to_owned(room, load.values);
@@ -69,7 +71,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
   for (int i = 0; i < Width; ++i) {
     const auto& layer = densities.layer[chunk.first_layer + i];
     for (std::size_t e = chunk.begin; e < chunk.end; ++e)
-      factors[(e - chunk.begin) * Width + i] = model_.load(layer[e]);
+      factors[(e - chunk.begin) * Width + i] = counts(chunk, e) ? model_.load(layer[e]) : 0.0;
   }
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
@@ -100,21 +102,21 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& 
 }
 
 template <int Dim>
-void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, int first,
+void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const BlockRegion& region,
                                          const StrainFactors<Dim>& factors, const LaneVector& increments,
                                          const LaneVector& adjoints, DensityDerivatives& derivatives,
                                          StrainField& d_strains) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
   const int lanes = increments.lanes;
-  for (int layer = first; layer < first + lanes; ++layer) {
+  for (int layer = region.block.first; layer < region.block.first + lanes; ++layer) {
     DensityDerivatives::touch(derivatives.stage[layer], model_.part_position.size());
     DensityDerivatives::touch(derivatives.layer[layer], model_.part_position.size());
   }
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);
   const double* lambda = ghosted(adjoints, lambda_room);
-  for_chunks(first, lanes, factors, [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(region, factors, [&]<int Width>(const Chunk& chunk, int lane) {
     add_derivatives<Width>(densities, chunk, u + lane, lambda + lane, lanes, derivatives, d_strains);
   });
 }
@@ -124,6 +126,9 @@ template <int Width>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* u,
                                          const double* lambda, int lanes, DensityDerivatives& derivatives,
                                          StrainField& d_strains) const {
+  bool any_counts = false;
+  for (std::size_t e = chunk.begin; e < chunk.end && !any_counts; ++e) any_counts = counts(chunk, e);
+  if (!any_counts) return;
   std::array<double, chunk_size * Width> mutual, work;
   const ElementEnergy<Dim, Width> energies(stiffness_, model_.material_load(chunk.factors));
   energies.for_each(std::span(model_.part.first_corners()).subspan(chunk.begin, chunk.end - chunk.begin),
@@ -140,6 +145,7 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
     double* d_stage = derivatives.stage[layer].data();
     double* d_layer = derivatives.layer[layer].data();
     for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
+      if (!counts(chunk, e)) continue;
       const std::size_t at = (e - chunk.begin) * Width + i;
       d_stage[e] += model_.stiffness_derivative(stage_density[e]) * mutual[at];
       d_layer[e] -= model_.load_derivative(layer_density[e]) * work[at];
@@ -174,15 +180,15 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
   const auto& offsets = model_.part.grid().corner_offsets();
   for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
     std::array<double, Width> factors{};
-    bool counts = false;
-    for (int i = 0; i < Width; ++i) {
+    bool has_load = false;
+    for (int i = 0; counts(chunk, e) && i < Width; ++i) {
       const double density = densities.layer[chunk.first_layer + i][e];
       factors[i] = model_.load(density);
-      counts = counts || factors[i] != 0.0 || model_.load_derivative(density) != 0.0;
+      has_load = has_load || factors[i] != 0.0 || model_.load_derivative(density) != 0.0;
     }
     double* of_element = &work[(e - chunk.begin) * Width];
     std::fill_n(of_element, Width, 0.0);
-    if (!counts) continue;  // an element belongs to few layers
+    if (!has_load) continue;  // an element belongs to few layers
     std::array<Lanes<Width>, components> duals;
     duals.fill(Lanes<Width>::zero());
     for (int i = 0; i < element_unknowns<Dim>; ++i) {

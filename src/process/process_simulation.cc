@@ -79,6 +79,14 @@ void ProcessSimulation<Dim>::start_cold() {
 }
 
 template <int Dim>
+void ProcessSimulation<Dim>::leave_out_unbuilt(bool built) {
+  if (!built)
+    built_.reset();
+  else if (!built_)
+    built_ = std::make_unique<const BuiltRegion<Dim>>(model_);
+}
+
+template <int Dim>
 int ProcessSimulation<Dim>::owned_nodes() const {
   return static_cast<int>(model_.part.grid().owned_nodes().count());
 }
@@ -92,10 +100,20 @@ void ProcessSimulation<Dim>::give_back_memory() {
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, const LayerBlock& block,
+void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, const BlockRegion& region,
                                            bool changed) {
-  solver_->set_operators(block.first, block.lanes, elements_.stiffness(densities, block.first, block.lanes),
+  solver_->set_operators(region.block.first, region.block.lanes, elements_.stiffness(densities, region),
                          changed);
+}
+
+/// Expected iterations of the layers, in units of those with all elements.
+template <int Dim>
+std::vector<double> ProcessSimulation<Dim>::work_of(const LayerDensities& densities) const {
+  std::vector<double> work = expected_work_;
+  if (!built_) return work;
+  const std::vector<double> shares = built_->standing_shares(densities);
+  for (std::size_t layer = 0; layer < work.size(); ++layer) work[layer] *= shares[layer];
+  return work;
 }
 
 template <int Dim>
@@ -103,8 +121,13 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   elements_.set_strains(std::move(strains));
   const auto layers = static_cast<std::size_t>(densities.count());
   if (expected_work_.size() != layers) expected_work_.assign(layers, 1.0);
-  deal_ = deal_out_layers(expected_work_, groups_.count(), lanes_, block_solver_);
+  deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
+  regions_.clear();
+  groups_.run([&] {
+    for (const LayerBlock& block : result_.blocks)
+      regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
+  });
   for (std::size_t number = 0; number < result_.case_count(); ++number) {
     result_.of_case(number).displacement.assign(model_.domain.fixed.size(), 0.0);
     result_.of_case(number).increments.resize(result_.blocks.size());
@@ -137,8 +160,8 @@ std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& dens
   LaneVector increments;
   for (std::size_t block = 0; block < result_.blocks.size(); ++block) {
     spread(result_.of_case(number).increments[block], result_.nodes, owned_nodes(), increments);
-    supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], result_.blocks[block].first,
-                            increments, result);
+    supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], regions_[block], increments,
+                            result);
   }
   groups_.sum(result);
   return result;
@@ -159,7 +182,7 @@ std::vector<double> ProcessSimulation<Dim>::in_first_group(
 template <int Dim>
 void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number, Room& room) {
   const LayerBlock& block = result_.blocks[number];
-  set_operators(densities, block, true);
+  set_operators(densities, regions_[number], true);
   const std::size_t all = result_.case_count(), at_once = std::min(all, solver_->sets_at_once());
   room.loads.resize(at_once);
   room.solutions.resize(at_once);
@@ -168,7 +191,7 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
     for (std::size_t i = 0; i < count; ++i) {
       resize(room.loads[i], owned_nodes(), Dim, block.lanes);
       resize(room.solutions[i], owned_nodes(), Dim, block.lanes);
-      elements_.set_load(densities, block.first, cases_.cases[first + i], room.loads[i]);
+      elements_.set_load(densities, regions_[number], cases_.cases[first + i], room.loads[i]);
     }
     const auto reports =
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
@@ -243,7 +266,7 @@ void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, st
       add_derivatives(densities, number, functionals[i], nullptr, room);
   }
   if (solved.empty()) return;
-  set_operators(densities, block, false);
+  set_operators(densities, regions_[number], false);
   const std::size_t at_once = std::min(solved.size(), solver_->sets_at_once());
   room.loads.resize(at_once);
   room.solutions.resize(at_once);
@@ -264,7 +287,7 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
     resize(adjoints[i], owned_nodes(), Dim, block.lanes);
     adjoint_loads_.set(*functional.from, functional.number, result_, number, loads[i]);
     if (!functional.motion.empty())
-      supports_.subtract_motion(densities, block.first, functional.motion, loads[i]);
+      supports_.subtract_motion(densities, regions_[number], functional.motion, loads[i]);
   }
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t i = 0; i < functionals.size(); ++i) {
@@ -289,9 +312,8 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
     // Functionals of the same block share its increments.
     if (room.spread_from != &increments) spread(increments, result_.nodes, owned_nodes(), room.increments);
     room.spread_from = combination.empty() ? &increments : nullptr;
-    elements_.add_derivatives(densities, result_.blocks[number].first, cases_.factors(combination),
-                              room.increments, *adjoint, *to.densities,
-                              to.strains != nullptr ? *to.strains : not_asked_for);
+    elements_.add_derivatives(densities, regions_[number], cases_.factors(combination), room.increments,
+                              *adjoint, *to.densities, to.strains != nullptr ? *to.strains : not_asked_for);
   }
   if (deposition_)
     deposition_->add_derivatives(room.missing, result_.blocks[number].first,

@@ -21,15 +21,16 @@ SupportForces<Dim>::SupportForces(const ElasticModel<Dim>& model) : model_(model
 
 template <int Dim>
 void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains,
-                                       const StrainFactors<Dim>& factors, int first,
+                                       const StrainFactors<Dim>& factors, const BlockRegion& region,
                                        const LaneVector& increments, std::span<double> reactions) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
-  const int lanes = increments.lanes;
+  const int first = region.block.first, lanes = increments.lanes;
   std::vector<double> u(nodes * Dim * lanes), forces(nodes * Dim, 0.0), owned(reactions.size());
   grid.exchange(Dim * lanes).to_ghosted(increments.values, u);
   for (const int e : elements_) {
+    if (!region.has(e)) continue;
     // One product for all layers: they share the element's matrix.
     std::array<double, unknowns> stretched{}, load{};
     const int part_element = model_.part_element[e];
@@ -55,19 +56,19 @@ void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const St
 }
 
 template <int Dim>
-void SupportForces<Dim>::subtract_motion(const LayerDensities& densities, int first,
+void SupportForces<Dim>::subtract_motion(const LayerDensities& densities, const BlockRegion& region,
                                          std::span<const double> motion, LaneVector& loads) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
-  const int lanes = loads.lanes;
+  const int first = region.block.first, lanes = loads.lanes;
   std::vector<double> at_supports(motion.begin(), motion.end());
   for (std::size_t i = 0; i < at_supports.size(); ++i)
     if (model_.domain.fixed[i] == 0) at_supports[i] = 0.0;
   std::vector<double> w(nodes * Dim), forces(nodes * Dim * lanes, 0.0), owned(loads.values.size());
   grid.exchange(Dim).to_ghosted(at_supports, w);
   for (const int e : elements_)
-    for (int i = 0; i < unknowns; ++i) {
+    for (int i = 0; region.has(e) && i < unknowns; ++i) {
       double force = 0.0;
       for (int j = 0; j < unknowns; ++j)
         force += model_.element.stiffness()[i * unknowns + j] * w[node(e, j) * Dim + j % Dim];

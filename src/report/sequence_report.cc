@@ -104,6 +104,7 @@ BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& 
   const bool is_nominal = own_model == DepositionModel::nominal;
   const DepositionModel other_model = is_nominal ? DepositionModel::follow : DepositionModel::nominal;
   DepositionNumbers own = deposition_numbers(model, problem, pipeline, state);
+  if (pipeline.region() == SolverRegion::built) return {std::move(own), std::nullopt, own_model};
   const CountedAs<Dim> counted(other_model, pipeline.process().model(), model.groups, state.layers,
                                pipeline.process().result());
   return {std::move(own), deposition_numbers(model, problem, pipeline, state), own_model};

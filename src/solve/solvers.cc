@@ -6,6 +6,7 @@
 #include "solve/lane_heat.h"
 #include "solve/lane_report.h"
 #include "solve/reference/reference_heat.h"
+#include "solve/region_elasticity.h"
 
 namespace fabseq {
 
@@ -35,10 +36,16 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
                                                               const ElementMatrices<Dim>& element,
                                                               double poisson, double tolerance, int lanes) {
   const auto reference = assembled_settings(settings, elasticity_tolerance({tolerance}), elasticity_prefix);
-  if (settings.path == SolverPath::lanes)
-    return std::make_unique<LaneElasticity<Dim>>(grid, domain, poisson, lane_cycle(settings), lane_iterations,
-                                                 reference, lanes);
-  return std::make_unique<ReferenceElasticity<Dim>>(grid, domain, element.stiffness(), reference);
+  const bool in_lanes = settings.path == SolverPath::lanes;
+  const auto make = [=, &grid](const SystemDomain& of) -> std::unique_ptr<ElasticitySolver<Dim>> {
+    if (in_lanes)
+      return std::make_unique<LaneElasticity<Dim>>(grid, of, poisson, lane_cycle(settings), lane_iterations,
+                                                   reference, lanes);
+    return std::make_unique<ReferenceElasticity<Dim>>(grid, of, element.stiffness(), reference);
+  };
+  if (settings.region != SolverRegion::whole)
+    return std::make_unique<RegionElasticity<Dim>>(grid, domain, make);
+  return make(domain);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_heat_solver);

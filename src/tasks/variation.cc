@@ -70,7 +70,7 @@ Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<D
   const BothDepositions both = report_depositions(model, problem, pipeline, state);
   Varied result{numbers_of(both.own), std::nullopt, std::nullopt};
   if (!more) return result;
-  result.other_deposition = numbers_of(both.other);
+  result.other_deposition = numbers_of(both.other.value());
   result.noise = with_noise(model, problem, pipeline, state, result.own);
   return result;
 }

@@ -64,6 +64,9 @@ class Pipeline {
   /// are negligible stays as it was: that is part of the model.
   void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }
   const Tolerances& tolerances() const { return tolerances_; }
+  /// Elements of the elastic systems of later runs, whole or built; at first whole.
+  void set_region(SolverRegion region) { region_ = region; }
+  SolverRegion region() const { return region_; }
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next
   /// does not depend on them: the run after a checkpoint gives the same bits, restarted or not.
   void start_cold();
@@ -80,6 +83,7 @@ class Pipeline {
   const Model<Dim>& model_;
   PhaseTimer& timer_;
   Tolerances tolerances_;
+  SolverRegion region_ = SolverRegion::whole;
   std::vector<std::unique_ptr<Stage<Dim>>> stages_;  ///< each behind those whose results it reads
   SequenceStage<Dim>* sequence_ = nullptr;           ///< the first one
   ProcessStage<Dim>* process_ = nullptr;

@@ -54,6 +54,11 @@ struct ProcessSettings {
   double dwell = 0.0;                                    ///< pause after each layer, s
 };
 
+/// Whether solves may leave out what is not built yet (docs/formulation.md 4.8): nothing counts there.
+inline bool may_leave_out_unbuilt(const ProcessSettings& process) {
+  return process.void_model == VoidModel::absent && process.deposition == DepositionModel::nominal;
+}
+
 /// Factors on the Voigt components of a strain that is scaled by one factor per axis: shear by the root of
 /// the product of its two (docs/formulation.md 4.5).
 std::vector<double> voigt_factors(const std::vector<double>& of_axes);

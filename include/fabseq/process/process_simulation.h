@@ -3,6 +3,7 @@
 
 #include "fabseq/parallel/layer_groups.h"
 #include "fabseq/process/adjoint_loads.h"
+#include "fabseq/process/built_region.h"
 #include "fabseq/process/deposition.h"
 #include "fabseq/process/layer_elements.h"
 #include "fabseq/process/process_adjoint.h"
@@ -49,6 +50,9 @@ class ProcessSimulation {
     release_ = std::make_unique<Release<Dim>>(model_, solver);
   }
 
+  /// Whether later solves of a block of layers take only what is built into account (BuiltRegion). The solver
+  /// must leave out elements without stiffness then.
+  void leave_out_unbuilt(bool built);
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
   /// the layer if one does not converge.
   const ProcessResult& simulate(const LayerDensities& densities, StrainField strains = {});
@@ -109,7 +113,8 @@ class ProcessSimulation {
                        const LaneVector* adjoint, Room& room) const;
   /// A field of a solve that the first group does for all: a single right-hand side cannot be shared out.
   std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
-  void set_operators(const LayerDensities& densities, const LayerBlock& block, bool changed);
+  void set_operators(const LayerDensities& densities, const BlockRegion& region, bool changed);
+  std::vector<double> work_of(const LayerDensities& densities) const;
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
@@ -117,6 +122,8 @@ class ProcessSimulation {
   int lanes_;
   StrainCases<Dim> cases_;
   LayerElements<Dim> elements_;
+  std::unique_ptr<const BuiltRegion<Dim>> built_;  ///< nullptr: all elements count
+  std::vector<BlockRegion> regions_;               ///< of this group's blocks
   SupportForces<Dim> supports_;
   std::unique_ptr<const Deposition<Dim>> deposition_;  ///< nullptr: all of the increments counts
   AdjointLoads<Dim> adjoint_loads_;

@@ -3,6 +3,7 @@
 
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/process/built_region.h"
 #include "fabseq/process/elastic_model.h"
 
 #include <span>
@@ -11,8 +12,8 @@
 namespace fabseq {
 
 /// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md
-/// 4.3). Argument `first`: the lanes are layers first, first + 1, ... Calls are collective on the grid's
-/// communicator.
+/// 4.3). `region`: the layers in the lanes, and the elements that their systems have. Calls are collective on
+/// the grid's communicator.
 template <int Dim>
 class SupportForces {
  public:
@@ -22,12 +23,12 @@ class SupportForces {
   /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component]. `factors`: on the
   /// strains.
   void add_reactions(const LayerDensities& densities, const StrainField& strains,
-                     const StrainFactors<Dim>& factors, int first, const LaneVector& increments,
-                     std::span<double> reactions) const;
+                     const StrainFactors<Dim>& factors, const BlockRegion& region,
+                     const LaneVector& increments, std::span<double> reactions) const;
   /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only:
   /// loads of a system whose supports are moved by w.
-  void subtract_motion(const LayerDensities& densities, int first, std::span<const double> motion,
-                       LaneVector& loads) const;
+  void subtract_motion(const LayerDensities& densities, const BlockRegion& region,
+                       std::span<const double> motion, LaneVector& loads) const;
   /// Adds w to lanes of solutions, on the supports.
   void add_motion(std::span<const double> motion, LaneVector& solutions) const;
 

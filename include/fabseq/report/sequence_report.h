@@ -27,7 +27,8 @@ struct DepositionNumbers : DisplacementSizes {
   std::vector<NamedValue> distortions;  ///< values of the objective's terms of that type
 };
 struct BothDepositions {
-  DepositionNumbers own, other;  ///< the model that the sequence was made for, and the other one
+  DepositionNumbers own;                   ///< the model that the sequence was made for
+  std::optional<DepositionNumbers> other;  ///< not known if only what is built was simulated
   DepositionModel own_model = DepositionModel::nominal;
 };
 

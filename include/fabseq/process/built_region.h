@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/layers/layers.h"
+#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/process/elastic_model.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// The elements that the solves of a block of layers take into account.
+struct BlockRegion {
+  LayerBlock block;
+  std::vector<char> elements;  ///< whether each element of the model is in; empty: all are
+
+  bool has(std::size_t model_element) const { return elements.empty() || elements[model_element] != 0; }
+};
+
+/// The elements that a block of layers stands on (docs/formulation.md 4.8): those whose stiffness exceeds
+/// about twice the least in one of eight layers, layers 1 to 8, 9 to 16 and so on, and their neighbours,
+/// corner neighbours included. The seam of neighbours keeps two stiff elements that touch in an edge or a
+/// corner from being a hinge. However the layers are dealt out, blocks lie in such eights, so that results do
+/// not depend on the deal.
+template <int Dim>
+class BuiltRegion {
+ public:
+  /// The model must outlive the object. Collective on the grid's communicator.
+  explicit BuiltRegion(const ElasticModel<Dim>& model);
+
+  /// The region of a block: all elements where a piece of it would have none with a face on a support, since
+  /// nothing would hold that piece. Collective on the grid's communicator.
+  BlockRegion of(const LayerDensities& densities, const LayerBlock& block) const;
+  /// Share of the model's elements, of all ranks, that stand in each layer's eight. Collective on the grid's
+  /// communicator.
+  std::vector<double> standing_shares(const LayerDensities& densities) const;
+
+ private:
+  bool stands(double stage_density) const {
+    return model_.stiffness(stage_density) >
+           (2.0 - model_.settings.min_stiffness) * model_.settings.min_stiffness;
+  }
+  std::vector<double> standing(const LayerDensities& densities, int layer) const;
+  std::vector<double> with_neighbors(const std::vector<double>& standing) const;
+  bool is_held(const std::vector<double>& region) const;
+
+  const ElasticModel<Dim>& model_;
+  std::vector<int> held_;  ///< elements with a face whose nodes are all held, in Grid::owned_elements()
+};
+
+}  // namespace fabseq
