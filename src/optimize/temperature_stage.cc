@@ -22,10 +22,13 @@ class TemperatureStage : public Stage<Dim> {
     return std::make_unique<TemperatureStage>(context);
   }
   explicit TemperatureStage(StageContext<Dim>& context)
-      : groups_(context.model.groups), temperature_(context.model, context.tolerance) {}
+      : groups_(context.model.groups),
+        temperature_(context.model, context.tolerance),
+        standing_(context.model.part, context.model.settings.process.least_standing()) {}
 
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     temperature_.simulation.set_tolerance(heat_tolerance(input.tolerance));
+    temperature_.simulation.take_only(input.region == SolverRegion::built ? &standing_ : nullptr);
     results.temperatures = &temperature_.simulation.simulate(*results.layers);
     iterations_ = results.temperatures->iterations;
   }
@@ -66,6 +69,7 @@ class TemperatureStage : public Stage<Dim> {
 
   const LayerGroups& groups_;
   PartTemperature<Dim> temperature_;
+  StandingElements<Dim> standing_;
   std::vector<int> iterations_;
 };
 

@@ -2,7 +2,6 @@
 #include "fabseq/process/built_region.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/element_halo.h"
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/part/pieces.h"
 
@@ -10,25 +9,9 @@
 
 namespace fabseq {
 
-namespace {
-
-/// Each value becomes the largest of its own and those of the next entries along an axis.
 template <int Dim>
-void spread_along(int axis, const IndexBox<Dim>& box, std::vector<double>& field) {
-  std::int64_t stride = 1;
-  for (int other = 0; other < axis; ++other) stride *= box.size[other];
-  const std::vector<double> from = field;
-  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    const int place = element[axis] - box.start[axis];
-    if (place > 0) field[offset] = std::max(field[offset], from[offset - stride]);
-    if (place + 1 < box.size[axis]) field[offset] = std::max(field[offset], from[offset + stride]);
-  });
-}
-
-}  // namespace
-
-template <int Dim>
-BuiltRegion<Dim>::BuiltRegion(const ElasticModel<Dim>& model) : model_(model) {
+BuiltRegion<Dim>::BuiltRegion(const ElasticModel<Dim>& model)
+    : model_(model), standing_(model.part, model.settings.least_standing()) {
   const Grid<Dim>& grid = model.part.grid();
   const std::vector<double> fixed(model.domain.fixed.begin(), model.domain.fixed.end());
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim);
@@ -50,7 +33,7 @@ BuiltRegion<Dim>::BuiltRegion(const ElasticModel<Dim>& model) : model_(model) {
 
 template <int Dim>
 BlockRegion BuiltRegion<Dim>::of(const LayerDensities& densities, const LayerBlock& block) const {
-  const std::vector<double> region = with_neighbors(standing(densities, block.first));
+  const std::vector<double> region = standing_.with_neighbors(densities, block.first);
   const auto count = static_cast<std::int64_t>(std::count(region.begin(), region.end(), 1.0));
   const auto all = static_cast<std::int64_t>(model_.elements.size());
   BlockRegion result{block, {}};
@@ -65,7 +48,7 @@ std::vector<double> BuiltRegion<Dim>::standing_shares(const LayerDensities& dens
   std::vector<double> result;
   for (int layer = 0; layer < densities.count(); ++layer) {
     if (layer % widest_block == 0) {
-      const std::vector<double> field = standing(densities, layer);
+      const std::vector<double> field = standing_.of(densities, layer);
       result.push_back(static_cast<double>(std::count(field.begin(), field.end(), 1.0)));
     } else {
       result.push_back(result.back());
@@ -76,30 +59,6 @@ std::vector<double> BuiltRegion<Dim>::standing_shares(const LayerDensities& dens
   const double all = result.back();
   result.pop_back();
   for (double& share : result) share /= all;
-  return result;
-}
-
-/// 1 where an element of the model stands in one of a layer's eight, else 0, on the owned elements.
-template <int Dim>
-std::vector<double> BuiltRegion<Dim>::standing(const LayerDensities& densities, int layer) const {
-  std::vector<double> result(static_cast<std::size_t>(model_.part.grid().owned_elements().count()), 0.0);
-  const int first = layer - layer % widest_block, end = std::min(first + widest_block, densities.count());
-  for (int number = first; number < end; ++number)
-    for (std::size_t e = 0; e < model_.elements.size(); ++e)
-      if (stands(model_.stage_density(densities.stage[number], e))) result[model_.elements[e]] = 1.0;
-  return result;
-}
-
-/// The model's elements that stand or touch one that does.
-template <int Dim>
-std::vector<double> BuiltRegion<Dim>::with_neighbors(const std::vector<double>& standing) const {
-  const Grid<Dim>& grid = model_.part.grid();
-  const ElementHalo<Dim> halo(grid, 1);
-  std::vector<double> around = halo.gather(standing);
-  for (int axis = 0; axis < Dim; ++axis) spread_along(axis, halo.box(), around);
-  std::vector<double> result(standing.size(), 0.0);
-  for (const int element : model_.elements)
-    result[element] = around[halo.box().offset(grid.owned_elements().index(element))];
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include "solve/lane_report.h"
 #include "solve/reference/reference_heat.h"
 #include "solve/region_elasticity.h"
+#include "solve/region_heat.h"
 
 namespace fabseq {
 
@@ -30,6 +31,17 @@ std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings
 }
 
 template <int Dim>
+std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& settings,
+                                                         const Grid<Dim>& grid, const SystemDomain& domain,
+                                                         double tolerance, int lanes) {
+  const auto make = [=, &grid](const SystemDomain& of) {
+    return make_heat_solver(settings, grid, of, /*lumped=*/true, tolerance, lanes);
+  };
+  if (settings.region == SolverRegion::whole) return make(domain);
+  return std::make_unique<RegionHeat<Dim>>(RegionPool<Dim, HeatSolver<Dim>>(grid, domain, make));
+}
+
+template <int Dim>
 std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettings& settings,
                                                               const Grid<Dim>& grid,
                                                               const SystemDomain& domain,
@@ -44,11 +56,13 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
     return std::make_unique<ReferenceElasticity<Dim>>(grid, of, element.stiffness(), reference);
   };
   if (settings.region != SolverRegion::whole)
-    return std::make_unique<RegionElasticity<Dim>>(grid, domain, make);
+    return std::make_unique<RegionElasticity<Dim>>(
+        RegionPool<Dim, ElasticitySolver<Dim>>(grid, domain, make));
   return make(domain);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_heat_solver);
+FABSEQ_INSTANTIATE_FUNCTION(make_temperature_solver);
 FABSEQ_INSTANTIATE_FUNCTION(make_elasticity_solver);
 
 }  // namespace fabseq

@@ -43,10 +43,10 @@ template <int Dim>
 void BackwardSteps<Dim>::run() {
   const int last = last_layer();
   if (last < 0) return;
-  ThermalLayer layer = model_.layer(densities_, last);
+  ThermalLayer layer = model_.layer(densities_, last, temperatures_.region(last));
   for (int number = last; number >= 0; --number) {
     std::optional<ThermalLayer> before;
-    if (number > 0) before = model_.layer(densities_, number - 1);
+    if (number > 0) before = model_.layer(densities_, number - 1, temperatures_.region(number - 1));
     for (Block& block : blocks_) add_interpass(block, number);
     back_through(number, layer, before ? before->capacity : model_.first_capacity());
     for (Block& block : blocks_)
@@ -156,22 +156,24 @@ void BackwardSteps<Dim>::add_conduction(Block& block, const ThermalLayer& layer,
   const auto& matrix = model_.element.conductivity();
   std::size_t next = 0;  // part element
   for (std::size_t e = 0; e < layer.share.size(); ++e) {
+    const bool in_part =
+        next < model_.part_position.size() && model_.part_position[next] == static_cast<int>(e);
+    const std::size_t number = next;
+    next += in_part ? 1 : 0;
+    if (layer.share[e] == 0.0) continue;
     const std::size_t first = model_.domain.first_corners[e];
     std::array<double, corners> value{}, flow{};
     for (int j = 0; j < corners; ++j) value[j] = theta[first + grid.corner_offsets()[j]];
     for (int i = 0; i < corners; ++i)
       for (int j = 0; j < corners; ++j) flow[i] += matrix[i * corners + j] * value[j];
-    const bool in_part =
-        next < model_.part_position.size() && model_.part_position[next] == static_cast<int>(e);
     for (int lane = 0; lane < lanes; ++lane) {
       double product = 0.0;
       for (int i = 0; i < corners; ++i)
         product += flow[i] * lambda[(first + grid.corner_offsets()[i]) * lanes + lane];
       product *= model_.properties.conductivity;
-      if (in_part) block.share[next * lanes + lane] -= step.seconds * product;
+      if (in_part) block.share[number * lanes + lane] -= step.seconds * product;
       if (step.welding) block.seconds[lane] -= layer.share[e] * product;
     }
-    if (in_part) ++next;
   }
 }
 
@@ -194,11 +196,13 @@ void BackwardSteps<Dim>::add_densities(Block& block, int number, const ThermalLa
     model_.film.add_derivative(layer.standing, properties.film, ghosted(block.film, block.lanes()),
                                block.lanes(), of_film);
   sum_in_place(grid.comm(), std::span<double>(block.seconds));
+  const auto counts = [&](std::size_t e) { return layer.share[model_.part_position[e]] != 0.0; };
   std::vector<double> of_stage(elements), of_heat(elements);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     for (std::size_t e = 0; e < elements; ++e) {
       double of_capacity = 0.0;
-      of_heat[e] = 0.0;
+      of_stage[e] = of_heat[e] = 0.0;
+      if (!counts(e)) continue;
       for (const int corner : grid.corner_offsets()) {
         const std::size_t at =
             (static_cast<std::size_t>(model_.part.first_corners()[e]) + corner) * lanes + lane;

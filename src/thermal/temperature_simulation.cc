@@ -28,6 +28,9 @@ const LayerTemperatures& TemperatureSimulation<Dim>::simulate(const LayerDensiti
                              std::vector<std::vector<double>>(model_.properties.steps(),
                                                               std::vector<double>(model_.nodes.size(), 0.0)));
   result_.start = picked(model_.start(), model_.nodes);
+  result_.regions.clear();
+  for (int layer = 0; standing_ != nullptr && layer < densities.count(); layer += widest_block)
+    groups_.run([&] { result_.regions.push_back(standing_->with_neighbors(densities, layer)); });
   groups_.run([&] {
     if (groups_.index() == 0) run(densities);
   });
@@ -45,7 +48,7 @@ void TemperatureSimulation<Dim>::run(const LayerDensities& densities) {
   TemperatureSteps<Dim> steps(model_, *solver_);
   std::vector<double> theta = model_.start(), capacity_before = model_.first_capacity();
   for (int number = 0; number < densities.count(); ++number) {
-    ThermalLayer layer = model_.layer(densities, number);
+    ThermalLayer layer = model_.layer(densities, number, result_.region(number));
     const std::vector<ThermalStep> schedule = model_.steps(layer.mass);
     for (std::size_t i = 0; i < schedule.size(); ++i) {
       if (i == 0 || schedule[i].seconds != schedule[i - 1].seconds) steps.set(layer, schedule[i].seconds);

@@ -143,15 +143,21 @@ std::vector<double> ThermalModel<Dim>::flow_to_plate(std::span<const double> sha
 }
 
 template <int Dim>
-ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int number) const {
+ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int number,
+                                      std::span<const double> region) const {
   ThermalLayer result;
   result.mass = mass(densities, number);
   result.share.assign(domain.first_corners.size(), 1.0);
-  for (std::size_t e = 0; e < part_position.size(); ++e)
-    result.share[part_position[e]] = least_share + (1.0 - least_share) * densities.stage[number][e];
+  std::vector<double> stage = densities.stage[number], new_material = densities.layer[number];
+  for (std::size_t e = 0; e < part_position.size(); ++e) {
+    const double in_region = region.empty() ? 1.0 : region[part.elements()[e]];
+    stage[e] *= in_region;
+    new_material[e] *= in_region;
+    result.share[part_position[e]] = in_region * (least_share + (1.0 - least_share) * stage[e]);
+  }
   result.capacity = capacity_of(result.share);
   if (properties.film > 0.0) {
-    result.standing = film.standing(densities.stage[number]);
+    result.standing = film.standing(stage);
     result.film = film_of(result.standing);
   } else {
     result.film.assign(domain.fixed.size(), 0.0);
@@ -160,8 +166,7 @@ ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int numbe
     result.to_plate.assign(domain.fixed.size(), 0.0);
   else
     result.to_plate = flow_to_plate(result.share);
-  result.heat =
-      lumped(part.first_corners(), densities.layer[number], properties.heat * part.grid().element_volume());
+  result.heat = lumped(part.first_corners(), new_material, properties.heat * part.grid().element_volume());
   return result;
 }
 

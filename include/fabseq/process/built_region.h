@@ -4,6 +4,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/standing_elements.h"
 
 #include <vector>
 
@@ -17,11 +18,9 @@ struct BlockRegion {
   bool has(std::size_t model_element) const { return elements.empty() || elements[model_element] != 0; }
 };
 
-/// The elements that a block of layers stands on (docs/formulation.md 4.8): those whose stiffness exceeds
-/// about twice the least in one of eight layers, layers 1 to 8, 9 to 16 and so on, and their neighbours,
-/// corner neighbours included. The seam of neighbours keeps two stiff elements that touch in an edge or a
-/// corner from being a hinge. However the layers are dealt out, blocks lie in such eights, so that results do
-/// not depend on the deal.
+/// The elements of a model without void that a block of layers stands on (docs/formulation.md 4.8): those
+/// that stand, and their neighbours, corner neighbours included. The seam of neighbours keeps two stiff
+/// elements that touch in an edge or a corner from being a hinge.
 template <int Dim>
 class BuiltRegion {
  public:
@@ -36,15 +35,10 @@ class BuiltRegion {
   std::vector<double> standing_shares(const LayerDensities& densities) const;
 
  private:
-  bool stands(double stage_density) const {
-    return model_.stiffness(stage_density) >
-           (2.0 - model_.settings.min_stiffness) * model_.settings.min_stiffness;
-  }
-  std::vector<double> standing(const LayerDensities& densities, int layer) const;
-  std::vector<double> with_neighbors(const std::vector<double>& standing) const;
   bool is_held(const std::vector<double>& region) const;
 
   const ElasticModel<Dim>& model_;
+  StandingElements<Dim> standing_;
   std::vector<int> held_;  ///< elements with a face whose nodes are all held, in Grid::owned_elements()
 };
 

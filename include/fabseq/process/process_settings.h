@@ -52,6 +52,9 @@ struct ProcessSettings {
   DepositionModel deposition = DepositionModel::nominal;
   std::optional<double> deposition_rate = std::nullopt;  ///< kg of wire per hour
   double dwell = 0.0;                                    ///< pause after each layer, s
+
+  /// Stage density above which an element stands: it is more than about twice as stiff as the least.
+  double least_standing() const { return std::pow(min_stiffness, 1.0 / stiffness_penalty); }
 };
 
 /// Whether solves may leave out what is not built yet (docs/formulation.md 4.8): nothing counts there.

@@ -34,8 +34,15 @@ template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes);
+/// A solver for the steps of heat conduction in time, which may leave out elements without diffusivity,
+/// unless `solver.region` says "whole". Else as make_heat_solver().
+template <int Dim>
+std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& settings,
+                                                         const Grid<Dim>& grid, const SystemDomain& domain,
+                                                         double tolerance, int lanes);
 /// A solver for elasticity to `tolerance` of the run. `lanes`: layers side by side at most. Grid and domain
-/// must outlive it. Collective.
+/// must outlive it. Elements without stiffness in all layers of a block may be left out, unless
+/// `solver.region` says "whole". Collective.
 template <int Dim>
 std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettings& settings,
                                                               const Grid<Dim>& grid,

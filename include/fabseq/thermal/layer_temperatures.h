@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/kernels/lane_vector.h"
+
 #include <span>
 #include <vector>
 
@@ -19,7 +21,14 @@ struct LayerTemperatures {
   std::vector<std::vector<std::vector<double>>> after_steps;  ///< [layer][step][one of `nodes`]
   std::vector<int> iterations;                                ///< of each layer's solves, their sum
 
+  /// What conducts heat in each eight of layers (StandingElements); empty: all elements.
+  std::vector<std::vector<double>> regions;
+
   int count() const { return static_cast<int>(interpass.size()); }
+  /// ThermalModel::layer()'s region of a layer.
+  std::span<const double> region(int layer) const {
+    return regions.empty() ? std::span<const double>() : std::span(regions[layer / widest_block]);
+  }
   /// Before a step of a layer.
   const std::vector<double>& before(int layer, std::size_t step) const {
     if (step > 0) return after_steps[layer][step - 1];

@@ -3,6 +3,7 @@
 
 #include "fabseq/layers/density_sink.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/standing_elements.h"
 #include "fabseq/solve/heat_solver.h"
 #include "fabseq/thermal/layer_temperatures.h"
 #include "fabseq/thermal/thermal_model.h"
@@ -41,6 +42,10 @@ class TemperatureSimulation {
   /// Temperatures of all layers; the result stays valid until the next call. Collective on the world of the
   /// groups. Throws NumericalError naming the layer if a solve does not converge.
   const LayerTemperatures& simulate(const LayerDensities& densities);
+  /// Whether later simulations take only these elements and their neighbours into account
+  /// (docs/formulation.md 4.8), which must outlive the simulation; nullptr: all. The solver must leave out
+  /// elements without diffusivity then. Pauses are found with all.
+  void take_only(const StandingElements<Dim>* standing) { standing_ = standing; }
   /// Adds the derivatives of several functionals by the densities of the last simulation's layers. Collective
   /// on the grid's communicator.
   void pull_back(const LayerDensities& densities, std::span<const TemperatureAdjoint> functionals);
@@ -65,6 +70,7 @@ class TemperatureSimulation {
   const LayerGroups& groups_;
   std::unique_ptr<HeatSolver<Dim>> solver_;
   int lanes_;
+  const StandingElements<Dim>* standing_ = nullptr;
   LayerTemperatures result_;
 };
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/solve/heat_solver.h"
+#include "solve/region_pool.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace fabseq {
+
+/// Leaves elements out of the systems: those without diffusivity (docs/formulation.md 4.8). Nodes that no
+/// other element touches stay at 0.
+template <int Dim>
+class RegionHeat : public HeatSolver<Dim> {
+ public:
+  using Pool = RegionPool<Dim, HeatSolver<Dim>>;
+
+  explicit RegionHeat(Pool pool) : pool_(std::move(pool)) {}
+
+  void set_operator(const HeatOperator& of) override;
+  std::vector<SolveReport> solve(std::span<const LaneVector> loads,
+                                 std::span<LaneVector> solutions) override {
+    return pool_.current().solve(loads, solutions);
+  }
+  void set_tolerance(const SolveTolerance& tolerance) override;
+  void start_cold() override;
+  void give_back_memory() override;
+  bool saves_memory() const override { return pool_.whole().saves_memory(); }
+
+ private:
+  Pool pool_;
+  std::optional<SolveTolerance> tolerance_;
+};
+
+}  // namespace fabseq
