@@ -67,13 +67,15 @@ class Equations:
 
 
 class Fit:
-    """The factors with which the equations of all parts together are met best. `rests`: what is left, by
-    part. `unknowns`: how many numbers were fitted."""
+    """The factors with which the equations of all parts together are met best. `forms` [a][b][value],
+    `strained` [value]: what no rigid motion explains of the simulations and of the values. `rests`: what is
+    left, by part. `unknowns`: how many numbers were fitted."""
 
     def __init__(self, equations):
         self.equations = equations
-        self.factors, self.determined = solve_factors(np.concatenate([e.without_motion(e.forms) for e in equations], axis=2),
-                                                      np.concatenate([e.without_motion(e.values) for e in equations]))
+        self.forms = np.concatenate([e.without_motion(e.forms) for e in equations], axis=2)
+        self.strained = np.concatenate([e.without_motion(e.values) for e in equations])
+        self.factors, self.determined = solve_factors(self.forms, self.strained)
         self.rests = [e.rest(self.factors) for e in equations]
         self.rest, self.values = np.concatenate(self.rests), np.concatenate([e.values for e in equations])
         self.unknowns = int(self.determined.sum()) + sum(e.basis.shape[1] for e in equations)

@@ -19,7 +19,7 @@ BEGINNINGS = 11       # shares at each of which the search may begin
 AT_THE_END = 0.999    # share from which on the fit asks for more than the largest x
 LOWER_BY = 0.1        # what vanishing must take off the rms of the differences to be told from scatter
 CHANCE = 4.0          # and how many mean squares of the differences: two standard deviations
-NOTHING = 1e-3        # of the measured values: a difference in rms that no measurement shows
+NOTHING = 1e-3        # of the rms of the values, without rigid motions: what no measurement shows
 LEAST_CHANGE = 0.01   # of the displacement that x changes and no factor does
 
 
@@ -91,12 +91,11 @@ class VanishingSearch:
     def refuse_parts_alike(self, constant):
         """Raises a RunError if factors do to the measured values what the temperature does."""
         changes = change_of(constant, self.measurements, self.change, self.rigid)
-        forms = np.concatenate([e.without_motion(e.forms) for e in constant.equations], axis=2)
-        columns = forms.reshape(-1, forms.shape[2]).T
+        columns = constant.forms.reshape(-1, constant.forms.shape[2]).T
         roots = np.sqrt(constant.factors)
         change = roots @ (roots @ changes)
         rest = change - columns @ np.linalg.lstsq(columns, change, rcond=1e-9)[0]
-        if np.linalg.norm(rest) < LEAST_CHANGE * np.linalg.norm(roots @ (roots @ forms)):
+        if np.linalg.norm(rest) < LEAST_CHANGE * np.linalg.norm(roots @ (roots @ constant.forms)):
             raise RunError("the parts are too much alike: no measured value tells a small strain from hot layers; allowed: parts "
                            "whose interpass temperatures differ by 200 K or more")
 
@@ -118,4 +117,4 @@ def is_better(fit, constant):
     saved, left = squares(constant) - squares(fit), squares(fit)
     free = max(len(fit.values) - fit.unknowns - 1, 1)
     return bool(saved > max((1.0 - LOWER_BY)**-2 - 1.0, CHANCE / free) * left
-                and saved > NOTHING**2 * np.sum(fit.values**2))
+                and saved > NOTHING**2 * np.sum(constant.strained**2))
