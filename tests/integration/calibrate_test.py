@@ -13,6 +13,7 @@ from mesh_test import HIGH, LOW, bar, box_triangles, stl_text
 from read_outputs import read_result
 from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
 from small_parts import plate_2d, post_on_substrate
+from thermal_test import warmed
 
 TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "calibrate"
 
@@ -33,10 +34,10 @@ class CalibrateTest(FabseqTest):
         config["material"]["strain_scale"] = [1.0] * len(axes)
         return positions, field[there]
 
-    def write_points(self, positions, displacements, gaps=0):
+    def write_points(self, positions, displacements, gaps=0, name="measured.csv"):
         """Every seventh of them; the first `gaps` without displacement along x."""
         names = "xyz"[:positions.shape[1]]
-        path = os.path.join(self.directory, "measured.csv")
+        path = os.path.join(self.directory, name)
         with open(path, "w", encoding="utf-8") as file:
             file.write("# made up\n" + ", ".join([*names, *("u" + name for name in names)]) + "\n")
             for number, (x, u) in enumerate(zip(positions[::7], displacements[::7], strict=True)):
@@ -45,7 +46,11 @@ class CalibrateTest(FabseqTest):
         return path
 
     def calibrate(self, config, measured, *options):
-        command = [sys.executable, *TOOL, self.write_config(config), measured, "--program", PROGRAM, "--output",
+        return self.calibrate_parts([self.write_config(config), measured], *options)
+
+    def calibrate_parts(self, words, *options):
+        """`words`: pairs of a config and what was measured."""
+        command = [sys.executable, *TOOL, *words, "--program", PROGRAM, "--output",
                    os.path.join(self.directory, "calibrated"), *options, "--", "-tolerance", "1e-10"]
         return subprocess.run(command, capture_output=True, text=True, cwd=self.directory, check=False,
                               env={**ENVIRONMENT, **os.environ})
@@ -163,6 +168,66 @@ end_header""")
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("along y", run.stderr)
         np.testing.assert_allclose(self.read("calibration.json")["strain_scale"], [1.4, 1.0], rtol=1e-5)
+
+    def two_parts(self, dwells=(60, 1000), enlarged=(1, 1), shift=0, **thermal):
+        """Words of the plate with two pauses, and what would be measured with a factor of 1.3."""
+        words = []
+        for number, dwell in enumerate(dwells):
+            config = warmed(plate_2d(), **thermal)
+            config["process"]["dwell"] = dwell
+            positions, displacements = self.measure(config, [1.3, 1.3])
+            displacements = displacements * enlarged[number] + shift
+            config["thermal"]["vanishing"] = 1500  # does not count
+            words += [self.write_config(config, f"part_{number}.json"),
+                      self.write_points(positions, displacements, name=f"measured_{number}.csv")]
+        return words
+
+    def test_strain_and_where_it_vanishes(self):
+        """Measured in a frame that lies much farther off than the part distorts."""
+        run = self.calibrate_parts(self.two_parts(vanishing=1100, shift=1), "--vanishing", "--isotropic", "--rigid")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        record = self.read("calibration.json")
+        np.testing.assert_allclose(record["vanishing"], 1100, rtol=1e-3)
+        np.testing.assert_allclose(record["strain_scale"], [1.3, 1.3], rtol=1e-4)
+        self.assertLess(record["rms_difference"], 1e-3 * record["rms_difference_constant"])
+        hot, cold = record["parts"]
+        self.assertGreater(hot["highest_interpass"], cold["highest_interpass"])
+        self.assertLess(hot["own_strain_scale"][0], cold["own_strain_scale"][0])
+        self.assertEqual(record["measured_values"], hot["measured_values"] + cold["measured_values"])
+        for folder, dwell in (("part_1", 60), ("part_2", 1000)):
+            config = self.read(os.path.join(folder, "config.json"))
+            self.assertEqual((config["thermal"]["vanishing"], config["material"]["strain_scale"], config["process"]["dwell"]),
+                             (record["vanishing"], record["strain_scale"], dwell))
+        self.assertIn("better than the constant one", run.stdout)
+
+    def test_a_constant_strain_stays_constant(self):
+        run = self.calibrate_parts(self.two_parts(vanishing=1e30), "--vanishing", "--isotropic")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("the constant strain is as good, and is kept", run.stdout)
+        np.testing.assert_allclose(self.read("calibration.json")["strain_scale"], [1.3, 1.3], rtol=1e-5)
+        self.assertEqual(self.read("part_1/config.json")["thermal"]["vanishing"], 1e30)
+
+    def test_no_vanishing_fits_a_hot_part_of_larger_strain(self):
+        run = self.calibrate_parts(self.two_parts(vanishing=1e30, enlarged=(1.2, 1.0)), "--vanishing", "--isotropic")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("no vanishing fits, since the hotter layers have the larger strain", run.stdout)
+        self.assertEqual(self.read("calibration.json")["vanishing"], 1e30)
+
+    def test_parts_that_tell_no_vanishing(self):
+        measured = self.write_points(np.array([[0.5, 0.5]]), np.array([[0.0, 0.0]]))
+        hot, cold = self.write_config(warmed(plate_2d()), "hot.json"), self.write_config(plate_2d(), "cold.json")
+        for words, reason in (([hot, measured], "found one part, which cannot tell a small strain from a hot part"),
+                              ([hot, measured, cold, measured], "cold.json: /thermal: found none"),
+                              ([hot, measured, hot], "found a config without a measurement")):
+            run = self.calibrate_parts(words, "--vanishing")
+            self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
+            self.assertIn(reason, run.stderr)
+        self.assertFalse(os.path.exists(os.path.join(self.directory, "calibrated")))
+
+    def test_layers_of_one_temperature_tell_no_vanishing(self):
+        run = self.calibrate_parts(self.two_parts(vanishing=1100, heat_input=0, ambient=60), "--vanishing", "--isotropic")
+        self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
+        self.assertIn("the parts are too much alike", run.stderr)
 
     def test_errors(self):
         config = plate_2d()

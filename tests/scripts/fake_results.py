@@ -121,6 +121,15 @@ def write_run(directory, name, density, size, count=12, planar_count=10, iterati
 PREFIXES = {"baseline": "planar/", "start": "start/", "optimized": "", "binary": ""}
 
 
+def add_temperatures(directory):
+    """Adds what a block thermal leaves: elements of 60 degrees C in the first layer, and 20 more in each."""
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
+        for prefix in {prefix for prefix in PREFIXES.values() if prefix + "layer" in file}:
+            layer = file[prefix + "layer"][:]
+            file[prefix + "interpass_temperature"] = np.where(layer > 0, 40.0 + 20.0 * layer, 0.0)
+    change(directory, "config.json", lambda config: config.update(thermal={"heat_input": 3e6}))
+
+
 def add_checks(directory, unit="mm"):
     """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks, build time,
     stress, more planar layers, and the release. Six elements of the planar layers begin in the air."""

@@ -193,6 +193,30 @@ class Pictures(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(coloured(picture)[0], 0.05)
 
+    def test_render_part_draws_temperatures_with_a_bar(self):
+        picture = Path(self.folder.name) / "warm.png"
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "v_shape", fake_results.v_shape_density((20, 10, 20)), (2.0, 1.0, 2.0))
+            words = os.path.join(folder, "result.h5"), picture, "--pixels", 400, "--colour", "interpass_temperature"
+            done = run("render", *words)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn("found no interpass_temperature, since the run's config has no block thermal", done.stderr)
+            fake_results.add_temperatures(folder)
+            for planar in ([], ["--planar"]):
+                with self.subTest(planar=planar):
+                    done = run("render", *words, *planar)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertEqual(plt.imread(picture).shape[:2], (400, 400))
+                    self.assertGreater(coloured(picture, columns=3)[0], 0.05)  # the part
+                    self.assertGreater(drawn(picture, inner=(0.2, 0.8, 0.86, 1.0))[0], 0.05)  # the bar
+
+    def test_colours_of_temperatures_reach_from_the_coldest_to_the_hottest_element(self):
+        part = render_part.VoxelPart(np.array([[0.0, 1.0, 1.0, 1.0]]), (4.0, 1.0))
+        colours, ends = render_part.colours_of(part, "interpass_temperature", np.array([[0.0, 300.0, 100.0, 200.0]]))
+        self.assertEqual(ends, (100.0, 300.0))
+        expected = plt.get_cmap(render_part.TEMPERATURE_COLOURS)([1.0, 0.0, 0.5])[:, :3]
+        np.testing.assert_array_equal(colours["face_colours"], (255 * expected).astype(np.uint8))
+
 
 class Surface(unittest.TestCase):
     def area_and_normals(self, part):

@@ -296,6 +296,22 @@ class Fields(unittest.TestCase):
                 np.testing.assert_allclose(report_views.local_thickness(run, "binary", "")["local_thickness"], 0.2 / (2 * height))
                 np.testing.assert_allclose(report_views.local_thickness(run, "baseline", "planar/")["local_thickness"], 0.1)
 
+    def test_temperature_is_shown_where_it_is_known(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fake_results.write_run(folder, "bar", np.ones((10, 2, 2)), (0.2, 0.2, 1.0), count=5, planar_count=10)
+            labels = {"baseline": "planar", "binary": "optimized"}
+            scenes = []
+            for warm in (False, True):
+                if warm:
+                    fake_results.add_temperatures(folder)
+                run = ReportRun(folder)
+                scenes.append(report_views.packed_scene([(run, report_views.views_of(run, labels))])[0])
+            cold, warm = scenes
+            self.assertNotIn("interpass_temperature", cold["fields"])
+            self.assertEqual(warm["fields"]["interpass_temperature"]["unit"], "°C")
+            self.assertEqual([view["ranges"]["interpass_temperature"] for view in warm["views"]], [[60.0, 240.0], [60.0, 140.0]])
+            self.assertEqual(warm["views"][1]["notes"]["interpass_temperature"], "between 60 and 140 °C")
+
     def test_coarser_grids(self):
         values = np.array([[1.0, 3.0, np.nan], [np.nan, 2.0, 5.0]])
         np.testing.assert_array_equal(report_views.coarsened(values, 2, np.mean), [[2.0, 5.0]])

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Draws one picture of the part of a result, coloured, as it is or displaced.
 
-    fabseq-tools render RESULT.h5 PICTURE.png [--colour layer|time|density|displacement] [--planar]
-                        [--exaggeration F]
+    fabseq-tools render RESULT.h5 PICTURE.png [--planar] [--exaggeration F]
+                        [--colour layer|time|density|displacement|interpass_temperature]
 
-RESULT.h5 lies beside the config.json of its run, which holds the size of the box. Without a display the
-picture is drawn in memory. As a module it gives render(): pictures of voxel parts with VTK.
+RESULT.h5 lies beside the config.json of its run, which holds the size of the box. The interpass temperature,
+with a bar of colours in degrees C, needs a config with a block thermal. Without a display the picture is
+drawn in memory. As a module it gives render(): pictures of voxel parts with VTK.
 """
 
 import itertools
@@ -23,14 +24,17 @@ from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, 
 
 from fabseq_tools.geometry.grid import node_positions
 from fabseq_tools.geometry.vtk_data import poly_data
+from fabseq_tools.plot.colour_bar import BAR_SHARE, with_bar
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.command_line import parser_of
-from fabseq_tools.run.read_run import read_json
+from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.read_run import lacking, read_json
 
 COMMAND = "render"
 
 LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
+TEMPERATURE = "interpass_temperature"
+TEMPERATURE_COLOURS = "plasma"
 PLATE_COLOUR = (0.84, 0.85, 0.87)
 MOST_ELEMENTS_WITH_EDGES = 48  # along the longest side; finer grids would turn grey
 MARGIN = 0.06  # of the longest side: how far the plate and the picture reach beyond the box
@@ -80,9 +84,9 @@ def layer_colours(part, layer, count):
     return (255 * colours).astype(np.uint8)
 
 
-def scalar_colours(values, largest, name):
-    """Colours (n, 3) bytes of `values` between 0 and `largest` in the colour map `name`."""
-    return (255 * colormaps[name](np.ravel(values) / (largest or 1.0))[:, :3]).astype(np.uint8)
+def scalar_colours(values, largest, name, least=0.0):
+    """Colours (n, 3) bytes of `values` between `least` and `largest` in the colour map `name`."""
+    return (255 * colormaps[name]((np.ravel(values) - least) / ((largest - least) or 1.0))[:, :3]).astype(np.uint8)
 
 
 def node_vectors(part, displacement):
@@ -232,11 +236,36 @@ def aim_camera(renderer, part, frame, pixels):
     renderer.ResetCameraClippingRange()
 
 
+def field_of(file, name, config):
+    """A dataset of a result, which without heat has no temperature."""
+    if name in file:
+        return file[name][:]
+    if name.endswith(TEMPERATURE) and "thermal" not in config:
+        raise RunError(f"{file.filename}: found no {name}, since the run's config has no block thermal; allowed: other colours")
+    raise lacking(name, file.filename)
+
+
+def colours_of(part, colour, values):
+    """What render() takes as colours, and the least and the largest value where a bar shows them."""
+    if colour == "layer":
+        return {"face_colours": layer_colours(part, values, int(values.max()))}, None
+    if colour == "displacement":
+        length = np.linalg.norm(node_vectors(part, values), axis=1)
+        largest = length[np.unique(part.faces)].max()
+        return {"node_colours": scalar_colours(length, largest, DISPLACEMENT_COLOURS)}, None
+    if colour == TEMPERATURE:
+        there = values[part.density > 0]
+        ends = float(there.min()), float(there.max())
+        colours = scalar_colours(np.ravel(values)[part.face_element], ends[1], TEMPERATURE_COLOURS, ends[0])
+        return {"face_colours": colours}, ends
+    return {"face_colours": scalar_colours(values, 1.0, LAYER_COLOURS)[part.face_element]}, None
+
+
 def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("result")
     parser.add_argument("picture")
-    parser.add_argument("--colour", choices=["layer", "time", "density", "displacement"], default="layer")
+    parser.add_argument("--colour", choices=["layer", "time", "density", "displacement", TEMPERATURE], default="layer")
     parser.add_argument("--planar", action="store_true", help="the planar baseline instead of the optimized sequence")
     parser.add_argument("--exaggeration", type=float, default=0.0, help="draw the displacement, this many times larger")
     parser.add_argument("--pixels", type=int, default=1400)
@@ -246,17 +275,13 @@ def main(words):
     group = "planar/" if arguments.planar else ""
     with h5py.File(arguments.result) as file:
         part = VoxelPart(file["density"][:], config["domain"]["size"], config.get("build_plate", "z-"))
-        values = file[arguments.colour if arguments.colour == "density" else group + arguments.colour][:]
+        values = field_of(file, arguments.colour if arguments.colour == "density" else group + arguments.colour, config)
         offset = None
         if arguments.exaggeration:
             offset = arguments.exaggeration * node_vectors(part, file[group + "displacement"][:])
-    if arguments.colour == "layer":
-        colours = {"face_colours": layer_colours(part, values, int(values.max()))}
-    elif arguments.colour == "displacement":
-        length = np.linalg.norm(node_vectors(part, values), axis=1)
-        largest = length[np.unique(part.faces)].max()
-        colours = {"node_colours": scalar_colours(length, largest, DISPLACEMENT_COLOURS)}
-    else:
-        colours = {"face_colours": scalar_colours(values, 1.0, LAYER_COLOURS)[part.face_element]}
-    picture = render(part, offset=offset, ghost=offset is not None, pixels=(arguments.pixels, arguments.pixels), **colours)
+    colours, ends = colours_of(part, arguments.colour, values)
+    width = arguments.pixels if ends is None else round((1.0 - BAR_SHARE) * arguments.pixels)
+    picture = render(part, offset=offset, ghost=offset is not None, pixels=(width, arguments.pixels), **colours)
+    if ends:
+        picture = with_bar(picture, *ends, TEMPERATURE_COLOURS, "temperature after the layer's pause, °C")
     matplotlib_image.imsave(arguments.picture, picture)

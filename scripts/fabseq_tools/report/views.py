@@ -28,9 +28,12 @@ FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "p
           "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
           "blocked": {"label": "depth of collisions with the torch", "colours": "heat", "length": True},
           "tilt": {"label": "tilt of the torch", "colours": "heat", "unit": "degrees"},
+          "interpass_temperature": {"label": "temperature after the layer's pause", "colours": "heat", "unit": "°C"},
           "hanging": {"label": "what begins in the air", "colours": "marked", "words": ["on something", "begins in the air"]},
           "out_of_range": {"label": "thickness out of range", "colours": "marked", "words": ["in its range", "out of range"]}}
 MARKS = ("hanging", "out_of_range")  # 0 or 1
+FROM_LEAST = ("local_thickness", "interpass_temperature")  # fields whose colours begin at the least value, not at 0
+STORED = ("layer", "local_thickness", "blocked", "tilt", "hanging", "interpass_temperature")  # those of elements in each state
 LARGEST_OF = ("layer", *MARKS, "blocked")  # fields of which a coarser element shows the largest value, not the mean
 
 
@@ -46,8 +49,7 @@ def views_of(run, labels):
 def view_of(run, state, group, shape):
     """Fields of elements, and the displacement; `released` has what is another after the release. `notes`:
     what is said below the view, by field."""
-    fields = {name: run.fields[group + name].astype(float) for name in ("layer", "local_thickness", "blocked", "tilt", "hanging")
-              if group + name in run.fields}
+    fields = {name: run.fields[group + name].astype(float) for name in STORED if group + name in run.fields}
     if "local_thickness" not in fields:
         fields |= local_thickness(run, state, group)
     notes = field_notes(run, fields)
@@ -87,6 +89,9 @@ def field_notes(run, fields):
             notes[name] = f"{count:,} element{'s' * (count != 1)} {words}"
     if "tilt" in fields:
         notes["tilt"] = f"up to {number(np.max(fields['tilt'][part]))} degrees"
+    if "interpass_temperature" in fields:
+        least, largest = (number(end(fields["interpass_temperature"][part])) for end in (np.min, np.max))
+        notes["interpass_temperature"] = f"between {least} and {largest} °C"
     return notes
 
 
@@ -181,7 +186,7 @@ def shown_range(name, values, run):
     if name in MARKS:
         return [0.0, 1.0]
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    return [1.0 if name == "layer" else low if name == "local_thickness" else 0.0, high]
+    return [1.0 if name == "layer" else low if name in FROM_LEAST else 0.0, high]
 
 
 def coarsened(values, factor, how):
