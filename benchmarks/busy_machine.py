@@ -62,7 +62,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         output = os.path.join(directory, "output")
         samples, machine = program_run.by_turns(options, list(itertools.product(options.ranks, options.busy, WAITING)),
-                                              lambda run: measure(options, *run, output))
+                                                lambda run: measure(options, *run, output))
     seconds = {run: program_run.medians(of_run)["seconds"] for run, of_run in samples.items()}
     print(f"{options.title}, {options.repetitions} repetitions, {program_run.machine_text(machine)}; seconds of a run")
     print_table(seconds)

@@ -195,7 +195,8 @@ def draw_phases(axes, abscissa, records):
 
 
 def by_turns(options, keys, measure):
-    """Samples of each key, lists made by measure(key) in turn, and the machine before and after (machine_after())."""
+    """Samples of each key, lists made by measure(key) in turn, and the machine before and after, as by
+    machine_after()."""
     samples, machine = {key: [] for key in keys}, machine_before()
     for _ in range(options.repetitions):
         for key in keys:
@@ -222,7 +223,8 @@ def machine_text(machine):
 
 
 def cores():
-    """Physical cores and hardware threads that this process may use; a thread whose core is not known counts as one."""
+    """Physical cores and hardware threads that this process may use; a thread whose core is not known counts
+    as one."""
     threads = os.sched_getaffinity(0)
 
     def core_of(thread):

@@ -54,7 +54,7 @@ class MachineTest(FabseqTest):
             found, run = self.check(2)
             self.assertEqual(found[0], 1)
             self.assertEqual(run.stderr.count("warning: machine: 2 ranks share 1 core: more ranks than cores gain nothing\n"), 1)
-            self.assertRegex(run.stdout, r"(?m)^layer groups: .* ranks \(auto\): [01]\.\d times as fast as .*; 0\.5 cores a rank$")
+            self.assertRegex(run.stdout, r"(?m)^layer groups: .* \(auto\): [01]\.\d times as fast as .*; 0\.5 cores a rank$")
             self.assertNotIn("share", self.check(1)[1].stderr)
         with made_up("core:64 pu:1"):
             self.assertNotIn("cores a rank", self.check(2)[1].stdout)
