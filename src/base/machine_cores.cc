@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -38,7 +40,7 @@ std::string counted_times() {
 }
 
 /// What is running now: the load average of a minute would blame others for this run's own start, or for a
-/// build that has just ended. It is better than nothing where only some times are hidden, as in containers.
+/// build that has just ended. It is better than nothing where a container hides the times of its threads.
 std::optional<double> measured_share(const ThreadSet& threads) {
   const std::string before = counted_times();
   std::this_thread::sleep_for(looking);
@@ -64,14 +66,17 @@ NodeCores fewest_cores(MPI_Comm comm) {
     own = {count.cores, count.threads, node.count()};
   }
   const std::vector<std::int64_t> all = gather_all(comm, own);
-  const auto nodes = static_cast<int>(all.size() / 3);
-  NodeCores result;
-  for (int i = 0; i < nodes; ++i) {
-    const std::int64_t* of = &all[3 * static_cast<std::size_t>(i)];
-    if (i == 0 || of[0] * result.ranks < result.cores * of[2])
-      result = {static_cast<int>(of[0]), static_cast<int>(of[1]), static_cast<int>(of[2]), nodes};
-  }
-  return result;
+  std::vector<NodeCores> nodes;
+  const auto count = static_cast<int>(all.size() / 3);
+  for (auto of = all.begin(); of != all.end(); of += 3)
+    nodes.push_back({static_cast<int>(of[0]), static_cast<int>(of[1]), static_cast<int>(of[2]), count});
+  return fullest(nodes);
+}
+
+NodeCores fullest(std::span<const NodeCores> nodes) {
+  return *std::min_element(nodes.begin(), nodes.end(), [](const NodeCores& a, const NodeCores& b) {
+    return std::int64_t{a.cores} * b.ranks < std::int64_t{b.cores} * a.ranks;
+  });
 }
 
 std::optional<double> busy_share(MPI_Comm comm) {

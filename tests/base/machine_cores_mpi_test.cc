@@ -165,6 +165,19 @@ TEST(MachineCores, LookingHowBusyTakesATenthOfASecond) {
   EXPECT_LT(taken.count(), 2.0);  // a busy machine is no failure
 }
 
+TEST(MachineCores, TheFullestNodeHasTheFewestCoresPerRank) {
+  const NodeCores roomy{4, 8, 1, 3}, even{64, 128, 64, 3}, crowded{32, 64, 64, 3};
+  const auto cores_of_fullest = [](std::initializer_list<NodeCores> nodes) {
+    return fullest(std::vector<NodeCores>(nodes)).cores;
+  };
+  EXPECT_EQ(cores_of_fullest({roomy, even, crowded}), 32);
+  EXPECT_EQ(cores_of_fullest({crowded, roomy}), 32);
+  EXPECT_EQ(cores_of_fullest({roomy, even}), 64);
+  EXPECT_DOUBLE_EQ(crowded.per_rank(), 0.5);
+  EXPECT_DOUBLE_EQ(even.per_rank(), 1.0);
+  EXPECT_DOUBLE_EQ(roomy.per_rank(), 1.0);
+}
+
 TEST(MachineCores, TextNamesWhatThereIs) {
   EXPECT_EQ(machine_text({2, 4, 2, 1}, 0.354), "2 cores (4 threads) for 2 ranks, 35 % busy");
   EXPECT_EQ(machine_text({1, 1, 1, 1}, std::nullopt), "1 core (1 thread) for 1 rank");
