@@ -61,14 +61,14 @@ def main():
     options = parse_arguments()
     with tempfile.TemporaryDirectory() as directory:
         output = os.path.join(directory, "output")
-        samples, triad = program_run.by_turns(options, list(itertools.product(options.ranks, options.busy, WAITING)),
-                                              lambda run: measure(options, *run, output))
+        samples, machine = program_run.by_turns(options, list(itertools.product(options.ranks, options.busy, WAITING)),
+                                                lambda run: measure(options, *run, output))
     seconds = {run: program_run.medians(of_run)["seconds"] for run, of_run in samples.items()}
-    print(f"{options.title}, {options.repetitions} repetitions, {program_run.machine_text(triad)}; seconds of a run")
+    print(f"{options.title}, {options.repetitions} repetitions, {program_run.machine_text(machine)}; seconds of a run")
     print_table(seconds)
     runs = [{"ranks": ranks, "busy": busy, "waiting": waiting, "seconds": seconds[ranks, busy, waiting],
              "samples": [sample["seconds"] for sample in of_run]} for (ranks, busy, waiting), of_run in samples.items()]
-    program_run.write_results(options, {"triad": triad, "runs": runs})
+    program_run.write_results(options, {"machine": machine, "runs": runs})
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 ///     hard_cases -history 30 [-only NAME]      error and residuals of the hardest lane after each iteration,
 ///     as CSV
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/machine_cores.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/petsc.h"
 #include "fabseq/base/session.h"
@@ -243,6 +244,7 @@ void run(const HardCase& hard, const Settings& settings) {
 int main(int argc, char** argv) {
   fabseq::check(PetscInitialize(&argc, &argv, nullptr, nullptr));
   const Settings settings = read_settings();
+  if (settings.history == 0) fabseq::print("machine: " + fabseq::machine_text(PETSC_COMM_WORLD) + "\n");
   fabseq::print(settings.history > 0 ? "case,iteration,error,residual,preconditioned_residual"
                                      : "| case | what | fill | worst | median | error | seconds a lane |\n"
                                        "| - | - | - | - | - | - | - |");

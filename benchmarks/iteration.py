@@ -7,8 +7,9 @@
 
 Each reference method has the tolerance that gives its displacement the same true error as the lanes' unless
 --reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over
-the iterations but the first (unless there is only one). docs/performance.md explains them. Memory bandwidth
-(a triad, one core) stands beside them, before and after: compare figures of one run only.
+the iterations but the first (unless there is only one). docs/performance.md explains them. Beside them stand
+the cores, how busy they were before, and memory bandwidth (a triad, one core) before and after: compare
+figures of one run only.
 """
 import itertools
 import math
@@ -180,15 +181,15 @@ def main():
                 errors.error(method, tolerances[method])
             errors.error(LANES if errors.exact != LANES else "multigrid", TIGHT)  # whether the exact one is
         settings = {m: solver_settings(options, m, tolerances[m], directory) for m in options.methods}
-        samples, triad = program_run.by_turns(options, options.methods, lambda method: [
+        samples, machine = program_run.by_turns(options, options.methods, lambda method: [
             measure(options, method, tolerances[method], os.path.join(directory, method))])
     results = {method: program_run.medians(of_method) for method, of_method in samples.items()}
     print_settings(settings)
     print(f"\n{options.title}, {options.ranks} ranks, {options.iterations} iterations, {options.repetitions} "
-          f"repetitions, {program_run.machine_text(triad)}")
+          f"repetitions, {program_run.machine_text(machine)}")
     print_table(options.methods, tolerances, results, errors.found if errors else {})
     program_run.write_results(options, {
-        "ranks": options.ranks, "triad": triad, "tolerances": tolerances, "errors": errors.record() if errors else None,
+        "ranks": options.ranks, "machine": machine, "tolerances": tolerances, "errors": errors.record() if errors else None,
         "medians": results, "samples": samples, "settings": settings})
 
 

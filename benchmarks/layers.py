@@ -103,12 +103,12 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         output = os.path.join(directory, "output")
         targets = fitting_targets(options, directory) if options.phases else None
-        samples, triad = program_run.by_turns(
+        samples, machine = program_run.by_turns(
             options, [(layers, ranks) for layers in options.layers for ranks in options.ranks],
             lambda run: measure(options, *run, targets, output))
     seconds = {run: program_run.medians(of_run) for run, of_run in samples.items()}
     title = f"{options.title}, {options.method}, tolerance {options.tolerance:g}"
-    print(f"{title}, {options.repetitions} repetitions, {program_run.machine_text(triad)}")
+    print(f"{title}, {options.repetitions} repetitions, {program_run.machine_text(machine)}")
     if options.phases:
         print_phases(seconds)
     else:
@@ -117,7 +117,7 @@ def main():
              "seconds_per_layer": values[phase] / layers}
             for (layers, ranks), values in seconds.items() for phase in PHASES if phase in values]
     runs = [{"layers": layers, "ranks": ranks, "samples": of_run} for (layers, ranks), of_run in samples.items()]
-    record = {"method": options.method, "tolerance": options.tolerance, "triad": triad, "table": rows, "runs": runs}
+    record = {"method": options.method, "tolerance": options.tolerance, "machine": machine, "table": rows, "runs": runs}
     program_run.write_results(options, record, rows, lambda path: plot(path, title, seconds))
 
 

@@ -4,6 +4,7 @@
 ///
 ///     mpirun -np 2 build/release/benchmarks/machine_checks [ELEMENTS PER EDGE] [LAYERS]     default: 100 50
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/machine_cores.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/machine/blocked.h"
@@ -103,5 +104,8 @@ void measure_all(int edge, int layers) {
 int main(int argc, char** argv) {
   const int edge = argc > 1 ? std::atoi(argv[1]) : 100;
   const int layers = argc > 2 ? std::atoi(argv[2]) : 50;
-  return fabseq::run_session({argv[0]}, [&] { measure_all(edge, layers); });
+  return fabseq::run_session({argv[0]}, [&] {
+    print("machine: " + machine_text(MPI_COMM_WORLD));
+    measure_all(edge, layers);
+  });
 }

@@ -195,16 +195,67 @@ def draw_phases(axes, abscissa, records):
 
 
 def by_turns(options, keys, measure):
-    """Samples of each key, lists made by measure(key) in turn, and the triad's GB/s before and after."""
-    samples, before = {key: [] for key in keys}, triad_bandwidth()
+    """Samples of each key, lists made by measure(key) in turn, and the machine before and after, as by
+    machine_after()."""
+    samples, machine = {key: [] for key in keys}, machine_before()
     for _ in range(options.repetitions):
         for key in keys:
             samples[key] += measure(key)
-    return samples, [before, triad_bandwidth()]
+    return samples, machine_after(machine)
 
 
-def machine_text(triad):
-    return f"{os.cpu_count()} cores, triad {triad[0]:.1f} and {triad[1]:.1f} GB/s per core before and after"
+def machine_before():
+    """Before a measurement: the cores that this process may use, the share of their time that they are busy
+    with other work (None if the system does not tell), and the triad's GB/s."""
+    return {**cores(), "busy": busy_share(), "triad": [triad_bandwidth()]}
+
+
+def machine_after(before):
+    """With the triad after the measurement, too."""
+    return {**before, "triad": [*before["triad"], triad_bandwidth()]}
+
+
+def machine_text(machine):
+    busy = "unknown" if machine["busy"] is None else f"{100 * machine['busy']:.0f} %"
+    first, last = machine["triad"]
+    return (f"{machine['cores']} cores ({machine['threads']} threads), {busy} busy before, "
+            f"triad {first:.1f} and {last:.1f} GB/s per core before and after")
+
+
+def cores():
+    """Physical cores and hardware threads that this process may use; a thread whose core is not known counts
+    as one."""
+    threads = os.sched_getaffinity(0)
+
+    def core_of(thread):
+        try:
+            with open(f"/sys/devices/system/cpu/cpu{thread}/topology/thread_siblings_list", encoding="ascii") as file:
+                return file.read()
+        except OSError:
+            return thread
+
+    return {"cores": len({core_of(thread) for thread in threads}), "threads": len(threads)}
+
+
+def busy_share(seconds=0.5):
+    """Share of that time for which the threads that this process may use are busy, while it sleeps."""
+    def times():
+        """Ticks by thread: busy, and idle or waiting for a disk."""
+        found = {}
+        with open("/proc/stat", encoding="ascii") as file:
+            for name, *ticks in map(str.split, file):
+                if re.fullmatch(r"cpu\d+", name) and int(name[3:]) in os.sched_getaffinity(0):
+                    ticks = [int(word) for word in ticks[:8]]
+                    found[name] = np.array([sum(ticks) - sum(ticks[3:5]), sum(ticks[3:5])])
+        return found
+
+    try:
+        before = times()
+        time.sleep(seconds)
+        busy, idle = sum(now - before[name] for name, now in times().items())
+    except (OSError, KeyError, TypeError, ValueError):
+        return None
+    return float(busy / (busy + idle)) if busy + idle else None
 
 
 def medians(samples):

@@ -98,17 +98,17 @@ def parse_arguments():
 def main():
     options = parse_arguments()
     title = f"{options.title}, {options.groups} x {options.ranks // options.groups} ranks"
-    before = program_run.triad_bandwidth()
+    machine = program_run.machine_before()
     print(f"{title}, up to {options.memory:g} GB, {options.repetitions} repetitions")
     print(f"{'box':>14s}{'elements':>11s}{'part':>10s}{'GB':>8s}{'kB/part el.':>12s}{'CG its':>8s}"
           + program_run.heads([*PHASES, "us/unk,lay"], 10))
     with tempfile.TemporaryDirectory() as directory:
         records = run_all(options, directory)
-    triad = [before, program_run.triad_bandwidth()]
-    print(program_run.machine_text(triad))
+    machine = program_run.machine_after(machine)
+    print(program_run.machine_text(machine))
     if not records:
         raise RunError(f"not even {options.smallest} elements fit into {options.memory:g} GB")
-    record = {"ranks": options.ranks, "groups": options.groups, "memory": options.memory, "triad": triad, "runs": records}
+    record = {"ranks": options.ranks, "groups": options.groups, "memory": options.memory, "machine": machine, "runs": records}
     program_run.write_results(options, record, records, lambda path: plot(path, title, records))
 
 

@@ -92,14 +92,14 @@ def main():
         if baseline not in splits:
             among = " ".join(map(split_text, splits))
             raise RunError(f"--baseline {split_text(baseline)} is not among the splits: {among}")
-        samples, triad = program_run.by_turns(options, splits, lambda split: program_run.time_iterations(
+        samples, machine = program_run.by_turns(options, splits, lambda split: program_run.time_iterations(
             options, math.prod(split), os.path.join(directory, "optimize"), ["-layer_groups", split[0]]))
     seconds = {split: program_run.medians(of_split) for split, of_split in samples.items()}
     rows = table(seconds, baseline)
     title = f"{options.title}, {layers} layers, baseline {split_text(baseline)}"
-    print(f"{title}, medians of {len(samples[baseline])} iterations, {program_run.machine_text(triad)}")
+    print(f"{title}, medians of {len(samples[baseline])} iterations, {program_run.machine_text(machine)}")
     print_table(seconds, rows, baseline)
-    record = {"layers": layers, "baseline": baseline, "triad": triad, "table": rows,
+    record = {"layers": layers, "baseline": baseline, "machine": machine, "table": rows,
               "samples": [{"groups": split[0], "domain_ranks": split[1], "iterations": of_split}
                           for split, of_split in samples.items()]}
     program_run.write_results(options, record, rows, lambda path: plot(path, title, seconds, baseline))

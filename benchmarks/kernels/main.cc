@@ -8,6 +8,7 @@
 /// --benchmark_repetitions says otherwise. Under mpirun every rank does the same by itself, at the same time;
 /// the figures are of one core while all of them work.
 #include "fabseq/base/error.h"
+#include "fabseq/base/machine_cores.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "kernels/lanes.h"
@@ -62,6 +63,7 @@ void run_benchmarks(std::vector<std::string> words) {
     if (std::sscanf(arguments[i], "--elements=%d", &elements) != 1 || elements < 2)
       throw fabseq::InputError(std::string(arguments[i]) + ": --elements=N from 2 up, or see --help");
   benchmark::AddCustomContext("cores at once", std::to_string(fabseq::size_of(PETSC_COMM_WORLD)));
+  benchmark::AddCustomContext("machine", fabseq::machine_text(PETSC_COMM_WORLD));
   benchmark::AddCustomContext("lanes of a register", std::to_string(fabseq::native_lanes));
   benchmark::AddCustomContext("elements", std::to_string(elements) + " x " + std::to_string(elements / 2) +
                                               " x " + std::to_string(elements));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/memory.h"
 
+#include "base/node_ranks.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
@@ -15,11 +16,8 @@ namespace fabseq {
 namespace {
 
 std::int64_t sum_over_machines(MPI_Comm comm, std::int64_t bytes) {
-  MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  const bool counts = rank_of(machine) == 0;
-  MPI_Comm_free(&machine);
-  return sum(comm, counts ? bytes : 0);
+  const NodeRanks machine(comm);
+  return sum(comm, machine.is_first() ? bytes : 0);
 }
 
 }  // namespace

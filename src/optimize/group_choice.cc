@@ -54,6 +54,7 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
   const int lanes = wanted_lanes(settings.solver);
   RunSize alone = size;
   alone.ranks = 1;
+  alone.cores_per_rank = 1.0;
   const auto speedup = [&](int of_groups) {
     return relative_time_estimate(alone, path, 1) / relative_time_estimate(size, path, of_groups);
   };
@@ -65,6 +66,7 @@ std::string explain(const ModelSettings& settings, const RunSize& size, int grou
       groups_text(groups, size.ranks).c_str(), speedup(groups), groups_text(1, size.ranks).c_str(),
       speedup(1), memory_estimate(size, path, groups, lanes) / 1e9, available / 1e9,
       2.0 * halo * Dim * size.layers * sizeof(double) / 1e6);
+  if (size.cores_per_rank < 1.0) result += formatted("; %.2g cores a rank", size.cores_per_rank);
   if (fastest && *fastest != groups)
     result +=
         formatted("; %s ranks would be faster, but need %.2f GB", groups_text(*fastest, size.ranks).c_str(),
@@ -105,13 +107,14 @@ GroupChoice fastest_choice(const ModelSettings& settings, const RunSize& size, d
 }
 
 template <int Dim>
-GroupChoice likely_choice(const ModelSettings& settings, int ranks, double available) {
+GroupChoice likely_choice(const ModelSettings& settings, int ranks, double cores_per_rank, double available) {
   RunSize least;
   least.nodes = 1.0;
   for (const int elements : settings.domain<Dim>().elements) least.nodes *= elements + 1.0;
   least.dimension = Dim;
   least.layers = settings.layers.count.value_or(ranks * widest_block);
   least.ranks = ranks;
+  least.cores_per_rank = cores_per_rank;
   return {fastest_choice<Dim>(settings, least, available).groups, ""};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/optimize/placed_part.h"
 
+#include "fabseq/base/machine_cores.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/responses/response_type.h"
@@ -60,14 +61,17 @@ ResponseContext<Dim> PlacedPart<Dim>::context() const {
 template <int Dim>
 std::unique_ptr<PlacedPart<Dim>> place_part(MPI_Comm world, const ModelSettings& settings) {
   const int ranks = size_of(world);
+  const NodeCores cores = fewest_cores(world);
   const auto placed = [&](const GroupChoice& choice, const PartDescription& description) {
-    return std::make_unique<PlacedPart<Dim>>(world, settings, choice, description);
+    auto result = std::make_unique<PlacedPart<Dim>>(world, settings, choice, description);
+    result->size.cores_per_rank = cores.per_rank();
+    return result;
   };
   const std::optional<int>& asked = settings.solver.layer_groups;
   if (asked || ranks == 1) return placed(asked_choice(asked.value_or(1), ranks), settings.part);
   // Number of layers and size of the systems are known once there is a part: as a rule, this one will do.
   const auto available = static_cast<double>(available_memory_bytes(world));
-  auto result = placed(likely_choice<Dim>(settings, ranks, available), settings.part);
+  auto result = placed(likely_choice<Dim>(settings, ranks, cores.per_rank(), available), settings.part);
   const GroupChoice choice = fastest_choice<Dim>(settings, result->size, available);
   if (choice.groups == result->choice.groups) {
     result->choice = choice;

@@ -59,6 +59,7 @@ double bytes_of_systems(const RunSize& size, SolverPath path, int groups, int la
 
 StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int lanes) {
   const std::vector<double> equal(size.layers, 1.0);
+  const LayerDeal deal = deal_out_layers(equal, groups, widest_block, block_solver(path));
   const double seconds =
       path == SolverPath::lanes ? lanes_cost.seconds_per_unknown : reference_cost.seconds_per_unknown;
   const double increments =
@@ -66,7 +67,8 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
   return {
       .held = increments,
       .solving = bytes_of_systems(size, path, groups, lanes),
-      .work = deal_out_layers(equal, groups, widest_block, block_solver(path)).longest,
+      .work = deal.longest,
+      .work_beside = deal.total - deal.longest,
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
 }
 

@@ -107,15 +107,22 @@ int resolved_lanes(MPI_Comm world, const SolverSettings& settings, const RunSize
 
 double relative_time_estimate(const RunSize& size, SolverPath path, int groups) {
   const int domain_ranks = size.ranks / groups;
-  double work = 0.0;
-  for (const StageType* stage : stage_types()) work += stage->cost(size, path, groups, widest_block).work;
-  return work * overhead(domain_ranks) / domain_ranks;
+  double slowest = 0.0, all = 0.0;
+  for (const StageType* stage : stage_types()) {
+    const StageCost cost = stage->cost(size, path, groups, widest_block);
+    slowest += cost.work;
+    all += cost.work + cost.work_beside;
+  }
+  // A rank has one core at most, and all ranks together have as many as there are: where ranks share cores,
+  // groups that are done leave theirs to the others.
+  const double cores = size.cores_per_rank * size.ranks;
+  return overhead(domain_ranks) * std::max(slowest / domain_ranks, all / cores);
 }
 
 double iteration_seconds_estimate(const RunSize& size, SolverPath path) {
   double seconds = 0.0;
   for (const StageType* stage : stage_types()) seconds += stage->cost(size, path, 1, widest_block).seconds;
-  return seconds;
+  return seconds / size.cores_per_rank;
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_size);

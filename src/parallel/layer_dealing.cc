@@ -47,6 +47,7 @@ LayerDeal deal(std::vector<WeighedBlock>& blocks, int groups) {
     sums[least] += block.work;
   }
   result.longest = *std::max_element(sums.begin(), sums.end());
+  result.total = std::accumulate(sums.begin(), sums.end(), 0.0);
   for (auto& of_group : result.blocks)
     std::sort(of_group.begin(), of_group.end(),
               [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/machine_cores.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/optimize/stage.h"
@@ -11,11 +12,28 @@
 #include "tasks/advice.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace fabseq {
 
 namespace {
+
+/// Share of their time that other work takes from the cores, beyond what a system does now and then.
+constexpr double much = 0.25;
+
+/// The machine as it is now: estimates hold for cores that do nothing else.
+void print_machine(MPI_Comm world) {
+  const NodeCores cores = fewest_cores(world);
+  const std::optional<double> busy = busy_share(world);
+  print("machine: " + machine_text(cores, busy));
+  if (cores.ranks > cores.cores)
+    warn(formatted("machine: %d ranks share %d core%s: more ranks than cores gain nothing", cores.ranks,
+                   cores.cores, cores.cores == 1 ? "" : "s"));
+  if (busy && *busy > much)
+    warn(formatted("machine: other work keeps the cores %.0f %% busy: a run takes longer than estimated",
+                   100.0 * *busy));
+}
 
 template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
@@ -143,6 +161,7 @@ void run_check(const Setup<Dim>& setup) {
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_temperature(setup);
+  print_machine(setup.world());
   print_cost(setup);
   for (const std::string& line : advice(setup, height)) warn(line);
 }

@@ -53,6 +53,11 @@ class BenchmarkScriptTest(FabseqTest):
         self.assertEqual([(run["layers"], run["ranks"]) for run in record["runs"]], [(2, 1), (2, 2), (3, 1), (3, 2)])
         self.assertTrue(all(run["samples"][0]["primal"] > 0 for run in record["runs"]))
         self.assertEqual([line.split()[0] for line in lines[-2:]], ["2", "3"])
+        machine = record["machine"]
+        self.assertEqual(machine["threads"], len(os.sched_getaffinity(0)))
+        self.assertIn(machine["cores"], range(1, machine["threads"] + 1))
+        self.assertTrue(0 <= machine["busy"] <= 1 and len(machine["triad"]) == 2, machine)
+        self.assertIn(f" repetitions, {machine['cores']} cores ({machine['threads']} threads), ", "\n".join(lines))
 
     def test_spinning_and_yielding_beside_busy_processes(self):
         lines, record = self.run_script("busy_machine.py", "--ranks", 2, "--busy", 0, 1, "--", "-max_iterations", 1)

@@ -68,7 +68,7 @@ class PackageTest(FabseqTest):
         depends = [entry.split()[0] for entry in control["Depends"].split(", ")]
         for name in ["openmpi-bin", *PYTHON]:
             self.assertIn(name, depends)
-        for name in ("libopenmpi3", r"libpetsc\w*-real3\.\d+", r"libhdf5-openmpi-[\d-]+"):  # from dpkg-shlibdeps
+        for name in ("libopenmpi3", r"libpetsc\w*-real3\.\d+", r"libhdf5-openmpi-[\d-]+", "libhwloc15"):  # from dpkg-shlibdeps
             self.assertRegex(control["Depends"], rf", {name} \(>= ")
         self.assertIn("python3-paraview", control["Recommends"])
 

@@ -55,6 +55,7 @@ TEST(LayerDealingTest, EveryLayerBelongsToOneGroup) {
         EXPECT_EQ(owners, std::vector<int>(layers, 1)) << layers << " on " << groups;
         const auto of_groups = sums(deal, work, solver);
         EXPECT_NEAR(deal.longest, *std::max_element(of_groups.begin(), of_groups.end()), 1e-9);
+        EXPECT_NEAR(deal.total, std::accumulate(of_groups.begin(), of_groups.end(), 0.0), 1e-9);
       }
 }
 

@@ -24,6 +24,6 @@ GroupChoice fastest_choice(const ModelSettings& settings, const RunSize& size, d
 /// The same as far as it can be told without a part, without an explanation: only those groups count whose
 /// boxes fit the memory.
 template <int Dim>
-GroupChoice likely_choice(const ModelSettings& settings, int ranks, double available);
+GroupChoice likely_choice(const ModelSettings& settings, int ranks, double cores_per_rank, double available);
 
 }  // namespace fabseq

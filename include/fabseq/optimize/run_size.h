@@ -18,6 +18,7 @@ struct RunSize {
   double solid_nodes = 0.0;        ///< of part and substrate
   double temperature_steps = 0.0;  ///< of heat conduction through all layers; 0 without it
   int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
+  double cores_per_rank = 1.0;  ///< at most 1 (NodeCores::per_rank())
 };
 
 /// Size of a run with this part, the responses of its objective and so many layers. Collective on the grid's

@@ -91,8 +91,9 @@ struct StageCost {
   double held = 0.0;  ///< memory throughout, all ranks, bytes
   double solving =
       0.0;            ///< memory while it solves, all ranks, bytes; with few lanes one stage at a time has it
-  double work = 0.0;  ///< time of one group, in units of a full block of layers on one rank
-  double seconds = 0.0;  ///< per design iteration, all ranks busy
+  double work = 0.0;  ///< time of the slowest group, in units of a full block of layers on one rank
+  double work_beside = 0.0;  ///< what the other groups do meanwhile, the sum of their times, in these units
+  double seconds = 0.0;      ///< per design iteration, all ranks busy
 };
 
 /// What is known of a type of stage. Names of results: design, time, layers, temperatures, strains, process,

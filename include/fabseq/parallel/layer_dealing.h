@@ -26,6 +26,7 @@ double block_work(std::span<const double> work, BlockSolver solver);
 struct LayerDeal {
   std::vector<std::vector<LayerBlock>> blocks;  ///< [group][block], in the order of their layers
   double longest = 0.0;                         ///< largest work of a group
+  double total = 0.0;                           ///< work of all groups
 };
 
 /// Deals layers out to `groups` layer groups. `work` holds the expected iterations of each layer. Blocks have

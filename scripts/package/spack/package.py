@@ -41,6 +41,7 @@ class Fabseq(CMakePackage):
     depends_on("lib3mf@1.8")
     depends_on("libzip@1.7:")
     depends_on("expat@2.4:")
+    depends_on("hwloc@2.5:")
 
     with when("+tools"):
         depends_on("python@3.11:", type="run")
