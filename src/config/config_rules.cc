@@ -96,7 +96,7 @@ void check_region(const Config& config) {
   const bool is_quiet = config.process.void_model == VoidModel::quiet;
   refuse("/solver/region",
          std::string("\"built\" with process.") + (is_quiet ? "void \"quiet\"" : "deposition \"follow\""),
-         "\"auto\" or \"whole\"");
+         "\"whole\"");
 }
 
 void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {

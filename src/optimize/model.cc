@@ -12,18 +12,7 @@ int baseline_count(const BaselineSettings& settings, const LayerModel<Dim>& laye
   return settings.layers ? *settings.layers : layers.planar_count(planar_height(part, settings.direction));
 }
 
-/// Sharpness in units of the number of layers from which on responses and gradients with what is built only
-/// differ by less than 1e-3 (docs/performance.md).
-constexpr double sharp_enough = 2.0;
-
 }  // namespace
-
-template <int Dim>
-SolverRegion Model<Dim>::region_of_iterations() const {
-  if (settings.solver.region != SolverRegion::automatic) return settings.solver.region;
-  const bool is_sharp = layers->traits().first_beta >= sharp_enough * layers->count();
-  return is_sharp && may_leave_out_unbuilt(settings.process) ? SolverRegion::built : SolverRegion::whole;
-}
 
 template <int Dim>
 Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)

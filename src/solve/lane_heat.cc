@@ -50,8 +50,8 @@ void LaneHeat<Dim>::set_operator(const HeatOperator& of) {
   std::array<int, 2> on_ranks = {finite ? 0 : 1, diagonal_.empty() ? 0 : 1};
   sum_in_place(grid_.comm(), std::span<int>(on_ranks));
   finite_ = on_ranks[0] == 0;
-  smeared_reaction_.clear();
-  if (on_ranks[1] > 0 && finite_) smeared_reaction_ = reaction_with_diagonal();
+  has_diagonal_ = on_ranks[1] > 0;
+  if (has_diagonal_ && finite_) smeared_reaction_ = reaction_with_diagonal();
   is_set_up_.fill(false);
   fallback_is_set_up_ = false;
 }
@@ -88,7 +88,7 @@ void LaneHeat<Dim>::set_up(LaneCg<LaneHeatProblem<Dim>, Width>& solver) {
     coefficients[numbers_[e] * 2 + 1] = reaction_[e];
   }
   LaneArray diagonal;
-  if (smeared_reaction_.empty()) {
+  if (!has_diagonal_) {
     solver.set_up();
   } else {
     LaneVector owned(static_cast<int>(diagonal_.size()), 1, 1);

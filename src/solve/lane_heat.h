@@ -63,9 +63,9 @@ class LaneHeat : public HeatSolver<Dim> {
   int most_lanes_;
   std::vector<std::int64_t> numbers_;                      ///< of the domain's elements in the mesh
   std::vector<double> diffusivity_, reaction_, diagonal_;  ///< of the current operator
-  std::vector<double>
-      smeared_reaction_;  ///< reaction that stands for the diagonal, too; empty: there is none
-  bool finite_ = true;    ///< whether all of the operator are numbers
+  bool has_diagonal_ = false;                              ///< on any rank: this one may have no elements
+  std::vector<double> smeared_reaction_;  ///< reaction that stands for the diagonal, too, if there is one
+  bool finite_ = true;                    ///< whether all of the operator are numbers
   std::array<bool, widest_block + 1> is_set_up_{};  ///< for each width whether its solver has the operator
   LaneArray load_, solution_;                       ///< on the mesh
   std::unique_ptr<ReferenceHeat<Dim>> fallback_;    ///< made at first use

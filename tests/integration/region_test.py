@@ -22,6 +22,15 @@ def many_layers(config, void="absent"):
     return config
 
 
+def with_heat(config):
+    config["material"] = {"mass_density": 7.85}
+    config["process"].update({"deposition_rate": 2.5, "dwell": 20})
+    config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 2e6, "vanishing": 1400, "reference": 40,
+                         "film_coefficient": 60, "plate": 60, "steps": [2, 1]}
+    config["constraints"] = [{"type": "interpass_temperature", "limit": 300}]
+    return config
+
+
 def values(result):
     return [[entry["value"]] for entry in result.json("evaluation.json")["responses"]]
 
@@ -34,13 +43,12 @@ class RegionTest(FabseqTest):
         return result
 
     def test_values(self):
-        for config in (many_layers(plate_2d()), many_layers(hook_3d())):
+        for config in (with_heat(many_layers(plate_2d())), many_layers(hook_3d())):
             with self.subTest(config=config["name"]):
                 built = values(self.evaluate(config, "built"))
                 whole = values(self.evaluate(config, "whole"))
                 self.assertLess(largest_relative_difference(built, whole), 1e-3)
                 self.assertNotEqual(built, whole)
-                self.assertEqual(values(self.evaluate(config, "auto")), whole)
                 reference = values(self.evaluate(config, "built", 1, 1, "-solver_path", "reference"))
                 self.assertLess(largest_relative_difference(reference, built), LIMIT)
                 for ranks, groups in SPLITS:
@@ -48,11 +56,12 @@ class RegionTest(FabseqTest):
                     self.assertLess(largest_relative_difference(other, built), LIMIT, (ranks, groups))
 
     def test_gradients(self):
-        """Of the truncated model itself, at a low sharpness, too, where it differs from the whole one."""
-        for config in (many_layers(plate_2d()), many_layers(hook_3d())):
+        """Of the truncated model itself, at a low sharpness, too, where it differs from the whole one; in 3D with strains
+        that follow the temperature, where a rank may have no elements of the region."""
+        for config in (many_layers(plate_2d()), with_heat(many_layers(hook_3d()))):
             for sharpness in (20, 72):
                 config["projection"] = {"beta": sharpness}
-                check = self.run_config(2, config, "-task", "check_gradients", "-solver_region", "built")
+                check = self.run_config(2, config, "-task", "check_gradients", "-solver_region", "built", "-layer_groups", 1)
                 self.assert_done(check)
                 self.assertLess(check.json("gradient_check.json")["worst"], 1e-5, (config["name"], sharpness))
 
@@ -64,11 +73,10 @@ class RegionTest(FabseqTest):
     def test_optimization(self):
         """Its iterations leave out what is not built; what it reports does not."""
         config = many_layers(hook_3d())
-        runs = [self.optimize(config, 2, 2, "-solver_region", region) for region in ("auto", "built", "whole")]
+        runs = [self.optimize(config, 2, 2, "-solver_region", region) for region in ("built", "whole")]
         histories = [[line["objective"] for line in run.history()] for run in runs]
-        self.assertEqual(histories[0], histories[1])
-        self.assertNotEqual(histories[0], histories[2])
-        assert_close(histories[0], histories[2], 1e-3, "auto")
+        self.assertNotEqual(*histories)
+        assert_close(*histories, 1e-3, "objective")
         for run in runs:
             self.assertIsNotNone(run.json("summary.json")["optimized"]["deposition"]["follow"])
 

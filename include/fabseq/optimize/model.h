@@ -59,13 +59,6 @@ class Model {
   /// All ranks of the run; the grid has a communicator of its own.
   MPI_Comm world() const { return groups.world(); }
   BlockSolver block_solver() const { return fabseq::block_solver(settings.solver.path); }
-  /// Elements of the elastic systems in the iterations of an optimization: `solver.region`, where "auto" is
-  /// built if the void is absent, layers lie at nominal positions, and they are sharp enough from the start.
-  SolverRegion region_of_iterations() const;
-  /// The same where a single design is evaluated: built only if that is asked for.
-  SolverRegion region_of_evaluations() const {
-    return settings.solver.region == SolverRegion::built ? SolverRegion::built : SolverRegion::whole;
-  }
   /// A design's field, or anything else of which this rank has its share, on the owned elements or nodes.
   /// Collective.
   std::vector<double> design_field(std::span<const double> share) const {

@@ -15,8 +15,8 @@ class Section;
 
 enum class SolverPath { lanes, reference };
 /// What the systems of a block of layers consist of (docs/formulation.md 4.8): all elements, or those that
-/// are built by then; `automatic`: these in an optimization's iterations, where they hardly matter.
-enum class SolverRegion { automatic, whole, built };
+/// are built by then.
+enum class SolverRegion { whole, built };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
 struct SolverSettings {
@@ -30,7 +30,7 @@ struct SolverSettings {
   SolverCycle cycle = SolverCycle::k;
   int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
-  SolverRegion region = SolverRegion::automatic;
+  SolverRegion region = SolverRegion::whole;
   std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
   std::optional<int> lanes;         ///< none: by memory
 
