@@ -106,7 +106,7 @@ double find_pauses(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, cons
   std::vector<double> theta = model.start(), capacity_before = model.first_capacity();
   double welding = 0.0, guess = model.properties.pause;
   for (int number = 0; number < densities.count(); ++number) {
-    ThermalLayer layer = model.layer(densities, number, {});
+    ThermalLayer layer = model.layer(densities, number);
     welding += std::max(layer.mass, 0.0) / model.properties.rate;
     if (number + 1 == densities.count()) break;
     PauseSearch<Dim> search(model, solver, densities.layer[number], layer, number,

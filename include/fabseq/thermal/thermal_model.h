@@ -58,7 +58,7 @@ struct ThermalModel {
   double mass(const LayerDensities& densities, int layer) const;
   /// `region`: whether each element of part and substrate is in, on the owned elements, 0 or 1; what is not
   /// conducts, stores and brings nothing. Empty: all are.
-  ThermalLayer layer(const LayerDensities& densities, int number, std::span<const double> region) const;
+  ThermalLayer layer(const LayerDensities& densities, int number, std::span<const double> region = {}) const;
   /// C before the first layer: of the substrate.
   std::vector<double> first_capacity() const;
   /// theta before the first layer: the plate's on substrate and held nodes.
