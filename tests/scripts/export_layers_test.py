@@ -165,6 +165,24 @@ class ExportLayersTest(unittest.TestCase):
                   "part": {"mesh": {"file": path}}, "run": {"mesh_placement": matrix.tolist()}}
         write_layers(self.run_directory, size, built, 8, 1.0 - height, config=config)
 
+    def test_an_open_mesh(self):
+        """Bodies end in the plane of an open end, however it lies to the elements."""
+        tube = cylinder(0.5, 1.5, (0, 0, 0))
+        tube.CappingOff()
+        path = os.path.join(os.path.dirname(self.run_directory), "tube.stl")
+        write_stl(path, tube)
+        size, counts = (2.0, 2.0, 2.0), (20, 20, 20)
+        matrix = np.array([[math.cos(0.5), math.sin(0.5), 0], [0, 0, -1], [-math.sin(0.5), math.cos(0.5), 0]])
+        place = np.stack(element_centres(counts, size), axis=-1) - 1
+        along = place @ matrix  # in the file's axes, of which y is the tube's
+        built = (np.abs(along[..., 1]) < 0.75) & (np.hypot(along[..., 0], along[..., 2]) < 0.5)
+        config = {"domain": {"size": size, "elements": counts}, "part": {"mesh": {"file": path}},
+                  "run": {"mesh_placement": np.column_stack([matrix, [1, 1, 1]]).tolist()}}
+        write_layers(self.run_directory, size, built, 8, 1.0 - node_coordinates(counts, size)[2] / 2, config=config)
+        record = self.export("vtp")
+        self.assertAlmostEqual(record["volume"] / (0.25 * 45 * math.sin(2 * math.pi / 90) * 1.5), 1.0, delta=5e-3)
+        self.assertLess(record["distance_from_mesh"]["largest"], 0.02)
+
     def test_a_part_from_a_mesh(self):
         """Volume, sharp edges and the file's own coordinates, where bodies overlap."""
         path = os.path.join(os.path.dirname(self.run_directory), "part.stl")

@@ -100,10 +100,11 @@ def export_surface(part, placement, layer, faces, path, formats):
 
 
 def distance_from_mesh(part, faces, placement):
-    """How far points of the outer surface are from the part's mesh; None where there is none."""
+    """How far points of the outer surface are from the part's mesh, its open ends closed; None where there is none."""
     mesh = drawn_surface(part.config) if part.source == "mesh" else None
     if mesh is None:
         return None
+    mesh = mesh.closed()
     corners = part.body.points[faces]
     sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     random = np.random.default_rng(1)

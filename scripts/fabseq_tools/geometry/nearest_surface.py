@@ -7,7 +7,8 @@ import os
 import numpy as np
 from vtkmodules.vtkCommonCore import reference, vtkObject
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
-from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkPolyDataNormals, vtkTriangleFilter
+from vtkmodules.vtkFiltersModeling import vtkFillHolesFilter
 from vtkmodules.vtkIOGeometry import vtkOBJReader, vtkSTLReader
 from vtkmodules.vtkIOPLY import vtkPLYReader
 
@@ -33,6 +34,15 @@ class Surface:
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.data)
         self.locator.BuildLocator()
+
+    def closed(self):
+        """With triangles over its holes, turned as those around them."""
+        joined = filtered(self.data, vtkCleanPolyData())
+        filled = filtered(joined, vtkFillHolesFilter(), HoleSize=1e30)
+        if filled.GetNumberOfPolys() == joined.GetNumberOfPolys():
+            return self
+        turned = filtered(filled, vtkPolyDataNormals(), Consistency=True, Splitting=False)
+        return Surface(points_of(turned)[corners_of(turned.GetPolys(), 3)])
 
     def sample(self, count, random):
         """Points (count, axis), evenly over the area."""

@@ -36,8 +36,8 @@ def body_of(config, density, fields, finer=None):
     sampled = {name: sample(field, node_axes, axes) for name, field in fields.items()}
     smooth = sample(smoothed(density), node_axes, axes)
     volume = density.sum() * np.prod(edges)
-    if surface:
-        body = cut_at_mesh(surface, axes, sampled, smooth > 0, volume)
+    if surface:  # at open ends the body ends in a plane, and not in the elements' steps
+        body = cut_at_mesh(surface.closed(), axes, sampled, smooth > 0, volume)
     else:
         body = cut_at_elements(smooth, axes, sampled, volume)
     return body, source
@@ -65,7 +65,7 @@ def cut_at_elements(smooth, axes, fields, volume):
     return cut_body(axes, filled, fields, level - smooth.ravel())
 
 
-def cut_at_mesh(surface, axes, fields, near, volume):
+def cut_at_mesh(surface.closed(), axes, fields, near, volume):
     """The body inside the mesh. `near`: grid points next to the part; others lie outside."""
     shape = [len(axis) for axis in axes[::-1]]
     edge = min(axis[1] - axis[0] for axis in axes)
