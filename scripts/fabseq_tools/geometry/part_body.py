@@ -65,7 +65,7 @@ def cut_at_elements(smooth, axes, fields, volume):
     return cut_body(axes, filled, fields, level - smooth.ravel())
 
 
-def cut_at_mesh(surface.closed(), axes, fields, near, volume):
+def cut_at_mesh(surface, axes, fields, near, volume):
     """The body inside the mesh. `near`: grid points next to the part; others lie outside."""
     shape = [len(axis) for axis in axes[::-1]]
     edge = min(axis[1] - axis[0] for axis in axes)
