@@ -124,10 +124,6 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
   regions_.clear();
-  groups_.run([&] {
-    for (const LayerBlock& block : result_.blocks)
-      regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
-  });
   for (std::size_t number = 0; number < result_.case_count(); ++number) {
     result_.of_case(number).displacement.assign(model_.domain.fixed.size(), 0.0);
     result_.of_case(number).increments.resize(result_.blocks.size());
@@ -136,8 +132,11 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
   groups_.run([&] {
     Room room;
-    for (std::size_t number = 0; number < result_.blocks.size(); ++number)
+    for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
+      const LayerBlock& block = result_.blocks[number];
+      regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
       solve_block(densities, number, room);
+    }
   });
   if (solver_->saves_memory()) solver_->give_back_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
