@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""solver.region: systems of what is built only. Gradients are exact for it, both solver paths agree, values hardly
-differ from those of the whole part, and neither ranks nor groups matter."""
+"""solver.region: systems of what is built only. Gradients are exact for it, both solver paths agree, values
+hardly differ from those of the whole part, and neither ranks nor groups matter."""
 
 import run_fabseq
 from read_outputs import assert_close
@@ -12,7 +12,7 @@ LIMIT = 1e-7  # of solves to 1e-11
 
 
 def many_layers(config, void="absent"):
-    """More than are solved side by side; distortion of all nodes and after the release, so that all layers count."""
+    """More than are solved side by side; distortion of all nodes and after the release: all layers count."""
     config["layers"] = {"count": 18}
     config["process"] = {"void": void, "deposition": "nominal"}
     config["node_sets"]["every"] = {"all": True}
@@ -56,8 +56,8 @@ class RegionTest(FabseqTest):
                     self.assertLess(largest_relative_difference(other, built), LIMIT, (ranks, groups))
 
     def test_gradients(self):
-        """Of the truncated model itself, at a low sharpness, too, where it differs from the whole one; in 3D with strains
-        that follow the temperature, where a rank may have no elements of the region."""
+        """Of the truncated model itself, at a low sharpness, too, where it differs from the whole one; in 3D with
+        strains that follow the temperature, where a rank may have no elements of the region."""
         for config in (many_layers(plate_2d()), with_heat(many_layers(hook_3d()))):
             for sharpness in (20, 72):
                 config["projection"] = {"beta": sharpness}

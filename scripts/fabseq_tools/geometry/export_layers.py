@@ -100,7 +100,8 @@ def export_surface(part, placement, layer, faces, path, formats):
 
 
 def distance_from_mesh(part, faces, placement):
-    """How far points of the outer surface are from the part's mesh, its open ends closed; None where there is none."""
+    """How far points of the outer surface are from the part's mesh, its open ends closed; None where there is
+    none."""
     mesh = drawn_surface(part.config) if part.source == "mesh" else None
     if mesh is None:
         return None
