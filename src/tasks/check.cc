@@ -19,20 +19,13 @@ namespace fabseq {
 
 namespace {
 
-/// Share of their time that other work takes from the cores, beyond what a system does now and then.
-constexpr double much = 0.25;
-
 /// The machine as it is now: estimates hold for cores that do nothing else.
 void print_machine(MPI_Comm world) {
   const NodeCores cores = fewest_cores(world);
-  const std::optional<double> busy = busy_share(world);
-  print("machine: " + machine_text(cores, busy));
+  print("machine: " + machine_text(cores, busy_share(world)));
   if (cores.ranks > cores.cores)
     warn(formatted("machine: %d ranks share %d core%s: more ranks than cores gain nothing", cores.ranks,
                    cores.cores, cores.cores == 1 ? "" : "s"));
-  if (busy && *busy > much)
-    warn(formatted("machine: other work keeps the cores %.0f %% busy: a run takes longer than estimated",
-                   100.0 * *busy));
 }
 
 template <int Dim>

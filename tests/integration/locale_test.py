@@ -51,9 +51,7 @@ def write_3mf(path, triangles):
 
 
 def without_numbers(text):
-    """Lines with # for a number without its sign, so that times do not count but commas do; without the
-    warning of a machine that is busy at times."""
-    text = re.sub(r"(?m)^warning: machine: other work .*\n", "", text)
+    """Lines with # for a number without its sign, so that times do not count but commas do."""
     return re.sub(" +", " ", re.sub(r"[+-]?\d+", "#", text))
 
 

@@ -63,8 +63,7 @@ class MachineTest(FabseqTest):
     def test_busy_cores(self):
         with all_cores_busy():
             found, run = self.check(1)
-        self.assertGreater(found[3], 50)
-        self.assertRegex(run.stderr, r"(?m)^warning: machine: other work keeps the cores \d+ % busy: a run takes longer than")
+        self.assertGreater(found[3], 50, str(run))
 
 
 if __name__ == "__main__":

@@ -56,8 +56,8 @@ class RegionTest(FabseqTest):
                     self.assertLess(largest_relative_difference(other, built), LIMIT, (ranks, groups))
 
     def test_gradients(self):
-        """Of the truncated model itself, at a low sharpness, too, where it differs from the whole one; in 3D with
-        strains that follow the temperature, where a rank may have no elements of the region."""
+        """Of the truncated model itself, also at a low sharpness, where it differs from the whole one. In 3D
+        strains follow the temperature, and a rank may have no elements of the region."""
         for config in (many_layers(plate_2d()), with_heat(many_layers(hook_3d()))):
             for sharpness in (20, 72):
                 config["projection"] = {"beta": sharpness}
