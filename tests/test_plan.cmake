@@ -42,7 +42,7 @@ endfunction()
 # do; of digits, which the release build looks at; and of classes whose own tests sanitizers run.
 set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|compensate|gradient_matrix|orient|own_kinds|own_layer|package|reproduce|slurm")
 string(APPEND FABSEQ_RELEASE_TOPICS "|python|deposition|direct|groups|pictures|ranks|readme|scenarios|squares|stop")
-string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|install|model_group|multi_planar|reruns|sensitivity|starts|verdict")
+string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|install|model_group|multi_planar|region|reruns|sensitivity|starts|verdict")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.

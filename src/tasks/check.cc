@@ -12,7 +12,6 @@
 #include "tasks/advice.h"
 
 #include <cmath>
-#include <optional>
 #include <string>
 
 namespace fabseq {

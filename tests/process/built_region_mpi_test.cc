@@ -94,6 +94,7 @@ TYPED_TEST(BuiltRegionTest, IncrementsAgreeWithDenseMatrices) {
   for (const SolverPath path : {SolverPath::lanes, SolverPath::reference}) {
     SolverSettings settings;
     settings.path = path;
+    settings.region = SolverRegion::built;
     ProcessSimulation<Dim> simulation(
         process.model,
         make_elasticity_solver(settings, grid, process.model.domain, process.model.element,
