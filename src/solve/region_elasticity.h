@@ -4,7 +4,6 @@
 #include "fabseq/solve/elasticity_solver.h"
 #include "solve/region_pool.h"
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,15 +26,14 @@ class RegionElasticity : public ElasticitySolver<Dim> {
     return pool_.current().solve(loads, displacements);
   }
   std::size_t sets_at_once() const override { return pool_.current().sets_at_once(); }
-  void set_tolerance(const SolveTolerance& tolerance) override;
-  void start_cold() override;
-  void give_back_memory() override;
+  void set_tolerance(const SolveTolerance& tolerance) override { pool_.set_tolerance(tolerance); }
+  void start_cold() override { pool_.start_cold(); }
+  void give_back_memory() override { pool_.give_back_memory(); }
   bool saves_memory() const override { return pool_.whole().saves_memory(); }
   std::string description() const override { return pool_.whole().description(); }
 
  private:
   Pool pool_;
-  std::optional<SolveTolerance> tolerance_;
 };
 
 }  // namespace fabseq

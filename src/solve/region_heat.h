@@ -4,7 +4,6 @@
 #include "fabseq/solve/heat_solver.h"
 #include "solve/region_pool.h"
 
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,14 +23,13 @@ class RegionHeat : public HeatSolver<Dim> {
                                  std::span<LaneVector> solutions) override {
     return pool_.current().solve(loads, solutions);
   }
-  void set_tolerance(const SolveTolerance& tolerance) override;
-  void start_cold() override;
-  void give_back_memory() override;
+  void set_tolerance(const SolveTolerance& tolerance) override { pool_.set_tolerance(tolerance); }
+  void start_cold() override { pool_.start_cold(); }
+  void give_back_memory() override { pool_.give_back_memory(); }
   bool saves_memory() const override { return pool_.whole().saves_memory(); }
 
  private:
   Pool pool_;
-  std::optional<SolveTolerance> tolerance_;
 };
 
 }  // namespace fabseq

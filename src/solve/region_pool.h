@@ -4,11 +4,13 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/grid.h"
 #include "fabseq/grid/unknown_numbering.h"
+#include "fabseq/solve/solve_tolerance.h"
 
 #include <algorithm>
 #include <functional>
 #include <list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,7 +18,7 @@
 namespace fabseq {
 
 /// Solvers for parts of a domain: some of its elements, and the nodes that these touch. They are kept, since
-/// forward and adjoint solves come back to them, as often does the next design.
+/// forward and adjoint solves come back to them, as often does the next design. One has memory at a time.
 template <int Dim, class Solver>
 class RegionPool {
  public:
@@ -33,12 +35,16 @@ class RegionPool {
   Solver& choose(std::vector<int> elements);
   /// Values of the elements that the current solver has, `count` for each, of those of the whole domain.
   std::vector<double> picked(std::span<const double> values, int count) const;
-  /// Calls `use(solver)` for all solvers.
-  template <class Use>
-  void for_each(Use&& use) {
-    use(*whole_);
-    for (Region& region : regions_) use(*region.solver);
+  /// As the solvers', for all of them.
+  void set_tolerance(const SolveTolerance& tolerance) {
+    tolerance_ = tolerance;
+    current_->set_tolerance(tolerance);
   }
+  void start_cold() {
+    whole_->start_cold();
+    for (Region& region : regions_) region.solver->start_cold();
+  }
+  void give_back_memory() { current_->give_back_memory(); }
 
  private:
   struct Region {
@@ -49,6 +55,7 @@ class RegionPool {
   /// As many as a hundred layers have eights, and some.
   static constexpr std::size_t most_regions = 16;
   typename std::list<Region>::iterator find(const std::vector<int>& elements);
+  Solver& use(Solver& solver);
 
   const Grid<Dim>& grid_;
   const SystemDomain& domain_;
@@ -56,11 +63,12 @@ class RegionPool {
   std::unique_ptr<Solver> whole_;
   std::list<Region> regions_;  ///< the last used first
   Solver* current_;
+  std::optional<SolveTolerance> tolerance_;
 };
 
 template <int Dim, class Solver>
 Solver& RegionPool<Dim, Solver>::choose(std::vector<int> elements) {
-  if (!any(grid_.comm(), elements.size() < domain_.first_corners.size())) return *(current_ = whole_.get());
+  if (!any(grid_.comm(), elements.size() < domain_.first_corners.size())) return use(*whole_);
   const auto found = find(elements);
   if (found != regions_.end()) {
     regions_.splice(regions_.begin(), regions_, found);
@@ -72,7 +80,15 @@ Solver& RegionPool<Dim, Solver>::choose(std::vector<int> elements) {
     region.elements = std::move(elements);
     region.solver = make_(region.domain);
   }
-  return *(current_ = regions_.front().solver.get());
+  return use(*regions_.front().solver);
+}
+
+template <int Dim, class Solver>
+Solver& RegionPool<Dim, Solver>::use(Solver& solver) {
+  if (&solver != current_) current_->give_back_memory();
+  if (tolerance_) solver.set_tolerance(*tolerance_);
+  current_ = &solver;
+  return solver;
 }
 
 /// All ranks find the same one, or none.

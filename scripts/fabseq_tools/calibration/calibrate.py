@@ -80,7 +80,7 @@ def refuse_other_materials(parts):
         for part, block in zip(parts, blocks):
             for key in keys:
                 if block.get(key) != blocks[0].get(key):
-                    raise RunError(f"{part.path}: /{section}/{key}: found {block.get(key)}; allowed: that of the first part, "
+                    raise RunError(f"{part.path}: /{section}/{key}: found {block.get(key)}; allowed: as in the first part, "
                                    f"{blocks[0].get(key)}")
 
 
