@@ -106,11 +106,12 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, cons
                          changed);
 }
 
-/// Expected iterations of the layers, in units of those with all elements.
+/// Expected iterations of the layers, in units of those with all elements. A single group is dealt all blocks
+/// whatever their work.
 template <int Dim>
 std::vector<double> ProcessSimulation<Dim>::work_of(const LayerDensities& densities) const {
   std::vector<double> work = expected_work_;
-  if (!built_) return work;
+  if (!built_ || groups_.count() == 1) return work;
   const std::vector<double> shares = built_->standing_shares(densities);
   for (std::size_t layer = 0; layer < work.size(); ++layer) work[layer] *= shares[layer];
   return work;

@@ -29,9 +29,9 @@ const LayerTemperatures& TemperatureSimulation<Dim>::simulate(const LayerDensiti
                                                               std::vector<double>(model_.nodes.size(), 0.0)));
   result_.start = picked(model_.start(), model_.nodes);
   result_.regions.clear();
-  for (int layer = 0; standing_ != nullptr && layer < densities.count(); layer += widest_block)
-    groups_.run([&] { result_.regions.push_back(standing_->with_neighbors(densities, layer)); });
   groups_.run([&] {
+    for (int layer = 0; standing_ != nullptr && layer < densities.count(); layer += widest_block)
+      result_.regions.push_back(standing_->with_neighbors(densities, layer));
     if (groups_.index() == 0) run(densities);
   });
   share_with_groups();

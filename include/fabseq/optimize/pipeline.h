@@ -64,7 +64,7 @@ class Pipeline {
   /// are negligible stays as it was: that is part of the model.
   void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }
   const Tolerances& tolerances() const { return tolerances_; }
-  /// Elements of the elastic systems of later runs, whole or built; at first whole.
+  /// Elements of the elastic and thermal systems of later runs; at first all (whole).
   void set_region(SolverRegion region) { region_ = region; }
   SolverRegion region() const { return region_; }
   /// Forgets what earlier runs have left for later ones, warm solvers and the like, so that what comes next

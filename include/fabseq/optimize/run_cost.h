@@ -20,8 +20,8 @@ bool saves_memory(int lanes);
 /// of two.
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes);  ///< all ranks, bytes
 double iteration_seconds_estimate(const RunSize& size, SolverPath path);  ///< per design iteration
-/// Time of a design iteration, in units of a full block of layers on one rank. Ranks that share cores are no
-/// faster than as many as there are cores.
+/// Time of a design iteration, in units of a full block of layers on one rank. Ranks beyond the
+/// cores gain nothing.
 double relative_time_estimate(const RunSize& size, SolverPath path, int groups);
 
 /// Share of the available memory that a choice may fill.

@@ -27,7 +27,7 @@ struct StageInput {
   double beta;               ///< sharpness of the layers (LayerModel::make())
   bool binary;               ///< sharp layers
   SolveTolerance tolerance;  ///< of a run's solves
-  SolverRegion region;       ///< of the elastic systems: whole or built
+  SolverRegion region;       ///< elements of elastic and thermal systems
 };
 
 /// What the stages of a chain have made so far for one design.

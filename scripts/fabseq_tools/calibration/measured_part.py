@@ -18,7 +18,7 @@ SINGLE_LAYER = {"sequence": '{"type": "planar"}', "layers": '{"count": 1}', "pro
 
 
 class MeasuredPart:
-    """Reads the measurement, of a config that the program accepts. `arguments`: those of the command;
+    """Reads the measurement, of a config that the program accepts. `arguments`: the command's;
     `output`: the directory of this part. `dimension`: 2 or 3. `is_heated`: whether its temperature is
     computed."""
 
