@@ -44,8 +44,14 @@ void sweep_box(benchmark::State& state, const Domain<Problem::dim>& domain, cons
   const Cost cost = operator_cost<Problem, Width>(mesh);
   const double seconds = measure(state, cost, [&] {
     sweep(mesh, kernel, x.data(), window.data(), static_cast<double*>(nullptr),
-          [&](std::int64_t node, const std::array<Lanes<Width>, components>& sums) {
-            for (int a = 0; a < components; ++a) sums[a].stream(y.data() + (node * components + a) * Width);
+          [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
+            for (int a = 0; a < components; ++a) {
+              double* const place = y.data() + (node * components + a) * Width;
+              if constexpr (Sum::width == Width)
+                sums[a].stream(place);
+              else
+                sums[a].store(place);
+            }
           });
   });
   const Cost most = limiting_cost<Problem>(cost);

@@ -126,9 +126,12 @@ class HeatKernel {
                                     const Modes<Count>& upper, Modes<Count>& lower_forces,
                                     Modes<Count>& upper_forces) const {
     const auto coefficient = [&](int which) __attribute__((always_inline)) {
-      return joined_pieces<Count>([&](int k) __attribute__((always_inline)) {
-        return Lanes<Width, Real>::broadcast(coefficients_[(element + k) * stride + which]);
-      });
+      if constexpr (Width == 1)
+        return of_pairs<Count>(coefficients_ + element * stride, which);
+      else
+        return joined_pieces<Count>([&](int k) __attribute__((always_inline)) {
+          return Lanes<Width, Real>::broadcast(coefficients_[(element + k) * stride + which]);
+        });
     };
     const auto diffusivity = coefficient(0), reaction = coefficient(1);
     const auto entry = [&](int mode) __attribute__((always_inline)) {

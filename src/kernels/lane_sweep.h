@@ -75,6 +75,9 @@ class RowSweep {
   static constexpr int cache_line = 64 / sizeof(Number);
   /// Elements side by side, whose lanes fill a register, but no more than are worth the joining.
   static constexpr int group = std::clamp(register_bytes / (width * static_cast<int>(sizeof(Number))), 1, 8);
+  /// Elements of a group whose coefficients and nodes are surely in one cache line.
+  static constexpr int per_line =
+      std::max(1, cache_line / std::max(node_values, static_cast<int>(Kernel::stride)));
   using Value = Lanes<width, Number>;
 
   /// Modes of `Count` faces, from face i on; `stride` from one to the next.
@@ -162,7 +165,7 @@ class RowSweep {
   [[gnu::always_inline]] void pass_group(std::int64_t i, const Modes<group>& lower, Modes<group>& next,
                                          const Modes<group>& before, Modes<group>& upper_forces) const {
 #pragma GCC unroll 16
-    for (int k = 0; k < group; ++k) prefetch(i + k);
+    for (int k = 0; k < group; k += per_line) prefetch(i + k);
     // The last group needs the first of the next faces only, and there may be no more.
     read<group>(i + group, i + 2 * group <= row_.length + 1 ? node_values : 0, next);
     Modes<group> upper, forces;
@@ -188,18 +191,27 @@ class RowSweep {
     else
       add_pieces(i, forces, std::make_integer_sequence<int, group>());
   }
-  /// With one component, nodes that follow each other in the row do so in memory.
+  /// With one component, nodes that follow each other in the row do so in memory, and finish side by side.
   [[gnu::always_inline]] void add_side_by_side(std::int64_t i, const Modes<group>& forces) const {
+    using Values = Lanes<group * width, Number>;
 #pragma GCC unroll 4
-    for (int corner = 0; corner < face; ++corner) {
+    for (int corner = 1; corner < face; ++corner) {
       Number* const place = to_[corner] + i * width;
-      (Lanes<group * width, Number>::load(place) + forces[0][corner]).store(place);
+      (Values::load(place) + forces[0][corner]).store(place);
     }
+    Number* const place = to_[0] + i * width;
+    const Values values = Values::load(place) + forces[0][0];
+    if (i >= row_.finish_begin && i + group <= row_.finish_end) {
+      Values::zero().store(place);
+      finish_(row_.node[0] + i, std::array<Values, 1>{values});
+      return;
+    }
+    values.store(place);
     const std::int64_t end = std::min<std::int64_t>(i + group, row_.finish_end);
     for (std::int64_t node = std::max<std::int64_t>(i, row_.finish_begin); node < end; ++node) {
-      Number* const place = to_[0] + node * width;
-      finish_(row_.node[0] + node, std::array<Value, 1>{Value::load(place)});
-      Value::zero().store(place);
+      Number* const one = to_[0] + node * width;
+      finish_(row_.node[0] + node, std::array<Value, 1>{Value::load(one)});
+      Value::zero().store(one);
     }
   }
   template <int... K>
@@ -229,7 +241,8 @@ class RowSweep {
 };
 
 /// Calls `finish(node, sums)` with K x at each node, as soon as it is complete and nothing reads x there any
-/// more, so that `finish` may overwrite x; `sums` is [component][lane], its place is cleared afterwards. Of
+/// more, so that `finish` may overwrite x; `sums` is [component][lane], or with one component [node][lane] of
+/// nodes that follow each other from `node` on: an array of Lanes as long as that. Of
 /// shared nodes this rank's part is copied to `shared`, [position][component][lane], instead. `window` has
 /// room for LaneMesh::window() nodes and is zero before and after.
 template <class Kernel, class Finish>

@@ -27,6 +27,7 @@ constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(double));
 /// lane; an operation is one instruction per register. `Real`: double or float.
 template <int Width, class Real = double>
 struct Lanes {
+  static constexpr int width = Width;
   static constexpr int part_width = std::min(Width, register_bytes / static_cast<int>(sizeof(Real)));
   static constexpr int parts = Width / part_width;
   using Part __attribute__((vector_size(sizeof(Real) * part_width))) = Real;
@@ -124,6 +125,8 @@ struct Lanes {
 /// One system: a plain number.
 template <class Real>
 struct Lanes<1, Real> {
+  static constexpr int width = 1;
+
   Real value;
 
   template <class From>
@@ -170,6 +173,23 @@ template <int Width, int First, int Each, class Real>
   }
 }
 
+/// Numbers `which`, `which` + 2 ... of `Count` pairs in memory; in one register.
+template <int Count, class Real>
+[[gnu::always_inline]] inline Lanes<Count, Real> of_pairs(const Real* pairs, int which) {
+  if constexpr (Count == 1) {
+    return {pairs[which]};
+  } else {
+    const auto first = Lanes<Count, Real>::load(pairs), second = Lanes<Count, Real>::load(pairs + Count);
+    return [&]<int... Pair>(std::integer_sequence<int, Pair...>) __attribute__((always_inline)) {
+      Lanes<Count, Real> result;
+      result.part[0] = which == 0 ? __builtin_shufflevector(first.part[0], second.part[0], (2 * Pair)...)
+                                  : __builtin_shufflevector(first.part[0], second.part[0], (2 * Pair + 1)...);
+      return result;
+    }
+    (std::make_integer_sequence<int, Count>());
+  }
+}
+
 /// The lanes of one, then those of the other; in one register.
 template <int Width, class Real>
 [[gnu::always_inline]] inline Lanes<2 * Width, Real> joined(const Lanes<Width, Real>& first,
@@ -195,6 +215,18 @@ template <int Width, class Real>
     alignas(register_bytes) std::array<Real, Width> values;
     lanes.store(values.data());
     return Lanes<Width>::load(values.data());
+  }
+}
+
+/// Adds lanes of several nodes, one node's after the other's, in double precision.
+template <int Width, int Wider, class Real>
+[[gnu::always_inline]] inline void add_up(const Lanes<Wider, Real>& nodes, Lanes<Width>& sum) {
+  if constexpr (Wider == Width) {
+    sum += widened(nodes);
+  } else {
+    alignas(register_bytes) std::array<double, Wider> values;
+    nodes.store(values.data());
+    for (int first = 0; first < Wider; first += Width) sum += Lanes<Width>::load(values.data() + first);
   }
 }
 

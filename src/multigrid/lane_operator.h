@@ -70,21 +70,24 @@ class LaneOperator {
   /// Vectors larger than this are written past the caches: nothing of them would be left there.
   static constexpr std::size_t cache_bytes = std::size_t{1} << 22;
   using Value = Lanes<Width, Real>;
-  using Values = std::array<Value, components>;
 
-  static Values load(const Real* from) {
-    Values values;
-    for (int a = 0; a < components; ++a) values[a] = Value::load(from + a * Width);
+  /// Of a node or, with one component, of several that follow each other: as many lanes as `Loaded` has.
+  template <class Loaded = Value>
+  [[gnu::always_inline]] static std::array<Loaded, components> load(const Real* from) {
+    std::array<Loaded, components> values;
+    for (int a = 0; a < components; ++a) values[a] = Loaded::load(from + a * Width);
     return values;
   }
-  [[gnu::always_inline]] static void put(const Value& value, Real* place, bool past_caches) {
-    if (past_caches)
+  template <class Stored>
+  [[gnu::always_inline]] static void put(const Stored& value, Real* place, bool past_caches) {
+    // Several nodes need not begin where a register does.
+    if (past_caches && Stored::width == Width)
       value.stream(place);
     else
       value.store(place);
   }
   /// Calls `finish(node, sums, counted)` for every node, shared ones with the sum over their holders, whether
-  /// or not this rank counts them in inner products.
+  /// or not this rank counts them in inner products. Several nodes may come at once (sweep()).
   template <class Finish>
   void complete_sweep(const Real* x, Finish&& finish);
   void first_step_from_zero(const Real* b, Real* x, Real scale) const;
@@ -114,7 +117,7 @@ template <class Finish>
 void LaneOperator<Problem, Width, Real>::complete_sweep(const Real* x, Finish&& finish) {
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
   sweep(level_.mesh, kernel, x, window_.data(), shared_.data(),
-        [&](std::int64_t node, const Values& sums) { finish(node, sums, true); });
+        [&](std::int64_t node, const auto& sums) { finish(node, sums, true); });
   if (!level_.distributed) return;
   level_.shared.sum(std::span<Real>(shared_), node_values);
   const auto& nodes = level_.shared.nodes();
@@ -127,11 +130,12 @@ LaneScalars<Width> LaneOperator<Problem, Width, Real>::apply(const Real* x, Real
   std::array<Lanes<Width>, components> products;
   products.fill(Lanes<Width>::zero());
   const bool past_caches = size() * sizeof(Real) > cache_bytes;
-  complete_sweep(x, [&](std::int64_t node, const Values& sums, bool counted) {
+  complete_sweep(x, [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums, bool counted) {
     for (int a = 0; a < components; ++a) {
-      Real* const place = y + node * node_values + a * Width;
-      put(sums[a], place, past_caches);
-      if (counted) products[a] += widened(Value::load(x + node * node_values + a * Width) * sums[a]);
+      const std::int64_t at = node * node_values + a * Width;
+      const Sum product = Sum::load(x + at) * sums[a];
+      put(sums[a], y + at, past_caches);
+      if (counted) add_up(product, products[a]);
     }
   });
   clear_held(y);
@@ -147,11 +151,12 @@ template <class Problem, int Width, class Real>
 void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real* x, Real* residual) {
   const Kernel kernel = Problem::template kernel<Width>(matrices_, coefficients_.data());
   const bool past_caches = size() * sizeof(Real) > cache_bytes;
-  sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), [&](std::int64_t node, const Values& sums) {
-    const Values right = load(b + node * node_values);
+  const auto finish = [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
+    const auto right = load<Sum>(b + node * node_values);
     for (int a = 0; a < components; ++a)
       put(right[a] - sums[a], residual + node * node_values + a * Width, past_caches);
-  });
+  };
+  sweep(level_.mesh, kernel, x, window_.data(), shared_.data(), finish);
   const auto& nodes = level_.shared.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (int entry = 0; entry < node_values; ++entry) {
@@ -164,7 +169,7 @@ void LaneOperator<Problem, Width, Real>::residual_part(const Real* b, const Real
 template <class Problem, int Width, class Real>
 void LaneOperator<Problem, Width, Real>::first_step_from_zero(const Real* b, Real* x, Real scale) const {
   for (std::int64_t node = 0; node < level_.mesh.nodes(); ++node) {
-    const Values scaled = scaling_.apply(node, load(b + node * node_values));
+    const auto scaled = scaling_.apply(node, load(b + node * node_values));
     for (int a = 0; a < components; ++a) (scaled[a] * scale).store(x + node * node_values + a * Width);
   }
 }
@@ -173,19 +178,19 @@ template <class Problem, int Width, class Real>
 void LaneOperator<Problem, Width, Real>::smoother_step(const Real* b, Real* x, const Real* old, Real* kept,
                                                        Real momentum, Real scale) {
   constexpr int cache_line = 64 / sizeof(Real);
-  complete_sweep(x, [&](std::int64_t node, const Values& sums, bool) {
+  complete_sweep(x, [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums, bool) {
     constexpr std::int64_t ahead = 24;  // nodes, for the processor to have them when they are due
     scaling_.prefetch(node + ahead);
     for (int entry = 0; entry < node_values; entry += cache_line)
       __builtin_prefetch(b + (node + ahead) * node_values + entry);
-    Values difference;
-    const Values right = load(b + node * node_values);
+    std::array<Sum, components> difference;
+    const auto right = load<Sum>(b + node * node_values);
     for (int a = 0; a < components; ++a) difference[a] = right[a] - sums[a];
-    const Values scaled = scaling_.apply(node, difference);
+    const auto scaled = scaling_.apply(node, difference);
     for (int a = 0; a < components; ++a) {
       const std::int64_t at = node * node_values + a * Width;
-      const auto value = Value::load(x + at);
-      const auto change = scaled[a] * scale + Value::load(old + at) * momentum;
+      const auto value = Sum::load(x + at);
+      const auto change = scaled[a] * scale + Sum::load(old + at) * momentum;
       if (kept) change.store(kept + at);
       (value + change).store(x + at);
     }

@@ -24,8 +24,13 @@ LaneCycle LaneHeat<Dim>::cycle() {
 }
 
 template <int Dim>
+LaneCycle LaneHeat<Dim>::cycle_of_steps() {
+  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 1, 1}, .patient_steps = {1, 1, 1}};
+}
+
+template <int Dim>
 LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
-                        const AssembledSolverSettings& reference, int lanes)
+                        const AssembledSolverSettings& reference, int lanes, const LaneCycle& cycle)
     : grid_(grid),
       domain_(domain),
       lumped_(lumped),
@@ -34,7 +39,7 @@ LaneHeat<Dim>::LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool 
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), 1),
-      solver_(hierarchy_, problem_, cycle().narrowing(lanes == widest_block)),
+      solver_(hierarchy_, problem_, cycle.narrowing(lanes == widest_block)),
       most_lanes_(lanes),
       numbers_(hierarchy_.element_numbers(domain)) {}
 

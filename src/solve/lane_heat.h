@@ -28,7 +28,8 @@ class LaneHeat : public HeatSolver<Dim> {
   /// matrix is diagonal. `reference`: settings of the fallback, whose tolerance is the lanes', too.
   /// Collective.
   LaneHeat(const Grid<Dim>& grid, const SystemDomain& domain, bool lumped, int max_iterations,
-           const AssembledSolverSettings& reference, int lanes = widest_block);
+           const AssembledSolverSettings& reference, int lanes = widest_block,
+           const LaneCycle& cycle = LaneHeat::cycle());
 
   using HeatSolver<Dim>::set_operator;
   void set_operator(const HeatOperator& of) override;
@@ -38,6 +39,8 @@ class LaneHeat : public HeatSolver<Dim> {
   void give_back_memory() override;
   bool saves_memory() const override { return most_lanes_ < widest_block; }
   static LaneCycle cycle();
+  /// For steps in time, whose diffusivity is the same wherever material stands.
+  static LaneCycle cycle_of_steps();
 
  private:
   std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);

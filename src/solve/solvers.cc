@@ -20,14 +20,27 @@ LaneCycle lane_cycle(const SolverSettings& settings) {
   return {.kind = settings.cycle, .degree = settings.smoother_degree};
 }
 
+namespace {
+
+template <int Dim>
+std::unique_ptr<HeatSolver<Dim>> make_conduction_solver(const SolverSettings& settings, const Grid<Dim>& grid,
+                                                        const SystemDomain& domain, bool lumped,
+                                                        const SolveTolerance& tolerance, int lanes,
+                                                        const LaneCycle& cycle) {
+  const auto reference = assembled_settings(settings, tolerance, heat_prefix);
+  if (settings.path == SolverPath::lanes)
+    return std::make_unique<LaneHeat<Dim>>(grid, domain, lumped, lane_iterations, reference, lanes, cycle);
+  return std::make_unique<ReferenceHeat<Dim>>(grid, domain, lumped, reference);
+}
+
+}  // namespace
+
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes) {
-  const auto reference = assembled_settings(settings, heat_tolerance({tolerance}), heat_prefix);
-  if (settings.path == SolverPath::lanes)
-    return std::make_unique<LaneHeat<Dim>>(grid, domain, lumped, lane_iterations, reference, lanes);
-  return std::make_unique<ReferenceHeat<Dim>>(grid, domain, lumped, reference);
+  return make_conduction_solver(settings, grid, domain, lumped, heat_tolerance({tolerance}), lanes,
+                                LaneHeat<Dim>::cycle());
 }
 
 template <int Dim>
@@ -35,7 +48,8 @@ std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& s
                                                          const Grid<Dim>& grid, const SystemDomain& domain,
                                                          double tolerance, int lanes) {
   const auto make = [=, &grid](const SystemDomain& of) {
-    return make_heat_solver(settings, grid, of, /*lumped=*/true, tolerance, lanes);
+    return make_conduction_solver(settings, grid, of, /*lumped=*/true, physics_tolerance({tolerance}), lanes,
+                                  LaneHeat<Dim>::cycle_of_steps());
   };
   if (settings.region == SolverRegion::whole) return make(domain);
   return std::make_unique<RegionHeat<Dim>>(RegionPool<Dim, HeatSolver<Dim>>(grid, domain, make));
@@ -47,7 +61,7 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
                                                               const SystemDomain& domain,
                                                               const ElementMatrices<Dim>& element,
                                                               double poisson, double tolerance, int lanes) {
-  const auto reference = assembled_settings(settings, elasticity_tolerance({tolerance}), elasticity_prefix);
+  const auto reference = assembled_settings(settings, physics_tolerance({tolerance}), elasticity_prefix);
   const bool in_lanes = settings.path == SolverPath::lanes;
   const auto make = [=, &grid](const SystemDomain& of) -> std::unique_ptr<ElasticitySolver<Dim>> {
     if (in_lanes)

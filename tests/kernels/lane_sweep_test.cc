@@ -48,7 +48,6 @@ struct Sweep {
         f(number * block + i, offset * components + i / Width, i % Width);
     });
   }
-  using Values = std::array<Lanes<Width>, components>;
   /// `finish` and the sums of shared nodes.
   template <class Finish>
   std::vector<double> run(Finish&& finish, std::size_t shared_nodes = 0) {
@@ -61,10 +60,12 @@ struct Sweep {
   /// K x of the nodes that are not shared; NaN at the others.
   std::vector<double> product() {
     std::vector<double> result(x.size(), NAN);
-    run([&](std::int64_t node, const Values& sums) {
+    run([&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
       for (int a = 0; a < components; ++a) {
-        EXPECT_TRUE(std::isnan(result[node * block + a * Width])) << "a node twice";
-        sums[a].store(&result[node * block + a * Width]);
+        double* const place = &result[node * block + a * Width];
+        EXPECT_TRUE(std::all_of(place, place + Sum::width, [](double value) { return std::isnan(value); }))
+            << "a node twice";
+        sums[a].store(place);
       }
     });
     return result;
@@ -134,10 +135,11 @@ double rounding_error(const test::MaskedBox<Physics::Dim>& box) {
   });
   double worst = 0.0;
   sweep(lanes.mesh, kernel, x.data(), window.data(), static_cast<float*>(nullptr),
-        [&](std::int64_t node, const std::array<Lanes<Width, float>, components>& sums) {
-          for (int i = 0; i < lanes.block; ++i) {
+        [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
+          for (int i = 0; i < components * Sum::width; ++i) {
             const std::size_t at = node * lanes.block + i;
-            worst = std::max(worst, std::abs(sums[i / Width][i % Width] - expected[at]) / terms[at]);
+            const float sum = sums[i / Sum::width][i % Sum::width];
+            worst = std::max(worst, std::abs(sum - expected[at]) / terms[at]);
           }
         });
   return worst;
@@ -154,8 +156,7 @@ TYPED_TEST(LaneSweepTest, XCanBeOverwritten) {
   for (const auto& box : test::masked_boxes<TypeParam::Dim>()) {
     Sweep<TypeParam, 4> lanes(box);
     const auto expected = lanes.product();
-    using Values = typename Sweep<TypeParam, 4>::Values;
-    lanes.run([&](std::int64_t node, const Values& sums) {
+    lanes.run([&](std::int64_t node, const auto& sums) {
       for (int a = 0; a < TypeParam::components; ++a) sums[a].store(&lanes.x[node * lanes.block + a * 4]);
     });
     EXPECT_LT(largest_difference(lanes.x, expected), rounding) << box.name;
@@ -171,10 +172,10 @@ TYPED_TEST(LaneSweepTest, SharedNodesComeApart) {
       if (test::noise(node, 8) < 0.4) nodes.push_back(node);
     lanes.mesh.set_shared(nodes);
     std::vector<double> product(expected.size(), NAN);
-    using Values = typename Sweep<TypeParam, 4>::Values;
     const auto shared = lanes.run(
-        [&](std::int64_t node, const Values& sums) {
-          EXPECT_FALSE(std::binary_search(nodes.begin(), nodes.end(), node));
+        [&]<class Sum>(std::int64_t node, const std::array<Sum, TypeParam::components>& sums) {
+          const auto next = std::lower_bound(nodes.begin(), nodes.end(), node);
+          EXPECT_TRUE(next == nodes.end() || *next >= node + Sum::width / 4);
           for (int a = 0; a < TypeParam::components; ++a) sums[a].store(&product[node * lanes.block + a * 4]);
         },
         nodes.size());

@@ -125,6 +125,35 @@ TEST(LanesTest, TakesPiecesOutOfRegisters) {
   for (int lane = 0; lane < native_lanes / 2; ++lane) EXPECT_EQ(upper[lane], native_lanes / 2 + lane);
 }
 
+TEST(LanesTest, TakesPairsApart) {
+  std::array<float, 16> pairs;
+  for (int i = 0; i < 16; ++i) pairs[i] = 0.5F + static_cast<float>(i);
+  for_each_width([&]<int Width>() {
+    if constexpr (Width <= register_bytes / static_cast<int>(sizeof(float)))
+      for (int which = 0; which < 2; ++which) {
+        const auto found = of_pairs<Width>(pairs.data(), which);
+        for (int pair = 0; pair < Width; ++pair) EXPECT_EQ(found[pair], pairs[2 * pair + which]);
+      }
+  });
+}
+
+TEST(LanesTest, AddsUpNodesSideBySide) {
+  const auto values = numbers<8>(3);
+  const auto nodes = Lanes<8>::load(values.data());
+  Lanes<8> all = Lanes<8>::broadcast(1.0);
+  Lanes<2> pairs = Lanes<2>::broadcast(1.0);
+  Lanes<1> one = Lanes<1>::broadcast(1.0);
+  add_up(nodes, all);
+  add_up(nodes, pairs);
+  add_up(nodes, one);
+  for (int lane = 0; lane < 8; ++lane) EXPECT_EQ(all[lane], 1.0 + values[lane]);
+  for (int lane = 0; lane < 2; ++lane)
+    EXPECT_EQ(pairs[lane], 1.0 + values[lane] + values[lane + 2] + values[lane + 4] + values[lane + 6]);
+  double sum = 1.0;
+  for (const double value : values) sum += value;
+  EXPECT_EQ(one[0], sum);
+}
+
 TEST(LanesTest, Broadcasts) {
   for_each_width([]<int Width>() {
     const auto lanes = Lanes<Width>::broadcast(0.3);

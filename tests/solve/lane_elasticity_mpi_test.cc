@@ -202,9 +202,10 @@ TYPED_TEST(LaneElasticityTest, IterationsDoNotDependOnTheRanks) {
     const auto reports = many.solve({&together.load, 1}, {&displacement, 1});
     const auto expected_reports = one.solve({&alone.load, 1}, {&expected, 1});
     for (int lane = 0; lane < 4; ++lane) {
-      // Rounding alone moves the slowest lane by an iteration in fifty, with the ranks and with the compiler.
+      // On one rank, loads that differ by 1e-14 take the first lane of the V-shape 52 to 54 iterations,
+      // or 62.
       const int expected_iterations = expected_reports[0][lane].iterations;
-      EXPECT_NEAR(reports[0][lane].iterations, expected_iterations, 1 + expected_iterations / 25)
+      EXPECT_NEAR(reports[0][lane].iterations, expected_iterations, lane == 0 ? expected_iterations / 5 : 1)
           << static_cast<int>(kind);
       EXPECT_LT(test::relative_difference(together.whole(displacement, lane), alone.whole(expected, lane)),
                 close);

@@ -93,10 +93,12 @@ class Rounds:
 
     @staticmethod
     def drop_result(directory):
-        """A result of other settings must not pass for one of these if this run does not get to its end."""
+        """A result of other settings must not pass for one of these if this run does not get to its end, and
+        its checkpoint is no state of this run: steps depend on the number of iterations."""
         path = os.path.join(directory, "summary.json")
         if os.path.exists(path):
             os.remove(path)
+        shutil.rmtree(os.path.join(directory, "checkpoint"), ignore_errors=True)
 
 
 def settings_of(settings):
