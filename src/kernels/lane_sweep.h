@@ -75,7 +75,7 @@ class RowSweep {
   static constexpr int cache_line = 64 / sizeof(Number);
   /// Elements side by side, whose lanes fill a register, but no more than are worth the joining.
   static constexpr int group = std::clamp(register_bytes / (width * static_cast<int>(sizeof(Number))), 1, 8);
-  /// Elements of a group whose coefficients and nodes are surely in one cache line.
+  /// Elements from one prefetch to the next: what they read is no longer than a cache line.
   static constexpr int per_line =
       std::max(1, cache_line / std::max(node_values, static_cast<int>(Kernel::stride)));
   using Value = Lanes<width, Number>;
@@ -241,10 +241,10 @@ class RowSweep {
 };
 
 /// Calls `finish(node, sums)` with K x at each node, as soon as it is complete and nothing reads x there any
-/// more, so that `finish` may overwrite x; `sums` is [component][lane], or with one component [node][lane] of
-/// nodes that follow each other from `node` on: an array of Lanes as long as that. Of
-/// shared nodes this rank's part is copied to `shared`, [position][component][lane], instead. `window` has
-/// room for LaneMesh::window() nodes and is zero before and after.
+/// more, so that `finish` may overwrite x. `sums` is an array of Lanes by component, [lane] of one node; with
+/// one component it may be of several nodes that follow each other from `node` on, [node][lane]. Its place is
+/// cleared afterwards. Of shared nodes this rank's part is copied to `shared`, [position][component][lane],
+/// instead. `window` has room for LaneMesh::window() nodes and is zero before and after.
 template <class Kernel, class Finish>
 void sweep(const LaneMesh<Kernel::dim>& mesh, const Kernel& kernel, const typename Kernel::Number* x,
            typename Kernel::Number* window, typename Kernel::Number* shared, Finish&& finish) {

@@ -39,8 +39,11 @@ class NodeScaling {
       for (std::int64_t node = run.node; node < run.node + run.length; ++node) {
         Index<Problem::dim> index = run.index;
         index[0] += static_cast<int>(node - run.node);
-        const Sums sums = diagonal.empty() ? sums_of_elements(level.mesh, index, matrices, coefficients)
-                                           : load_sums(&diagonal[node]);
+        Sums sums;
+        if constexpr (block == 1)
+          sums = load_sums(&diagonal[node]);
+        else
+          sums = sums_of_elements(level.mesh, index, matrices, coefficients);
         if (next < shared_nodes.size() && shared_nodes[next] == node)
           store(sums, &shared[next++ * block]);
         else
@@ -92,14 +95,15 @@ class NodeScaling {
     if constexpr (Problem::own_operators || Width == 1)
       return Value::load(from);
     else
-      return joined_pieces<Value::width / Width>(
-          [&](int k) { return Lanes<Width, Real>::broadcast(from[k]); });
+      return joined_pieces<Value::width / Width>([&](int k) __attribute__((always_inline)) {
+        return Lanes<Width, Real>::broadcast(from[k]);
+      });
   }
   /// Of one component that all lanes share; empty for others. Along the rows this takes a fifth of the time
   /// that a search for each node's elements does.
-  std::vector<double> diagonal_of_rows(const LaneMesh<Problem::dim>& mesh,
-                                       const typename Problem::Matrices& matrices,
-                                       const Real* coefficients) const {
+  static std::vector<double> diagonal_of_rows(const LaneMesh<Problem::dim>& mesh,
+                                              const typename Problem::Matrices& matrices,
+                                              const Real* coefficients) {
     std::vector<double> result;
     if constexpr (block == 1) {
       constexpr int stride = Problem::template Kernel<Width>::stride;

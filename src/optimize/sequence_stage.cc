@@ -35,7 +35,7 @@ SequenceStage<Dim>::SequenceStage(StageContext<Dim>& context)
 
 template <int Dim>
 void SequenceStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
-  sequence_->set_tolerance(heat_tolerance(input.tolerance));
+  sequence_->set_tolerance(sequence_tolerance(input.tolerance));
   results.time = &sequence_->update(groups_.gather(input.design.field));
   iterations_.clear();
   if (results.time->iterations) iterations_.push_back(*results.time->iterations);

@@ -39,7 +39,7 @@ template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes) {
-  return make_conduction_solver(settings, grid, domain, lumped, heat_tolerance({tolerance}), lanes,
+  return make_conduction_solver(settings, grid, domain, lumped, sequence_tolerance({tolerance}), lanes,
                                 LaneHeat<Dim>::cycle());
 }
 

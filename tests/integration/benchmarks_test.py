@@ -3,6 +3,7 @@
 
 import csv
 import json
+import math
 import os
 
 import run_fabseq
@@ -118,6 +119,20 @@ class BenchmarkScriptTest(FabseqTest):
         runs = self.run_script("size.py", "--smallest", 2048, "--memory", 1.5 * used, "--iterations", 2)[1]["runs"]
         self.assertGreater(len(runs), 1)
         self.assertLess(runs[1]["elements"], 1.6 * runs[0]["elements"])
+
+    def test_growth_with_layers_and_unknowns(self):
+        printed, record = self.run_script("growth.py", "--layers", 2, 4, "--sizes", 500, 2500, "--ranks", 1, "--iterations", 2,
+                                          "--csv", "g.csv", "--plot", "g.png")
+        self.assertTrue(any("layers, 1 rank(s): exponents total " in line for line in printed))
+        self.assertEqual([(run["series"], run["layer_count"], run["box"]) for run in record["runs"]],
+                         [("layers", 2, "10x4x10"), ("layers", 4, "10x4x10"), ("unknowns", 2, "10x4x10"),
+                          ("unknowns", 2, "16x8x16")])
+        for fit, by in zip(record["fits"], ("layer_count", "unknowns"), strict=True):
+            first, last = [run for run in record["runs"] if run["series"] == fit["series"]]
+            self.assertAlmostEqual(fit["gigabytes"], math.log(last["gigabytes"] / first["gigabytes"])
+                                   / math.log(last[by] / first[by]))
+        self.assertEqual(len(self.read_csv("g.csv")), 4)
+        self.assert_picture("g.png")
 
 
 @only_release

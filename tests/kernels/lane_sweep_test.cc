@@ -152,36 +152,48 @@ TYPED_TEST(LaneSweepTest, SinglePrecisionAgreesToItsOwnRounding) {
     });
 }
 
+template <class Physics, int Width>
+void expect_x_can_be_overwritten(const test::MaskedBox<Physics::Dim>& box) {
+  Sweep<Physics, Width> lanes(box);
+  const auto expected = lanes.product();
+  lanes.run([&](std::int64_t node, const auto& sums) {
+    for (int a = 0; a < Physics::components; ++a) sums[a].store(&lanes.x[node * lanes.block + a * Width]);
+  });
+  EXPECT_LT(largest_difference(lanes.x, expected), rounding) << box.name << " " << Width;
+}
+
 TYPED_TEST(LaneSweepTest, XCanBeOverwritten) {
   for (const auto& box : test::masked_boxes<TypeParam::Dim>()) {
-    Sweep<TypeParam, 4> lanes(box);
-    const auto expected = lanes.product();
-    lanes.run([&](std::int64_t node, const auto& sums) {
-      for (int a = 0; a < TypeParam::components; ++a) sums[a].store(&lanes.x[node * lanes.block + a * 4]);
-    });
-    EXPECT_LT(largest_difference(lanes.x, expected), rounding) << box.name;
+    expect_x_can_be_overwritten<TypeParam, 1>(box);
+    expect_x_can_be_overwritten<TypeParam, 4>(box);
   }
+}
+
+template <class Physics, int Width>
+void expect_shared_nodes_apart(const test::MaskedBox<Physics::Dim>& box) {
+  Sweep<Physics, Width> lanes(box);
+  const auto expected = lanes.product();
+  std::vector<std::int64_t> nodes;
+  for (std::int64_t node = 0; node < lanes.mesh.nodes(); ++node)
+    if (test::noise(node, 8) < 0.4) nodes.push_back(node);
+  lanes.mesh.set_shared(nodes);
+  std::vector<double> product(expected.size(), NAN);
+  const auto shared = lanes.run(
+      [&]<class Sum>(std::int64_t node, const std::array<Sum, Physics::components>& sums) {
+        const auto next = std::lower_bound(nodes.begin(), nodes.end(), node);
+        EXPECT_TRUE(next == nodes.end() || *next >= node + Sum::width / Width);
+        for (int a = 0; a < Physics::components; ++a) sums[a].store(&product[node * lanes.block + a * Width]);
+      },
+      nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    std::copy_n(&shared[i * lanes.block], lanes.block, &product[nodes[i] * lanes.block]);
+  EXPECT_LT(largest_difference(product, expected), rounding) << box.name << " " << Width;
 }
 
 TYPED_TEST(LaneSweepTest, SharedNodesComeApart) {
   for (const auto& box : test::masked_boxes<TypeParam::Dim>()) {
-    Sweep<TypeParam, 4> lanes(box);
-    const auto expected = lanes.product();
-    std::vector<std::int64_t> nodes;
-    for (std::int64_t node = 0; node < lanes.mesh.nodes(); ++node)
-      if (test::noise(node, 8) < 0.4) nodes.push_back(node);
-    lanes.mesh.set_shared(nodes);
-    std::vector<double> product(expected.size(), NAN);
-    const auto shared = lanes.run(
-        [&]<class Sum>(std::int64_t node, const std::array<Sum, TypeParam::components>& sums) {
-          const auto next = std::lower_bound(nodes.begin(), nodes.end(), node);
-          EXPECT_TRUE(next == nodes.end() || *next >= node + Sum::width / 4);
-          for (int a = 0; a < TypeParam::components; ++a) sums[a].store(&product[node * lanes.block + a * 4]);
-        },
-        nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      std::copy_n(&shared[i * lanes.block], lanes.block, &product[nodes[i] * lanes.block]);
-    EXPECT_LT(largest_difference(product, expected), rounding) << box.name;
+    expect_shared_nodes_apart<TypeParam, 1>(box);
+    expect_shared_nodes_apart<TypeParam, 4>(box);
   }
 }
 

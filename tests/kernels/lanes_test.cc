@@ -154,6 +154,13 @@ TEST(LanesTest, AddsUpNodesSideBySide) {
   EXPECT_EQ(one[0], sum);
 }
 
+TEST(LanesTest, AddsUpSinglePrecisionInDouble) {
+  const std::array<float, 8> values{1.0F, 1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F, 1e-9F};
+  Lanes<1> sum = Lanes<1>::zero();
+  add_up(Lanes<8, float>::load(values.data()), sum);
+  EXPECT_NEAR(sum[0], 1.0 + 7e-9, 1e-15);
+}
+
 TEST(LanesTest, Broadcasts) {
   for_each_width([]<int Width>() {
     const auto lanes = Lanes<Width>::broadcast(0.3);

@@ -122,6 +122,30 @@ TYPED_TEST(NodeScalingTest, IsTheInverseOfTheNodeBlocks) {
 
 /// Entry (a, b) is entry (b, a) in every bit, and whatever is scaled keeps its sign: else the smoother is no
 /// preconditioner of conjugate gradients.
+/// With one component, nodes that follow each other are scaled as one by one.
+template <int Width>
+void expect_several_as_one_by_one() {
+  using Physics = test::HeatPhysics<3>;
+  for (const auto& mask : test::masks<3>()) {
+    Scaled<Physics, Width> scaled(mask);
+    const std::int64_t pairs = scaled.level().mesh.nodes() / 2;
+    for (std::int64_t node = 0; node < 2 * pairs; node += 2) {
+      std::array<double, 2 * Width> values;
+      for (int i = 0; i < 2 * Width; ++i) values[i] = test::noise(node + i, 3);
+      const auto both = scaled.scaling.apply(node, std::array{Lanes<2 * Width>::load(values.data())})[0];
+      for (int i = 0; i < 2 * Width; ++i) {
+        const auto one = std::array{Lanes<Width>::load(values.data() + i / Width * Width)};
+        EXPECT_EQ(both[i], scaled.scaling.apply(node + i / Width, one)[0][i % Width]);
+      }
+    }
+  }
+}
+
+TEST(NodeScalingOfHeatTest, ScalesSeveralNodesAtOnce) {
+  expect_several_as_one_by_one<1>();
+  expect_several_as_one_by_one<2>();
+}
+
 TYPED_TEST(NodeScalingTest, IsExactlySymmetricAndPositive) {
   constexpr int components = TypeParam::components;
   Scaled<TypeParam, 4> scaled(test::masks<TypeParam::Dim>()[1]);

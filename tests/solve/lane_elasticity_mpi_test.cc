@@ -202,10 +202,11 @@ TYPED_TEST(LaneElasticityTest, IterationsDoNotDependOnTheRanks) {
     const auto reports = many.solve({&together.load, 1}, {&displacement, 1});
     const auto expected_reports = one.solve({&alone.load, 1}, {&expected, 1});
     for (int lane = 0; lane < 4; ++lane) {
-      // On one rank, loads that differ by 1e-14 take the first lane of the V-shape 52 to 54 iterations,
-      // or 62.
+      // Rounding decides: loads changed by 1e-14 take lane 0 of the V-shape from 52 to 54 iterations, once
+      // 62, on one rank already.
       const int expected_iterations = expected_reports[0][lane].iterations;
-      EXPECT_NEAR(reports[0][lane].iterations, expected_iterations, lane == 0 ? expected_iterations / 5 : 1)
+      EXPECT_NEAR(reports[0][lane].iterations, expected_iterations,
+                  1 + expected_iterations / (lane == 0 ? 5 : 25))
           << static_cast<int>(kind);
       EXPECT_LT(test::relative_difference(together.whole(displacement, lane), alone.whole(expected, lane)),
                 close);

@@ -31,7 +31,7 @@ class Pipeline {
  public:
   /// \param sequence  where the pseudo-time comes from
   /// \param layers    which kind of layers it is cut into
-  /// \param tolerance of the elastic solves; heat is solved a thousand times closer
+  /// \param tolerance of the elastic solves; the sequence's heat equation is solved a thousand times closer
   /// The models and the timer must outlive the pipeline.
   Pipeline(const Model<Dim>& model, std::unique_ptr<Sequence<Dim>> sequence, const LayerModel<Dim>& layers,
            double tolerance, PhaseTimer& timer);

@@ -15,12 +15,13 @@ struct SolveTolerance {
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
 
-/// Elasticity and the steps of the part's temperature are solved to a run's tolerance. The heat equation of a
-/// sequence is solved a thousand times closer: its error enters all others.
+/// Elasticity and the steps of the part's temperature are solved to a run's tolerance, and so are all
+/// adjoints. The sequence's heat equation itself is solved a thousand times closer: its error enters all
+/// others.
 constexpr SolveTolerance physics_tolerance(const SolveTolerance& of_run) {
   return {std::max(of_run.value, smallest_tolerance), of_run.reach};
 }
-constexpr SolveTolerance heat_tolerance(const SolveTolerance& of_run) {
+constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
 }
 

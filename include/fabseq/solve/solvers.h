@@ -28,14 +28,15 @@ AssembledSolverSettings assembled_settings(const SolverSettings& settings, const
 /// The multigrid cycle of the lane solvers for elasticity.
 LaneCycle lane_cycle(const SolverSettings& settings);
 
-/// A solver for heat to `tolerance` of the run. `lanes`: right-hand sides side by side at most. Grid and
-/// domain must outlive it. Collective.
+/// A solver for a sequence's heat equation, a thousand times closer than `tolerance` of the run. `lanes`:
+/// right-hand sides side by side at most. Grid and domain must outlive it. Collective.
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes);
 /// A solver for the steps of heat conduction in time, which may leave out elements without diffusivity,
-/// unless `solver.region` says "whole". Else as make_heat_solver().
+/// unless `solver.region` says "whole". To `tolerance` of the run, with a lumped capacity and a V-cycle. Else
+/// as make_heat_solver().
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& settings,
                                                          const Grid<Dim>& grid, const SystemDomain& domain,
