@@ -58,8 +58,7 @@ launch_stoppable() {
   exec {ready}>&-
   trap - URG # until it sets one, a subshell lists the traps of its parent, which it does not have
   traps=$(trap -p "${caught[@]}")
-  trap hand_on_stop "${caught[@]}"
-  trap 'stops=2; hand_on_stop' QUIT
+  catch_stops
   setsid "$@" <&0 2>&"$errors" {errors}>&- & # without <&0 a script's background process reads nothing
   launcher=$!
   exec {errors}>&-
@@ -73,6 +72,11 @@ launch_stoppable() {
   eval "$traps"
   ((status != 4 || signals == 0)) || echo "$name: stopped; the same command with -restart auto continues" >&2
   return "$status"
+}
+
+catch_stops() {
+  trap hand_on_stop "${caught[@]}"
+  trap 'stops=2; hand_on_stop' QUIT
 }
 
 # The trap of launch_stoppable. Messages come last, since the terminal may be gone.
@@ -104,10 +108,14 @@ hand_on_stop() {
 
 # Whether a process of this machine that mpirun has started catches USR1 (bit 9 of the mask).
 ranks_listen() {
-  [[ -n $(cat /proc/[0-9]*/status 2>/dev/null | awk -v session="$launcher" '
+  local found
+  trap '' "${caught[@]}" # `timeout` signals the group next, in which these commands are
+  found=$(cat /proc/[0-9]*/status 2>/dev/null | awk -v session="$launcher" '
     /^Name:/ { is_rank = $2 != "mpirun" }
     /^NSsid:/ { is_rank = is_rank && $2 == session }
-    /^SigCgt:/ && is_rank && substr($2, 14, 1) ~ /[2367abef]/ { print "yes" }') ]]
+    /^SigCgt:/ && is_rank && substr($2, 14, 1) ~ /[2367abef]/ { print "yes" }') || true
+  catch_stops
+  [[ -n $found ]]
 }
 
 # For users' shells and scripts. A subshell keeps traps and notices of jobs out of them; where there is one already, as

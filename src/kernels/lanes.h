@@ -224,7 +224,7 @@ template <int Width, int Wider, class Real>
   if constexpr (Wider == Width) {
     sum += widened(nodes);
   } else {
-    alignas(register_bytes) std::array<double, Wider> values;
+    alignas(register_bytes) std::array<Real, Wider> values;
     nodes.store(values.data());
     for (int first = 0; first < Wider; first += Width) sum += Lanes<Width>::load(values.data() + first);
   }

@@ -90,7 +90,7 @@ ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
 
 template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
-  simulation_.set_tolerance(physics_tolerance(input.tolerance));
+  simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
   simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
   results.process = &simulation_.simulate(*results.layers, std::move(results.strains));
   forward_iterations_ = results.process->iterations;
@@ -113,7 +113,7 @@ void ProcessStage<Dim>::pull_back(const PipelineState<Dim>& state, const SolveTo
     }
   }
   if (adjoints.empty()) return;
-  simulation_.set_tolerance(physics_tolerance(tolerance));
+  simulation_.set_tolerance(elasticity_tolerance(tolerance));
   simulation_.pull_back(state.layers, adjoints, derivatives);
   adjoint_iterations_ = simulation_.adjoint_iterations();
 }

@@ -44,7 +44,7 @@ void SequenceStage<Dim>::forward(const StageInput& input, StageResults<Dim>& res
 template <int Dim>
 void SequenceStage<Dim>::pull_back(const PipelineState<Dim>& /*state*/, const SolveTolerance& tolerance,
                                    AdjointRowSpan<Dim> rows) {
-  sequence_->set_tolerance(physics_tolerance(tolerance));
+  sequence_->set_tolerance(elasticity_tolerance(tolerance));
   std::vector<TimeDerivatives> times;
   for (AdjointRow<Dim>* row : rows) times.push_back(std::move(row->adjoint.time));
   std::vector<std::vector<double>> fields = sequence_->pull_back(times);

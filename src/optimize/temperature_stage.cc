@@ -27,7 +27,7 @@ class TemperatureStage : public Stage<Dim> {
         standing_(context.model.part, context.model.settings.process.least_standing()) {}
 
   void forward(const StageInput& input, StageResults<Dim>& results) override {
-    temperature_.simulation.set_tolerance(physics_tolerance(input.tolerance));
+    temperature_.simulation.set_tolerance(step_tolerance(input.tolerance));
     temperature_.simulation.take_only(input.region == SolverRegion::built ? &standing_ : nullptr);
     results.temperatures = &temperature_.simulation.simulate(*results.layers);
     iterations_ = results.temperatures->iterations;
@@ -63,7 +63,7 @@ class TemperatureStage : public Stage<Dim> {
       sum_in_place(groups_.domain(), std::span<double>(interpass));
       functionals.push_back({interpass, &row->adjoint.densities, &row->sink});
     }
-    temperature_.simulation.set_tolerance(physics_tolerance(tolerance));
+    temperature_.simulation.set_tolerance(step_tolerance(tolerance));
     temperature_.simulation.pull_back(state.layers, functionals);
   }
 

@@ -88,7 +88,7 @@ std::string release_obstacle(const Grid<Dim>& grid, const Supports<Dim>& support
 }
 
 ReleaseSolver release_solver(const SolverSettings& settings, double tolerance) {
-  return {assembled_settings(settings, physics_tolerance({tolerance}), release_prefix), settings.path,
+  return {assembled_settings(settings, elasticity_tolerance({tolerance}), release_prefix), settings.path,
           lane_cycle(settings)};
 }
 

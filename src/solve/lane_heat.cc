@@ -25,7 +25,7 @@ LaneCycle LaneHeat<Dim>::cycle() {
 
 template <int Dim>
 LaneCycle LaneHeat<Dim>::cycle_of_steps() {
-  return {.kind = SolverCycle::v, .degree = 2};
+  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 1, 1}, .patient_steps = {1, 4, 2}};
 }
 
 template <int Dim>

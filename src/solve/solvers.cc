@@ -48,7 +48,7 @@ std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& s
                                                          const Grid<Dim>& grid, const SystemDomain& domain,
                                                          double tolerance, int lanes) {
   const auto make = [=, &grid](const SystemDomain& of) {
-    return make_conduction_solver(settings, grid, of, /*lumped=*/true, physics_tolerance({tolerance}), lanes,
+    return make_conduction_solver(settings, grid, of, /*lumped=*/true, step_tolerance({tolerance}), lanes,
                                   LaneHeat<Dim>::cycle_of_steps());
   };
   if (settings.region == SolverRegion::whole) return make(domain);
@@ -61,7 +61,7 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
                                                               const SystemDomain& domain,
                                                               const ElementMatrices<Dim>& element,
                                                               double poisson, double tolerance, int lanes) {
-  const auto reference = assembled_settings(settings, physics_tolerance({tolerance}), elasticity_prefix);
+  const auto reference = assembled_settings(settings, elasticity_tolerance({tolerance}), elasticity_prefix);
   const bool in_lanes = settings.path == SolverPath::lanes;
   const auto make = [=, &grid](const SystemDomain& of) -> std::unique_ptr<ElasticitySolver<Dim>> {
     if (in_lanes)

@@ -126,7 +126,7 @@ class BenchmarkScriptTest(FabseqTest):
         self.assertTrue(any("layers, 1 rank(s): exponents total " in line for line in printed))
         self.assertEqual([(run["series"], run["layer_count"], run["box"]) for run in record["runs"]],
                          [("layers", 2, "10x4x10"), ("layers", 4, "10x4x10"), ("unknowns", 2, "10x4x10"),
-                          ("unknowns", 2, "16x8x16")])
+                          ("unknowns", 2, "18x8x18")])
         for fit, by in zip(record["fits"], ("layer_count", "unknowns"), strict=True):
             first, last = [run for run in record["runs"] if run["series"] == fit["series"]]
             self.assertAlmostEqual(fit["gigabytes"], math.log(last["gigabytes"] / first["gigabytes"])

@@ -133,7 +133,7 @@ class ReproduceTest(FabseqTest):
     def test_all_published_cases_are_accepted(self):
         """Every case of configs/published/cases.json and of the studies is one that the program takes."""
         paths = sorted(glob.glob(os.path.join(ROOT, "configs", "*", "*cases.json")))
-        self.assertEqual(len(paths), 5)
+        self.assertEqual(len(paths), 6)
         for path in paths:
             with open(path, encoding="utf-8") as file:
                 names = list(json.load(file))

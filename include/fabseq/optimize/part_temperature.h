@@ -9,8 +9,8 @@ namespace fabseq {
 /// The temperature simulation that a model with a block `thermal` asks for.
 template <int Dim>
 struct PartTemperature {
-  /// `tolerance`: of the run, for every step. The model must outlive the object. Collective on the grid's
-  /// communicator.
+  /// `tolerance`: of the run; steps are solved ten times closer. The model must outlive the object.
+  /// Collective on the grid's communicator.
   PartTemperature(const Model<Dim>& model, double tolerance);
   PartTemperature(PartTemperature&&) = delete;  // the simulation refers to its model
 

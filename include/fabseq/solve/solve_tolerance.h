@@ -15,14 +15,17 @@ struct SolveTolerance {
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
 
-/// Elasticity and the steps of the part's temperature are solved to a run's tolerance, and so are all
-/// adjoints. The sequence's heat equation itself is solved a thousand times closer: its error enters all
-/// others.
-constexpr SolveTolerance physics_tolerance(const SolveTolerance& of_run) {
+/// Elasticity is solved to a run's tolerance, and so are the adjoints of sequences. The sequence's heat
+/// equation itself is solved a thousand times closer: its error enters all others. The steps of the part's
+/// temperature and their adjoints are solved ten times closer: many follow each other.
+constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
   return {std::max(of_run.value, smallest_tolerance), of_run.reach};
 }
 constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
+}
+constexpr SolveTolerance step_tolerance(const SolveTolerance& of_run) {
+  return {std::max(0.1 * of_run.value, 3.0 * smallest_tolerance), of_run.reach};
 }
 
 }  // namespace fabseq

@@ -35,8 +35,8 @@ std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes);
 /// A solver for the steps of heat conduction in time, which may leave out elements without diffusivity,
-/// unless `solver.region` says "whole". To `tolerance` of the run, with a lumped capacity and a V-cycle. Else
-/// as make_heat_solver().
+/// unless `solver.region` says "whole". Ten times closer than `tolerance` of the run, with a lumped capacity
+/// and a V-cycle. Else as make_heat_solver().
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& settings,
                                                          const Grid<Dim>& grid, const SystemDomain& domain,
