@@ -16,6 +16,8 @@ import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED
 
 LIMIT = 1e-5
+SMALL = 1e-7   # a derivative of less than this share of its value is seen through the noise of solves to 1e-12:
+NOISY = 1e-4   # its limit
 LEAST = 1e-10  # of a derivative that is no zero against a zero
 # Responses that do not depend on a kind of variable: exactly.
 INDEPENDENT = {("continuity", "time points"), ("subpart_volume", "angles"), ("tool_clearance", "time points"),
@@ -159,7 +161,8 @@ class GradientMatrixTest(FabseqTest):
                 key = label(config, entry), variables
                 found[key] = max(found.get(key, 0.0), entry["best"])
                 largest[key] = max(map(abs, [largest.get(key, 0.0), entry["adjoint"], *entry["differences"]]))
-                self.assertLess(entry["best"], LIMIT, f"{key} {dimension}D {void} {turning}: {entry}")
+                limit = NOISY if abs(entry["adjoint"]) < SMALL * abs(entry["value"]) else LIMIT
+                self.assertLess(entry["best"], limit, f"{key} {dimension}D {void} {turning}: {entry}")
             for key, derivative in largest.items():
                 if key in INDEPENDENT:
                     self.assertEqual(derivative, 0.0, f"{key} {dimension}D {void} {turning}")
