@@ -14,7 +14,7 @@ import tempfile
 
 import program_run
 from layers import fitting_targets
-from size import refined
+from size import in_box, refined
 
 import numpy as np
 
@@ -23,17 +23,17 @@ FIGURES = {"total": "seconds per iteration", "gigabytes": "GB, all ranks"}
 
 
 def measure(options, directory, ranks, layers, box, targets):
-    arguments = ["-set", "domain.elements=[" + ",".join(map(str, box)) + "]", "-layers", layers, *targets(layers)]
+    arguments = [*in_box(box), "-layers", layers, *targets(layers)]
     size = program_run.problem_size(options, directory, arguments)
-    samples = [line for _ in range(options.repetitions)
-               for line in program_run.time_iterations(options, ranks, directory, arguments)]
-    return {"ranks": ranks, **size, "box": "x".join(map(str, box)), **program_run.medians(samples)}
+    return {"ranks": ranks, **size, "box": "x".join(map(str, box)),
+            **program_run.median_iteration(options, ranks, directory, arguments)}
 
 
 def run_all(options, directory):
     """Records by series and ranks, in order of growth; the smallest run belongs to both series."""
-    elements = program_run.resolved_config(options, os.path.join(directory, "settings"))["domain"]["elements"]
-    targets, boxes = fitting_targets(options, directory), [refined(elements, size) for size in options.sizes]
+    config = program_run.resolved_config(options, os.path.join(directory, "settings"))
+    targets = fitting_targets(config, program_run.problem_size(options, directory)["layer_count"])
+    boxes = [refined(config["domain"]["elements"], size) for size in options.sizes]
 
     def run(ranks, layers, box):
         record = measure(options, os.path.join(directory, "run"), ranks, layers, box, targets)
@@ -71,15 +71,19 @@ def plot(path, title, records):
             for (series, ranks), runs in records.items():
                 work = [each["layer_count"] * each["unknowns"] for each in runs]
                 power = exponent(runs, SERIES[series], of)
-                name = f"{series}, {ranks} rank{'s' * (ranks > 1)}" + ("" if power is None else f": exponent {power:.2f}")
-                panel.loglog(work, [each[of] for each in runs], "-o" if series == "layers" else "--s", label=name, markersize=4)
+                name = f"{series}, {ranks} rank{'s' * (ranks > 1)}"
+                if power is not None:
+                    name += f": exponent {power:.2f}"
+                style = "-o" if series == "layers" else "--s"
+                panel.loglog(work, [each[of] for each in runs], style, label=name, markersize=4)
             panel.set(xlabel="layers times unknowns", ylabel=label)
 
 
 def parse_arguments():
     parser = program_run.common_parser(__doc__)
     parser.set_defaults(repetitions=1)
-    parser.add_argument("--layers", type=int, nargs="+", default=[25, 50, 100, 200], metavar="N", help="default: %(default)s")
+    parser.add_argument("--layers", type=int, nargs="+", default=[25, 50, 100, 200], metavar="N",
+                        help="default: %(default)s")
     parser.add_argument("--sizes", type=int, nargs="+", default=[65000, 260000, 1000000], metavar="E",
                         help="elements of the boxes (default: %(default)s)")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2], metavar="P", help="default: %(default)s")

@@ -38,11 +38,10 @@ def measure(options, layers, ranks, targets, directory):
     return [{"primal": program_run.read_json(directory, "summary.json")["seconds"]["primal"]}]
 
 
-def fitting_targets(options, directory):
-    """Options that keep N times the thickness target what it is in the config, for any number of layers N."""
-    count = program_run.problem_size(options, directory)["layer_count"]
-    constraints = program_run.resolved_config(options, os.path.join(directory, "settings")).get("constraints", [])
-    targets = {i: c["target"] * count for i, c in enumerate(constraints) if c["type"] == "layer_thickness"}
+def fitting_targets(config, count):
+    """Options that keep N times the thickness target what it is in the config, which has `count` layers, for
+    any number of layers N."""
+    targets = {i: c["target"] * count for i, c in enumerate(config.get("constraints", [])) if c["type"] == "layer_thickness"}
     return lambda layers: [word for i, height in targets.items()
                            for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
 
@@ -102,7 +101,10 @@ def main():
     options = parse_arguments()
     with tempfile.TemporaryDirectory() as directory:
         output = os.path.join(directory, "output")
-        targets = fitting_targets(options, directory) if options.phases else None
+        targets = None
+        if options.phases:
+            targets = fitting_targets(program_run.resolved_config(options, os.path.join(directory, "settings")),
+                                      program_run.problem_size(options, directory)["layer_count"])
         samples, machine = program_run.by_turns(
             options, [(layers, ranks) for layers in options.layers for ranks in options.ranks],
             lambda run: measure(options, *run, targets, output))

@@ -136,6 +136,11 @@ def time_iterations(options, ranks, directory, arguments):
             for line in iterate(options, ranks, directory, arguments)[options.warm_up:]]
 
 
+def median_iteration(options, ranks, directory, arguments):
+    """Median of every figure of time_iterations(), over all repetitions."""
+    return medians([line for _ in range(options.repetitions) for line in time_iterations(options, ranks, directory, arguments)])
+
+
 def resolved_config(options, directory):
     """The config with all defaults and the program's options in it. A single layer is simulated for it."""
     run(options, 1, directory, ["-task", "simulate", "-layers", 1])

@@ -30,12 +30,15 @@ def refined(elements, total):
     return [max(2, 2 * round(count * factor / 2)) for count in elements]
 
 
+def in_box(elements):
+    """Options for a box of so many elements."""
+    return ["-set", "domain.elements=[" + ",".join(map(str, elements)) + "]"]
+
+
 def measure(options, elements, directory):
-    setting = "domain.elements=[" + ",".join(map(str, elements)) + "]"
-    arguments = ["-set", setting, *(["-layers", options.layers] if options.layers else [])]
+    arguments = [*in_box(elements), *(["-layers", options.layers] if options.layers else [])]
     size = program_run.problem_size(options, directory, arguments)
-    record = program_run.medians([line for _ in range(options.repetitions) for line in program_run.time_iterations(
-        options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])])
+    record = program_run.median_iteration(options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])
     return {**size, "box": "x".join(map(str, elements)), "cg_iterations": record.pop("cg") / 2 / size["layer_count"], **record}
 
 

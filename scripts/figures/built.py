@@ -13,6 +13,7 @@ part's rms, on a grid twice as fine, the worst under changes of strain, layers a
 deposition model.
 """
 
+import argparse
 import os
 import sys
 
@@ -21,6 +22,7 @@ from fabseq_tools.run.command_line import RunError, parse, parser_of, run_script
 from fabseq_tools.run.places import PROGRAM, ROOT
 from fabseq_tools.run.read_run import Run, read_json
 from fabseq_tools.run.words import duration
+from fabseq_tools.study.rounds import Rounds
 from reproduce import Cases, run
 
 HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model",
@@ -59,6 +61,12 @@ def parser_of_cases(documentation, name):
 def parse_cases(parser):
     arguments = parse(parser)
     return arguments, Cases(arguments.cases)
+
+
+def rounds_of(cases, name, arguments):
+    """Runs of a case, in a folder of its own."""
+    own = {"config": cases.config(name), "output": os.path.join(arguments.output, name)}
+    return Rounds(argparse.Namespace(**vars(arguments) | own), cases[name]["set"], may_run=not arguments.table)
 
 
 def print_line(cells):

@@ -13,18 +13,15 @@ keeps for safety. A run that was interrupted goes on where it was, one that is d
 --table runs nothing.
 """
 
-import argparse
-import os
 import sys
 
 import needs_packages  # noqa: F401 (before any package)
 from fabseq_tools.run.command_line import RunError, run_script
 
-from built import parse_cases, parser_of_cases, print_line
+from built import parse_cases, parser_of_cases, print_line, rounds_of
 from fabseq_tools.study.compare_families import FIRST, add_scan, check_scan
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.figures import COLUMNS, cells, headings
-from fabseq_tools.study.rounds import Rounds
 
 
 def main():
@@ -47,8 +44,7 @@ def main():
 def comparison(cases, name, arguments):
     """Of one part, in a folder of its own."""
     case = cases[name]
-    own = argparse.Namespace(**vars(arguments) | {"config": cases.config(name), "output": os.path.join(arguments.output, name)})
-    rounds = Rounds(own, case["set"], may_run=not arguments.table)
+    rounds = rounds_of(cases, name, arguments)
     return Comparison(rounds, case, case.get("judging"), say=lambda words: print(f"{name}: {words}", file=sys.stderr, flush=True))
 
 

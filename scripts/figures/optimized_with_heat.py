@@ -7,25 +7,24 @@ a table: planar layers, the start, and layers optimized without heat, with it, a
                                            [--table] [-- PROGRAM OPTIONS]
 
 All rows are of binary layers whose strain follows the temperature, with the pause of the row; "without heat"
-are layers that were optimized for a strain that does not vanish (`thermal.vanishing` 1e30). A case has a
-config and settings as those of reproduce.py, the `pauses` (process.dwell) in s, and may have a `limit` of the
-interpass temperature in °C, which is a constraint at one of these pauses. Hours count the pauses. A run that
-was interrupted goes on where it was, one that is done is only looked at again; --table runs nothing.
+are layers that were optimized for a strain that does not vanish (`thermal.vanishing` 1e30). A case names a
+config and settings, as the cases of reproduce.py do, and its `pauses` (process.dwell) in s. Its `limit`, if
+any, is an interpass temperature in °C: one more run at that pause has it as a constraint. Hours count the
+pauses. A run that was interrupted goes on where it was, one that is done is only looked at again; --table
+runs nothing.
 """
 
-import argparse
 import os
 import sys
 
 import needs_packages  # noqa: F401 (before any package)
 from fabseq_tools.run.command_line import RunError, run_script
 
-from built import parse_cases, parser_of_cases, print_line
+from built import parse_cases, parser_of_cases, print_line, rounds_of
 from fabseq_tools.run.check_words import inner, result_of
 from fabseq_tools.run.words import number
 from fabseq_tools.study.comparison import BINARY
 from fabseq_tools.study.families import Families, heights_of
-from fabseq_tools.study.rounds import Rounds
 
 HEAD = ("part", "pause, s", "layers", "as built", "released", "highest interpass, °C", "hours")
 NO_HEAT = {"thermal.vanishing": 1e30}
@@ -37,8 +36,7 @@ def main():
     print_line(["---"] * len(HEAD))
     for name in arguments.names or cases.table:
         case = cases[name]
-        own = {"config": cases.config(name), "output": os.path.join(arguments.output, name)}
-        rounds = Rounds(argparse.Namespace(**vars(arguments) | own), case["set"], may_run=not arguments.table)
+        rounds = rounds_of(cases, name, arguments)
         try:
             for pause in case["pauses"]:
                 for layers, run in judged(rounds, pause, case.get("limit", {})):

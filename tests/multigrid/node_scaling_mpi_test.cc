@@ -120,8 +120,6 @@ TYPED_TEST(NodeScalingTest, IsTheInverseOfTheNodeBlocks) {
   }
 }
 
-/// Entry (a, b) is entry (b, a) in every bit, and whatever is scaled keeps its sign: else the smoother is no
-/// preconditioner of conjugate gradients.
 /// With one component, nodes that follow each other are scaled as one by one.
 template <int Width>
 void expect_several_as_one_by_one() {
@@ -146,6 +144,8 @@ TEST(NodeScalingOfHeatTest, ScalesSeveralNodesAtOnce) {
   expect_several_as_one_by_one<2>();
 }
 
+/// Entry (a, b) is entry (b, a) in every bit, and whatever is scaled keeps its sign: else the smoother is no
+/// preconditioner of conjugate gradients.
 TYPED_TEST(NodeScalingTest, IsExactlySymmetricAndPositive) {
   constexpr int components = TypeParam::components;
   Scaled<TypeParam, 4> scaled(test::masks<TypeParam::Dim>()[1]);

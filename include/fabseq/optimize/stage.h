@@ -82,8 +82,7 @@ template <int Dim>
 struct StageContext {
   const Model<Dim>& model;
   const LayerModel<Dim>& layers;
-  double
-      tolerance;  ///< of the elastic solves; the sequence's heat equation is solved a thousand times closer
+  double tolerance;                         ///< of the run (solve_tolerance.h)
   std::unique_ptr<Sequence<Dim>> sequence;  ///< becomes the stage's; null: the one that the model asks for
 };
 

@@ -25,6 +25,7 @@ constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
 }
 constexpr SolveTolerance step_tolerance(const SolveTolerance& of_run) {
+  // Closer than that, steps on a region of two ranks were seen to end in no progress.
   return {std::max(0.1 * of_run.value, 3.0 * smallest_tolerance), of_run.reach};
 }
 
