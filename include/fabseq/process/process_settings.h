@@ -3,6 +3,7 @@
 /// Material and material model of the simulation.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
