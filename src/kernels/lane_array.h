@@ -33,7 +33,7 @@ struct CacheLineAllocator {
     if (bytes < large)
       ::operator delete(place, cache_line);
     else
-      unmap_large_pages(place, bytes);
+      unmap_large_pages(place);
   }
   friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
 

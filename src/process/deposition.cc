@@ -1,10 +1,49 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/deposition.h"
 
+#include <cstdint>
+
 namespace fabseq {
 
+namespace {
+
+/// Of all factors but one each, without a division: some are 0.
+template <std::size_t Count>
+std::array<double, Count> products_of_others(const std::array<double, Count>& factors) {
+  std::array<double, Count> result;
+  double before = 1.0, behind = 1.0;
+  for (std::size_t i = 0; i < Count; ++i) {
+    result[i] = before;
+    before *= factors[i];
+  }
+  for (std::size_t i = Count; i-- > 0;) {
+    result[i] *= behind;
+    behind *= factors[i];
+  }
+  return result;
+}
+
+}  // namespace
+
 template <int Dim>
-Deposition<Dim>::Deposition(const ElasticModel<Dim>& model) : model_(model), halo_(model.part.grid(), 1) {}
+Deposition<Dim>::Deposition(const ElasticModel<Dim>& model)
+    : model_(model), halo_(model.part.grid(), 1), part_element_(halo_.box().count() + 1, -1) {
+  const Grid<Dim>& grid = model.part.grid();
+  const auto outside = static_cast<int>(halo_.box().count());
+  grid.ghosted_nodes().for_each([&](const Index<Dim>& node, std::int64_t) {
+    Around& around = around_.emplace_back();
+    for (int number = 0; number < corner_count<Dim>; ++number) {
+      const Index<Dim> element = stepped<Dim>(node, number, -1);
+      around[number] =
+          halo_.box().contains(element) ? static_cast<int>(halo_.box().offset(element)) : outside;
+    }
+  });
+  for (const int node : model.nodes)
+    ghosted_.push_back(static_cast<int>(grid.ghosted_nodes().offset(grid.owned_nodes().index(node))));
+  const std::vector<int>& elements = model.part.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    part_element_[halo_.box().offset(grid.owned_elements().index(elements[e]))] = static_cast<int>(e);
+}
 
 template <int Dim>
 typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<double>& stage) const {
@@ -14,29 +53,21 @@ typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<dou
     const double density = number >= 0 ? model_.part.part_density()[number] : 1.0;
     owned[model_.elements[k]] = 1.0 - model_.stage_density(stage, k) / density;
   }
-  return halo_.gather(owned);
-}
-
-template <int Dim>
-double Deposition<Dim>::product(const Missing& missing, const Index<Dim>& node,
-                                const Index<Dim>* excluded) const {
-  double result = 1.0;
-  for (int number = 0; number < 1 << Dim && result != 0.0; ++number) {
-    const Index<Dim> element = stepped<Dim>(node, number, -1);
-    if (!halo_.box().contains(element) || (excluded != nullptr && element == *excluded)) continue;
-    result *= missing[halo_.box().offset(element)];
-  }
+  Missing result = halo_.gather(owned);
+  result.push_back(1.0);
   return result;
 }
 
 template <int Dim>
 LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, int lanes) const {
-  const auto& owned = model_.part.grid().owned_nodes();
   LaneVector result(static_cast<int>(model_.nodes.size()), 1, lanes);
   for (int lane = 0; lane < lanes; ++lane) {
     const Missing missing = this->missing(densities.stage[first + lane]);
-    for (std::size_t k = 0; k < model_.nodes.size(); ++k)
-      result(k, lane) = 1.0 - product(missing, owned.index(model_.nodes[k]));
+    for (std::size_t k = 0; k < ghosted_.size(); ++k) {
+      double product = 1.0;
+      for (const int element : around_[ghosted_[k]]) product *= missing[element];
+      result(k, lane) = 1.0 - product;
+    }
   }
   return result;
 }
@@ -52,16 +83,20 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
     for (std::size_t k = 0; k < model_.nodes.size(); ++k) owned[model_.nodes[k]] = d_weights(k, lane);
     grid.exchange(1).to_ghosted(owned, of_nodes);
     auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
-    for (std::size_t e = 0; e < d_stage.size(); ++e) {
-      const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
-      double total = 0.0;
-      for (int corner = 0; corner < 1 << Dim; ++corner) {
-        const Index<Dim> node = stepped<Dim>(element, corner, 1);
-        // Few nodes are measured, as a rule, and the product is dear.
-        const double own = of_nodes[grid.ghosted_nodes().offset(node)];
-        if (own != 0.0) total += own * product(missing[lane], node, &element);
+    for (std::size_t node = 0; node < of_nodes.size(); ++node) {
+      if (of_nodes[node] == 0.0) continue;
+      std::array<double, corner_count<Dim>> factors;
+      int zeros = 0;
+      for (int number = 0; number < corner_count<Dim>; ++number) {
+        factors[number] = missing[lane][around_[node][number]];
+        zeros += factors[number] == 0.0 ? 1 : 0;
       }
-      d_stage[e] += total / part.part_density()[e];
+      if (zeros > 1) continue;
+      const auto others = products_of_others(factors);
+      for (int number = 0; number < corner_count<Dim>; ++number) {
+        const int e = part_element_[around_[node][number]];
+        if (e >= 0) d_stage[e] += of_nodes[node] * others[number] / part.part_density()[e];
+      }
     }
   }
 }

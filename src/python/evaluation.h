@@ -58,7 +58,7 @@ class EvaluationIn : public Evaluation {
     setup_.require_memory_of_layers();
     const double tolerance = std::min(config_.solver.finest_tolerance(), 1e-9);  // of -task evaluate
     pipeline_.emplace(setup_, tolerance, timer_);
-    pipeline_->set_region(setup_.config.solver.region);
+    pipeline_->set_region(setup_.config.solver.region_of_evaluations());
     problem_.emplace(setup_, config_.optimizer.constraint_margin);
     design_ = starting_design(setup_, pipeline_->sequence(), CommandLine());
     start_ = to_entries(design_);

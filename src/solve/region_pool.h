@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/base/large_pages.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/grid.h"
 #include "fabseq/grid/unknown_numbering.h"
@@ -44,7 +45,10 @@ class RegionPool {
     whole_->start_cold();
     for (Region& region : regions_) region.solver->start_cold();
   }
-  void give_back_memory() { current_->give_back_memory(); }
+  void give_back_memory() {
+    current_->give_back_memory();
+    KeptLargePages::drop();
+  }
 
  private:
   struct Region {
@@ -85,7 +89,10 @@ Solver& RegionPool<Dim, Solver>::choose(std::vector<int> elements) {
 
 template <int Dim, class Solver>
 Solver& RegionPool<Dim, Solver>::use(Solver& solver) {
-  if (&solver != current_) current_->give_back_memory();
+  if (&solver != current_) {
+    const KeptLargePages kept;
+    current_->give_back_memory();
+  }
   if (tolerance_) solver.set_tolerance(*tolerance_);
   current_ = &solver;
   return solver;

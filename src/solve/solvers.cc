@@ -69,10 +69,8 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
                                                    reference, lanes);
     return std::make_unique<ReferenceElasticity<Dim>>(grid, of, element.stiffness(), reference);
   };
-  if (settings.region == SolverRegion::built)
-    return std::make_unique<RegionElasticity<Dim>>(
-        RegionPool<Dim, ElasticitySolver<Dim>>(grid, domain, make));
-  return make(domain);
+  if (settings.region == SolverRegion::whole) return make(domain);
+  return std::make_unique<RegionElasticity<Dim>>(RegionPool<Dim, ElasticitySolver<Dim>>(grid, domain, make));
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(make_heat_solver);

@@ -33,7 +33,7 @@ template <int Dim>
 void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   const double tolerance = std::min(setup.config.solver.finest_tolerance(), 1e-9);
   Pipeline<Dim> pipeline(setup, tolerance, timer);
-  pipeline.set_region(setup.config.solver.region);
+  pipeline.set_region(setup.config.solver.region_of_evaluations());
   Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   const Design design = starting_design(setup, pipeline.sequence(), command_line);
   const OutputDirectory directory = make_output_directory(setup, command_line);

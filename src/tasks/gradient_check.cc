@@ -190,7 +190,7 @@ template <int Dim>
 void run_check_gradients(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
   constexpr double tolerance = 1e-12;
   Pipeline<Dim> pipeline(setup, tolerance, timer);
-  pipeline.set_region(setup.config.solver.region);
+  pipeline.set_region(setup.config.solver.region_of_evaluations());
   Problem<Dim> problem(setup, setup.config.optimizer.constraint_margin);
   if (!pipeline.sequence().has_design()) {
     print("this sequence has no design variables: there are no gradients to check");

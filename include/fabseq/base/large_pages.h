@@ -8,9 +8,25 @@ namespace fabseq {
 /// Bytes of a large page.
 constexpr std::size_t large_page = std::size_t{1} << 21;
 
-/// Zeroed memory apart from the heap, aligned to a large page, on large pages if the system grants them.
-/// Throws std::bad_alloc. To be given back by unmap_large_pages() with the same number of bytes.
+/// Memory apart from the heap, aligned to a large page, on large pages if the system grants them: a piece
+/// that was kept, whatever is in it, or a zeroed one from the system. Throws std::bad_alloc. To be given back
+/// by unmap_large_pages().
 void* map_large_pages(std::size_t bytes);
-void unmap_large_pages(void* place, std::size_t bytes);
+/// Gives a piece of map_large_pages() back to the system, or keeps it (KeptLargePages).
+void unmap_large_pages(void* place);
+
+/// While one lives, pieces that are given back are kept for the next to come, since the system clears every
+/// page that it grants. A piece that is too small for what comes goes back to the system, so what is held
+/// never exceeds by more than one piece what was in use at once. Local to the rank.
+class KeptLargePages {
+ public:
+  KeptLargePages();
+  ~KeptLargePages();
+  KeptLargePages(const KeptLargePages&) = delete;
+  KeptLargePages& operator=(const KeptLargePages&) = delete;
+
+  /// Gives all kept pieces back to the system.
+  static void drop();
+};
 
 }  // namespace fabseq

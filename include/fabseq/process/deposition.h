@@ -6,6 +6,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/elastic_model.h"
 
+#include <array>
 #include <vector>
 
 namespace fabseq {
@@ -25,8 +26,9 @@ class Deposition {
 
   /// w of the layers first ... first + lanes - 1 on the nodes of the model, one component.
   LaneVector weights(const LayerDensities& densities, int first, int lanes) const;
-  /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic); 1 in the
-  /// void, 0 in the substrate. Gathered once, it serves the derivatives of all functionals.
+  /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic), and 1
+  /// behind them; 1 in the void, 0 in the substrate. Gathered once, it serves the derivatives of all
+  /// functionals.
   using Missing = std::vector<double>;
   Missing missing(const std::vector<double>& stage) const;
   /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of the
@@ -35,11 +37,14 @@ class Deposition {
                        DensityDerivatives& derivatives) const;
 
  private:
-  /// Product of `missing` over the elements at a node but for the `excluded` one.
-  double product(const Missing& missing, const Index<Dim>& node, const Index<Dim>* excluded = nullptr) const;
+  /// Places in Missing of the elements at a node; outside its box, the one behind all.
+  using Around = std::array<int, corner_count<Dim>>;
 
   const ElasticModel<Dim>& model_;
   ElementHalo<Dim> halo_;
+  std::vector<Around> around_;     ///< of Grid::ghosted_nodes()
+  std::vector<int> ghosted_;       ///< the model's nodes in Grid::ghosted_nodes()
+  std::vector<int> part_element_;  ///< this rank's part element at each place in Missing, or -1
 };
 
 }  // namespace fabseq

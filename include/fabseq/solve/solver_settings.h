@@ -15,8 +15,8 @@ class Section;
 
 enum class SolverPath { lanes, reference };
 /// What the systems of a block of layers consist of (docs/formulation.md 4.8): all elements, or those that
-/// are built by then.
-enum class SolverRegion { whole, built };
+/// are built by then; automatic: Setup::region_of_iterations().
+enum class SolverRegion { automatic, whole, built };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
 struct SolverSettings {
@@ -30,10 +30,14 @@ struct SolverSettings {
   SolverCycle cycle = SolverCycle::k;
   int smoother_degree = 2;
   ReferenceMethod method = ReferenceMethod::automatic;
-  SolverRegion region = SolverRegion::whole;
+  SolverRegion region = SolverRegion::automatic;
   std::optional<int> layer_groups;  ///< none: by ranks, layers and memory
   std::optional<int> lanes;         ///< none: by memory
 
+  /// Elements of single evaluations, which are all unless asked otherwise.
+  SolverRegion region_of_evaluations() const {
+    return region == SolverRegion::built ? SolverRegion::built : SolverRegion::whole;
+  }
   /// The tolerance of all solves but those on an optimization's way.
   double finest_tolerance() const { return tolerance.value_or(finest_automatic); }
 };
