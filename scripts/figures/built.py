@@ -25,7 +25,8 @@ from fabseq_tools.run.words import duration
 from fabseq_tools.study.rounds import Rounds
 from reproduce import Cases, run
 
-HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model",
+THINNER = "layers doubled", "layers quadrupled", "ever thinner"
+HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model", *THINNER,
         "constraints", "time")
 
 
@@ -80,17 +81,34 @@ def figures(directory):
     lengths = {block: result.length(block) for block in ("baseline", "start", "optimized", "binary")}
     rms = [result.summary[block]["displacement"]["rms"] for block in ("baseline", "binary")]
     return [*(f"{length:.4g}" for length in lengths.values()), f"{lengths['baseline'] / lengths['binary']:.1f}",
-            f"{lengths['start'] / lengths['binary']:.1f}", f"{rms[0] / rms[1]:.1f}", *gains_under_changes(directory),
+            f"{lengths['start'] / lengths['binary']:.1f}", f"{rms[0] / rms[1]:.1f}", *gains_under_changes(directory), *gains_with_thinner_layers(directory),
             "satisfied" if result.summary["feasible"] else f"violated by {result.summary['worst_constraint']:.1%}",
             duration(result.summary["seconds"]["total"])]
 
 
+def gains_of(directory):
+    """By change; none without a table."""
+    if not os.path.exists(os.path.join(directory, "sensitivity.json")):
+        return {}
+    changes = read_json(directory, "sensitivity.json")["changes"]
+    return {change["change"]: change["ratio"]["length"] for change in changes if change.get("ratio", {}).get("length")}
+
+
+def gains_with_thinner_layers(directory):
+    """With layers doubled and quadrupled, beside planar ones of that number, and what this tends to; dashes where there is none."""
+    gains = gains_of(directory)
+    if not gains:
+        return ["–"] * len(THINNER)
+    limit = read_json(directory, "sensitivity.json")["thin_layers"]["length"]
+    found = [next((gain for name, gain in gains.items() if name.startswith(times)), None) for times in THINNER[:2]]
+    return [f"{gain:.1f}" if gain else "–" for gain in [*found, limit]]
+
+
 def gains_under_changes(directory):
     """On the finer grid, the worst with its change, by the other model; dashes without a table."""
-    if not os.path.exists(os.path.join(directory, "sensitivity.json")):
+    gains = gains_of(directory)
+    if not gains:
         return "–", "–", "–"
-    changes = read_json(directory, "sensitivity.json")["changes"]
-    gains = {change["change"]: change["ratio"]["length"] for change in changes if change.get("ratio", {}).get("length")}
     of_part = {name: gain for name, gain in gains.items() if not name.startswith(("void", "deposition"))}
     worst = min(of_part, key=of_part.get)
     shown = {name: f"{gain:.1f}" for name, gain in gains.items()}

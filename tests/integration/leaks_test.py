@@ -72,15 +72,15 @@ class SuppressionsTest(FabseqTest):
 
 class GrowthTest(FabseqTest):
     @run_fabseq.only_release
-    def test_four_hundred_iterations(self):
-        """Peaks of iteration 100, when what is freed has found its places in the heap, and of iteration 400:
+    def test_five_hundred_iterations(self):
+        """Peaks of iteration 100, when what is freed has found its places in the heap, and of iteration 500:
         dumps and checkpoints have been written by both."""
-        run = self.run_config(2, plate_2d(), "-max_iterations", 400, "-output_every", 10, "-checkpoint_every", 10)
+        run = self.run_config(2, plate_2d(), "-max_iterations", 500, "-output_every", 10, "-checkpoint_every", 10)
         self.assert_done(run)
         peaks = [line["peak_memory_bytes"] for line in run.history()]
-        self.assertEqual(len(peaks), 400)
-        print(f"peak memory after 100 iterations {peaks[99] / MIB:.1f} MiB, after 400 {peaks[-1] / MIB:.1f} MiB")
-        self.assertLess(peaks[-1] - peaks[99], 0.75 * MIB)  # a leak of 2.6 kB per iteration
+        self.assertEqual(len(peaks), 500)
+        print(f"peak memory after 100 iterations {peaks[99] / MIB:.1f} MiB, after 500 {peaks[-1] / MIB:.1f} MiB")
+        self.assertLess(peaks[-1] - peaks[99], 1.0 * MIB)  # a leak of 2.6 kB per iteration; peaks grow in pieces of the heap, too
 
 
 if __name__ == "__main__":

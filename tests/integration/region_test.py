@@ -80,6 +80,22 @@ class RegionTest(FabseqTest):
         for run in runs:
             self.assertIsNotNone(run.json("summary.json")["optimized"]["deposition"]["follow"])
 
+    def test_automatic(self):
+        """Leaves out what is not built in iterations with a rank per group, sharp layers and more than one block."""
+        def first(config, groups, region):
+            return self.optimize(config, 2, 1, "-layer_groups", groups, "-solver_region", region).history()[0]["objective"]
+
+        blunt, few, follow = many_layers(plate_2d()), many_layers(plate_2d()), many_layers(plate_2d())
+        blunt["projection"] = {"beta": 30}
+        few["layers"]["count"] = 8
+        follow["process"]["deposition"] = "follow"
+        for config, groups, expected in ((many_layers(plate_2d()), 2, "built"), (many_layers(plate_2d()), 1, "whole"),
+                                         (blunt, 2, "whole"), (few, 2, "whole"), (follow, 2, "whole")):
+            with self.subTest(config=config, groups=groups):
+                self.assertEqual(first(config, groups, "auto"), first(config, groups, expected))
+        evaluations = [values(self.evaluate(many_layers(plate_2d()), region)) for region in ("auto", "whole")]
+        self.assertEqual(*evaluations)
+
     def test_where_the_unbuilt_counts(self):
         for process in ({"deposition": "follow"}, {"void": "quiet"}):
             config = many_layers(plate_2d())
