@@ -13,9 +13,9 @@ namespace fabseq {
 namespace {
 
 /// Throws NumericalError naming the first of the layers whose solve did not converge; else raises the layers'
-/// iterations to those of the solves.
+/// iterations to those of the solves, and adds these to the layers' work.
 void note_solves(const std::vector<SolveReport>& reports, int layer, const char* what,
-                 std::vector<int>& iterations) {
+                 std::vector<int>& iterations, std::vector<double>& work) {
   for (const SolveReport& report : reports) {
     if (!report.converged || !std::isfinite(report.residual))
       throw NumericalError(
@@ -23,6 +23,7 @@ void note_solves(const std::vector<SolveReport>& reports, int layer, const char*
                     "preconditioned residual %g (%s)",
                     layer + 1, what, report.iterations, report.residual, report.reason.c_str()));
     iterations[layer] = std::max(iterations[layer], report.iterations);
+    work[layer] += report.iterations;
     ++layer;
   }
 }
@@ -106,22 +107,32 @@ void ProcessSimulation<Dim>::set_operators(const LayerDensities& densities, cons
                          changed);
 }
 
-/// Expected iterations of the layers, in units of those with all elements. A single group is dealt all blocks
-/// whatever their work.
+/// Expected iterations of the layers, in units of those with all elements, and one more, since a layer takes
+/// some time whatever its iterations. A single group is dealt all blocks whatever their work.
 template <int Dim>
 std::vector<double> ProcessSimulation<Dim>::work_of(const LayerDensities& densities) const {
-  std::vector<double> work = expected_work_;
+  const auto layers = static_cast<std::size_t>(densities.count());
+  std::vector<double> work(layers, 1.0);
+  for (std::size_t layer = 0; expected_work_.size() == 2 * layers && layer < layers; ++layer)
+    work[layer] += expected_work_[layer] + expected_work_[layers + layer];
   if (!built_ || groups_.count() == 1) return work;
   const std::vector<double> shares = built_->standing_shares(densities);
   for (std::size_t layer = 0; layer < work.size(); ++layer) work[layer] *= shares[layer];
   return work;
 }
 
+/// `work`: of this group's layers.
+template <int Dim>
+void ProcessSimulation<Dim>::expect(std::vector<double> work, bool adjoint) {
+  groups_.sum(work);
+  if (expected_work_.size() != 2 * work.size()) expected_work_.assign(2 * work.size(), 0.0);
+  std::ranges::copy(work, expected_work_.begin() + (adjoint ? std::ssize(work) : 0));
+}
+
 template <int Dim>
 const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities, StrainField strains) {
   elements_.set_strains(std::move(strains));
   const auto layers = static_cast<std::size_t>(densities.count());
-  if (expected_work_.size() != layers) expected_work_.assign(layers, 1.0);
   deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
   regions_.clear();
@@ -131,8 +142,9 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   }
   result_.iterations.assign(layers, 0);
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
+  std::vector<double> work(layers, 0.0);
   groups_.run([&] {
-    Room room;
+    Room room(work);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
       const LayerBlock& block = result_.blocks[number];
       regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
@@ -143,9 +155,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     groups_.sum(result_.of_case(number).displacement);
   groups_.sum(result_.iterations);
-  // A layer takes some time whatever its iterations.
-  for (std::size_t layer = 0; layer < layers; ++layer)
-    expected_work_[layer] = 1.0 + result_.iterations[layer];
+  expect(std::move(work), /*adjoint=*/false);
   for (std::size_t number = 0; release_ && number < result_.case_count(); ++number) {
     const std::vector<double> forces = reactions(densities, number);
     result_.of_case(number).release = in_first_group([&] { return release_->displacement(forces); });
@@ -197,7 +207,7 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
       pick(room.solutions[i], result_.nodes, result_.of_case(first + i).increments[number]);
-      note_solves(reports[i], block.first, "forward", result_.iterations);
+      note_solves(reports[i], block.first, "forward", result_.iterations, room.work);
     }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
@@ -238,15 +248,15 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
       own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
   adjoint_loads_.update(densities, result_, functionals);
+  std::vector<double> work(densities.count(), 0.0);
   groups_.run([&] {
-    Room room;
+    Room room(work);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, all, room);
   });
   if (solver_->saves_memory()) solver_->give_back_memory();
   groups_.sum(adjoint_iterations_);
-  for (int layer = 0; layer < densities.count(); ++layer)
-    expected_work_[layer] = 1.0 + result_.iterations[layer] + adjoint_iterations_[layer];
+  expect(std::move(work), /*adjoint=*/true);
 }
 
 /// The block's operators are set up once for all functionals, which come as many at a time as the solver can
@@ -291,7 +301,7 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
   }
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    note_solves(reports[i], block.first, "adjoint", adjoint_iterations_);
+    note_solves(reports[i], block.first, "adjoint", adjoint_iterations_, room.work);
     if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
     add_derivatives(densities, number, *functionals[i], &adjoints[i], room);
   }

@@ -81,8 +81,8 @@ class ProcessSimulation {
   /// what the displacement has of it.
   std::vector<double> increment(int layer, bool counted = false) const;
   const LayerGroups& groups() const { return groups_; }
-  /// Iterations per layer that the next simulation is dealt out by: the last one's, forward and adjoint.
-  /// Equal work where there are none, or not for as many layers.
+  /// Iterations that the next simulation is dealt out by, of all solves of each layer: the last one's
+  /// forward, then those of the last pull_back(). Equal work where there are none, or not for as many layers.
   const std::vector<double>& expected_work() const { return expected_work_; }
   void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }
@@ -98,10 +98,13 @@ class ProcessSimulation {
   };
   /// Vectors that one block leaves to the next.
   struct Room {
+    explicit Room(std::vector<double>& work_) : work(work_) {}
+
     std::vector<LaneVector> loads, solutions;
     LaneVector increments;                    ///< on all owned nodes
     const LaneVector* spread_from = nullptr;  ///< the result's increments that these are; nullptr: others
     std::vector<typename Deposition<Dim>::Missing> missing;
+    std::vector<double>& work;  ///< iterations of all solves of each layer
   };
   int owned_nodes() const;
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
@@ -115,6 +118,7 @@ class ProcessSimulation {
   std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
   void set_operators(const LayerDensities& densities, const BlockRegion& region, bool changed);
   std::vector<double> work_of(const LayerDensities& densities) const;
+  void expect(std::vector<double> work, bool adjoint);
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
@@ -130,7 +134,7 @@ class ProcessSimulation {
   std::unique_ptr<ElasticitySolver<Dim>> solver_;
   std::unique_ptr<Release<Dim>> release_;  ///< if asked for
   LayerDeal deal_;
-  std::vector<double> expected_work_;
+  std::vector<double> expected_work_;  ///< [forward, adjoint][layer]
   ProcessResult result_;
   std::vector<int> adjoint_iterations_;
 };
