@@ -26,8 +26,8 @@ from fabseq_tools.study.rounds import Rounds
 from reproduce import Cases, run
 
 THINNER = "layers doubled", "layers quadrupled", "ever thinner"
-HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model", *THINNER,
-        "constraints", "time")
+HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rms", "finer grid", "worst", "other model",
+        *THINNER, "constraints", "time")
 
 
 def main():
@@ -81,7 +81,8 @@ def figures(directory):
     lengths = {block: result.length(block) for block in ("baseline", "start", "optimized", "binary")}
     rms = [result.summary[block]["displacement"]["rms"] for block in ("baseline", "binary")]
     return [*(f"{length:.4g}" for length in lengths.values()), f"{lengths['baseline'] / lengths['binary']:.1f}",
-            f"{lengths['start'] / lengths['binary']:.1f}", f"{rms[0] / rms[1]:.1f}", *gains_under_changes(directory), *gains_with_thinner_layers(directory),
+            f"{lengths['start'] / lengths['binary']:.1f}", f"{rms[0] / rms[1]:.1f}",
+            *gains_under_changes(directory), *gains_with_thinner_layers(directory),
             "satisfied" if result.summary["feasible"] else f"violated by {result.summary['worst_constraint']:.1%}",
             duration(result.summary["seconds"]["total"])]
 
@@ -95,7 +96,7 @@ def gains_of(directory):
 
 
 def gains_with_thinner_layers(directory):
-    """With layers doubled and quadrupled, beside planar ones of that number, and what this tends to; dashes where there is none."""
+    """With twice and four times as many layers, planar ones too, and what this tends to, or dashes."""
     gains = gains_of(directory)
     if not gains:
         return ["–"] * len(THINNER)

@@ -81,7 +81,7 @@ class RegionTest(FabseqTest):
             self.assertIsNotNone(run.json("summary.json")["optimized"]["deposition"]["follow"])
 
     def test_automatic(self):
-        """Leaves out what is not built in iterations with a rank per group, sharp layers and more than one block."""
+        """Built in iterations if there are a rank per group, sharp layers and several blocks; else whole."""
         def first(config, groups, region):
             return self.optimize(config, 2, 1, "-layer_groups", groups, "-solver_region", region).history()[0]["objective"]
 
