@@ -186,7 +186,7 @@ def count_heat(solver, group, groups, rows):
 def count_elastic(solver, blocks, iterations, groups):
     if groups > 1:
         solver.collective("allreduce", "across", 8)
-        solver.collective("allreduce", "across", 4 * len(iterations))
+        solver.collective("allreduce", "across", 8 * len(iterations))  # of layers: the largest and all
         if solver.phase == "primal":
             solver.collective("allreduce", "across", round(solver.system.own_box_nodes()) * 3 * DOUBLE)
     for first, lanes in blocks:

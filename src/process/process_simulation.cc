@@ -15,7 +15,7 @@ namespace {
 /// Throws NumericalError naming the first of the layers whose solve did not converge; else raises the layers'
 /// iterations to those of the solves, and adds these to the layers' work.
 void note_solves(const std::vector<SolveReport>& reports, int layer, const char* what,
-                 std::vector<int>& iterations, std::vector<double>& work) {
+                 std::vector<int>& iterations, std::vector<int>& work) {
   for (const SolveReport& report : reports) {
     if (!report.converged || !std::isfinite(report.residual))
       throw NumericalError(
@@ -121,12 +121,16 @@ std::vector<double> ProcessSimulation<Dim>::work_of(const LayerDensities& densit
   return work;
 }
 
-/// `work`: of this group's layers.
+/// Gathers the groups' iterations and work, which is noted as that of the next simulation.
 template <int Dim>
-void ProcessSimulation<Dim>::expect(std::vector<double> work, bool adjoint) {
-  groups_.sum(work);
-  if (expected_work_.size() != 2 * work.size()) expected_work_.assign(2 * work.size(), 0.0);
-  std::ranges::copy(work, expected_work_.begin() + (adjoint ? std::ssize(work) : 0));
+void ProcessSimulation<Dim>::gather(std::vector<int>& iterations, std::span<const int> work, bool adjoint) {
+  std::vector<int> both = iterations;
+  both.insert(both.end(), work.begin(), work.end());
+  groups_.sum(both);
+  const auto layers = std::ssize(work);
+  std::copy_n(both.begin(), layers, iterations.begin());
+  if (std::ssize(expected_work_) != 2 * layers) expected_work_.assign(2 * work.size(), 0.0);
+  std::copy_n(both.begin() + layers, layers, expected_work_.begin() + (adjoint ? layers : 0));
 }
 
 template <int Dim>
@@ -142,7 +146,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   }
   result_.iterations.assign(layers, 0);
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
-  std::vector<double> work(layers, 0.0);
+  std::vector<int> work(layers, 0);
   groups_.run([&] {
     Room room(work);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
@@ -154,8 +158,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   if (solver_->saves_memory()) solver_->give_back_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     groups_.sum(result_.of_case(number).displacement);
-  groups_.sum(result_.iterations);
-  expect(std::move(work), /*adjoint=*/false);
+  gather(result_.iterations, work, /*adjoint=*/false);
   for (std::size_t number = 0; release_ && number < result_.case_count(); ++number) {
     const std::vector<double> forces = reactions(densities, number);
     result_.of_case(number).release = in_first_group([&] { return release_->displacement(forces); });
@@ -248,15 +251,14 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
       own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
   adjoint_loads_.update(densities, result_, functionals);
-  std::vector<double> work(densities.count(), 0.0);
+  std::vector<int> work(densities.count(), 0);
   groups_.run([&] {
     Room room(work);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, all, room);
   });
   if (solver_->saves_memory()) solver_->give_back_memory();
-  groups_.sum(adjoint_iterations_);
-  expect(std::move(work), /*adjoint=*/true);
+  gather(adjoint_iterations_, work, /*adjoint=*/true);
 }
 
 /// The block's operators are set up once for all functionals, which come as many at a time as the solver can

@@ -98,13 +98,13 @@ class ProcessSimulation {
   };
   /// Vectors that one block leaves to the next.
   struct Room {
-    explicit Room(std::vector<double>& work_) : work(work_) {}
+    explicit Room(std::vector<int>& work_) : work(work_) {}
 
     std::vector<LaneVector> loads, solutions;
     LaneVector increments;                    ///< on all owned nodes
     const LaneVector* spread_from = nullptr;  ///< the result's increments that these are; nullptr: others
     std::vector<typename Deposition<Dim>::Missing> missing;
-    std::vector<double>& work;  ///< iterations of all solves of each layer
+    std::vector<int>& work;  ///< iterations of all solves of each layer
   };
   int owned_nodes() const;
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
@@ -118,7 +118,7 @@ class ProcessSimulation {
   std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
   void set_operators(const LayerDensities& densities, const BlockRegion& region, bool changed);
   std::vector<double> work_of(const LayerDensities& densities) const;
-  void expect(std::vector<double> work, bool adjoint);
+  void gather(std::vector<int>& iterations, std::span<const int> work, bool adjoint);
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
