@@ -1,32 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/process_simulation.h"
 
-#include "fabseq/base/error.h"
-#include "fabseq/base/formatted.h"
-#include "fabseq/solve/solver_settings.h"
-
 #include <algorithm>
-#include <cmath>
+#include <iterator>
+#include <utility>
 
 namespace fabseq {
 
 namespace {
-
-/// Throws NumericalError naming the first of the layers whose solve did not converge; else raises the layers'
-/// iterations to those of the solves, and adds these to the layers' work.
-void note_solves(const std::vector<SolveReport>& reports, int layer, const char* what,
-                 std::vector<int>& iterations, std::vector<int>& work) {
-  for (const SolveReport& report : reports) {
-    if (!report.converged || !std::isfinite(report.residual))
-      throw NumericalError(
-          formatted("layer %d: the elastic %s solve did not converge: %d iterations, relative "
-                    "preconditioned residual %g (%s)",
-                    layer + 1, what, report.iterations, report.residual, report.reason.c_str()));
-    iterations[layer] = std::max(iterations[layer], report.iterations);
-    work[layer] += report.iterations;
-    ++layer;
-  }
-}
 
 /// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
 LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
@@ -121,22 +102,15 @@ std::vector<double> ProcessSimulation<Dim>::work_of(const LayerDensities& densit
   return work;
 }
 
-/// Gathers the groups' iterations and work, which is noted as that of the next simulation.
 template <int Dim>
-void ProcessSimulation<Dim>::gather(std::vector<int>& iterations, std::span<const int> work, bool adjoint) {
-  std::vector<int> both = iterations;
-  both.insert(both.end(), work.begin(), work.end());
-  groups_.sum(both);
-  const auto layers = std::ssize(work);
-  std::copy_n(both.begin(), layers, iterations.begin());
-  if (std::ssize(expected_work_) != 2 * layers) expected_work_.assign(2 * work.size(), 0.0);
-  std::copy_n(both.begin() + layers, layers, expected_work_.begin() + (adjoint ? layers : 0));
+void ProcessSimulation<Dim>::expect(const std::vector<int>& work, bool adjoint) {
+  if (expected_work_.size() != 2 * work.size()) expected_work_.assign(2 * work.size(), 0.0);
+  std::ranges::copy(work, expected_work_.begin() + (adjoint ? std::ssize(work) : 0));
 }
 
 template <int Dim>
 const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities, StrainField strains) {
   elements_.set_strains(std::move(strains));
-  const auto layers = static_cast<std::size_t>(densities.count());
   deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
   regions_.clear();
@@ -144,11 +118,10 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     result_.of_case(number).displacement.assign(model_.domain.fixed.size(), 0.0);
     result_.of_case(number).increments.resize(result_.blocks.size());
   }
-  result_.iterations.assign(layers, 0);
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
-  std::vector<int> work(layers, 0);
+  SolveCount count(densities.count());
   groups_.run([&] {
-    Room room(work);
+    Room room(count);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
       const LayerBlock& block = result_.blocks[number];
       regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
@@ -158,7 +131,9 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   if (solver_->saves_memory()) solver_->give_back_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     groups_.sum(result_.of_case(number).displacement);
-  gather(result_.iterations, work, /*adjoint=*/false);
+  count.gather(groups_);
+  expect(count.all, /*adjoint=*/false);
+  result_.iterations = std::move(count.largest);
   for (std::size_t number = 0; release_ && number < result_.case_count(); ++number) {
     const std::vector<double> forces = reactions(densities, number);
     result_.of_case(number).release = in_first_group([&] { return release_->displacement(forces); });
@@ -210,7 +185,7 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
       pick(room.solutions[i], result_.nodes, result_.of_case(first + i).increments[number]);
-      note_solves(reports[i], block.first, "forward", result_.iterations, room.work);
+      room.count.add(reports[i], block.first, "forward");
     }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
@@ -237,7 +212,6 @@ template <int Dim>
 void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
                                        std::span<const ProcessAdjoint> functionals,
                                        std::span<const ProcessDerivatives> derivatives) {
-  adjoint_iterations_.assign(densities.count(), 0);
   std::vector<Functional> all;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
     const std::vector<double>& of_release = functionals[i].release;
@@ -251,14 +225,16 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
       own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
     }
   adjoint_loads_.update(densities, result_, functionals);
-  std::vector<int> work(densities.count(), 0);
+  SolveCount count(densities.count());
   groups_.run([&] {
-    Room room(work);
+    Room room(count);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
       pull_back_block(densities, number, all, room);
   });
   if (solver_->saves_memory()) solver_->give_back_memory();
-  gather(adjoint_iterations_, work, /*adjoint=*/true);
+  count.gather(groups_);
+  expect(count.all, /*adjoint=*/true);
+  adjoint_iterations_ = std::move(count.largest);
 }
 
 /// The block's operators are set up once for all functionals, which come as many at a time as the solver can
@@ -303,7 +279,7 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
   }
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    note_solves(reports[i], block.first, "adjoint", adjoint_iterations_, room.work);
+    room.count.add(reports[i], block.first, "adjoint");
     if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
     add_derivatives(densities, number, *functionals[i], &adjoints[i], room);
   }

@@ -9,6 +9,7 @@
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_result.h"
 #include "fabseq/process/release.h"
+#include "fabseq/process/solve_count.h"
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
@@ -98,13 +99,13 @@ class ProcessSimulation {
   };
   /// Vectors that one block leaves to the next.
   struct Room {
-    explicit Room(std::vector<int>& work_) : work(work_) {}
+    explicit Room(SolveCount& count_) : count(count_) {}
 
     std::vector<LaneVector> loads, solutions;
     LaneVector increments;                    ///< on all owned nodes
     const LaneVector* spread_from = nullptr;  ///< the result's increments that these are; nullptr: others
     std::vector<typename Deposition<Dim>::Missing> missing;
-    std::vector<int>& work;  ///< iterations of all solves of each layer
+    SolveCount& count;
   };
   int owned_nodes() const;
   void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
@@ -118,7 +119,7 @@ class ProcessSimulation {
   std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
   void set_operators(const LayerDensities& densities, const BlockRegion& region, bool changed);
   std::vector<double> work_of(const LayerDensities& densities) const;
-  void gather(std::vector<int>& iterations, std::span<const int> work, bool adjoint);
+  void expect(const std::vector<int>& work, bool adjoint);
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;
