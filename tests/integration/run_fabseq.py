@@ -40,6 +40,7 @@ ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": 
                "OMP_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when_idle": "1",
                "OMPI_MCA_pml": "ob1",  # what Open MPI takes here, too, after it has looked for networks
+               "OMPI_MCA_orte_allowed_exit_without_sync": "1",  # scripts/environment.sh says why
                "OMPI_MCA_ess_singleton_isolated": "1",  # a program without mpirun starts no daemon of Open MPI
                "HWLOC_COMPONENTS": "-gl",  # mpirun would be killed when an X server that it has looked at goes away
                "ASAN_OPTIONS": "detect_leaks=0:detect_odr_violation=0"}
