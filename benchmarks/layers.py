@@ -41,7 +41,8 @@ def measure(options, layers, ranks, targets, directory):
 def fitting_targets(config, count):
     """Options that keep N times the thickness target what it is in the config, which has `count` layers, for
     any number of layers N."""
-    targets = {i: c["target"] * count for i, c in enumerate(config.get("constraints", [])) if c["type"] == "layer_thickness"}
+    targets = {i: c["target"] * count for i, c in enumerate(config.get("constraints", []))
+               if c["type"] == "layer_thickness"}
     return lambda layers: [word for i, height in targets.items()
                            for word in ("-set", f"constraints.{i}.target={height / layers:.12g}")]
 

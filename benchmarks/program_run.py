@@ -138,7 +138,8 @@ def time_iterations(options, ranks, directory, arguments):
 
 def median_iteration(options, ranks, directory, arguments):
     """Median of every figure of time_iterations(), over all repetitions."""
-    return medians([line for _ in range(options.repetitions) for line in time_iterations(options, ranks, directory, arguments)])
+    return medians([line for _ in range(options.repetitions)
+                    for line in time_iterations(options, ranks, directory, arguments)])
 
 
 def resolved_config(options, directory):

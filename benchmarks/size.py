@@ -38,7 +38,8 @@ def in_box(elements):
 def measure(options, elements, directory):
     arguments = [*in_box(elements), *(["-layers", options.layers] if options.layers else [])]
     size = program_run.problem_size(options, directory, arguments)
-    record = program_run.median_iteration(options, options.ranks, directory, [*arguments, "-layer_groups", options.groups])
+    record = program_run.median_iteration(options, options.ranks, directory,
+                                          [*arguments, "-layer_groups", options.groups])
     return {**size, "box": "x".join(map(str, elements)), "cg_iterations": record.pop("cg") / 2 / size["layer_count"], **record}
 
 

@@ -11,8 +11,8 @@ export HWLOC_COMPONENTS="${HWLOC_COMPONENTS:--gl}"
 # A rank that waits for another leaves its core to others. Otherwise it spins there, and beside busy processes keeps the
 # rank it waits for from running.
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
-# On a busy machine mpirun may see a rank's end before the rank's last message, and would give a run that is done the status
-# 1 ("exiting improperly", https://github.com/open-mpi/ompi/issues/7833).
+# On a busy machine mpirun may see a rank's end before the rank's last message, and would give a run that is done
+# the status 1 ("exiting improperly", https://github.com/open-mpi/ompi/issues/7833).
 export OMPI_MCA_orte_allowed_exit_without_sync="${OMPI_MCA_orte_allowed_exit_without_sync:-1}"
 # mpirun would bind its ranks to the first cores, and a second mpirun its own to the same ones. A job of Slurm has cores
 # of its own.

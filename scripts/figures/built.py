@@ -65,7 +65,7 @@ def parse_cases(parser):
 
 
 def rounds_of(cases, name, arguments):
-    """Runs of a case, in a folder of its own."""
+    """Rounds of the case: its config and settings, in the folder that has its name."""
     own = {"config": cases.config(name), "output": os.path.join(arguments.output, name)}
     return Rounds(argparse.Namespace(**vars(arguments) | own), cases[name]["set"], may_run=not arguments.table)
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/deposition.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace fabseq {
@@ -83,21 +84,21 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
     for (std::size_t k = 0; k < model_.nodes.size(); ++k) owned[model_.nodes[k]] = d_weights(k, lane);
     grid.exchange(1).to_ghosted(owned, of_nodes);
     auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
-    for (std::size_t node = 0; node < of_nodes.size(); ++node) {
-      if (of_nodes[node] == 0.0) continue;
-      std::array<double, corner_count<Dim>> factors;
-      int zeros = 0;
-      for (int number = 0; number < corner_count<Dim>; ++number) {
-        factors[number] = missing[lane][around_[node][number]];
-        zeros += factors[number] == 0.0 ? 1 : 0;
-      }
-      if (zeros > 1) continue;
-      const auto others = products_of_others(factors);
-      for (int number = 0; number < corner_count<Dim>; ++number) {
-        const int e = part_element_[around_[node][number]];
-        if (e >= 0) d_stage[e] += of_nodes[node] * others[number] / part.part_density()[e];
-      }
-    }
+    for (std::size_t node = 0; node < of_nodes.size(); ++node)
+      if (of_nodes[node] != 0.0) add_derivatives_at(around_[node], missing[lane], of_nodes[node], d_stage);
+  }
+}
+
+template <int Dim>
+void Deposition<Dim>::add_derivatives_at(const Around& around, const Missing& missing, double d_weight,
+                                         std::vector<double>& d_stage) const {
+  std::array<double, corner_count<Dim>> factors;
+  for (int number = 0; number < corner_count<Dim>; ++number) factors[number] = missing[around[number]];
+  if (std::ranges::count(factors, 0.0) > 1) return;
+  const auto others = products_of_others(factors);
+  for (int number = 0; number < corner_count<Dim>; ++number) {
+    const int e = part_element_[around[number]];
+    if (e >= 0) d_stage[e] += d_weight * others[number] / model_.part.part_density()[e];
   }
 }
 

@@ -21,8 +21,7 @@ Section<SolverSettings> solver_keys() {
            {.words = "auto gamg multigrid direct", .option = "-reference_method"})
       .key("region", &Its::region,
            "Elements of the systems, in iterations and evaluations: all (whole), or those built by then; "
-           "auto: built in "
-           "iterations where that saves time",
+           "auto: built in iterations where that saves time",
            {.words = "auto whole built", .option = "-solver_region"})
       .key("layer_groups", &Its::layer_groups,
            "Groups of ranks that share the layers; a divisor of the number of ranks",

@@ -80,7 +80,8 @@ class GrowthTest(FabseqTest):
         peaks = [line["peak_memory_bytes"] for line in run.history()]
         self.assertEqual(len(peaks), 500)
         print(f"peak memory after 100 iterations {peaks[99] / MIB:.1f} MiB, after 500 {peaks[-1] / MIB:.1f} MiB")
-        self.assertLess(peaks[-1] - peaks[99], 1.0 * MIB)  # a leak of 2.6 kB per iteration; peaks grow in pieces of the heap, too
+        # A leak of 2.6 kB per iteration; peaks grow in pieces of the heap, too.
+        self.assertLess(peaks[-1] - peaks[99], 1.0 * MIB)
 
 
 if __name__ == "__main__":

@@ -83,7 +83,8 @@ class RegionTest(FabseqTest):
     def test_automatic(self):
         """Built in iterations if there are a rank per group, sharp layers and several blocks; else whole."""
         def first(config, groups, region):
-            return self.optimize(config, 2, 1, "-layer_groups", groups, "-solver_region", region).history()[0]["objective"]
+            run = self.optimize(config, 2, 1, "-layer_groups", groups, "-solver_region", region)
+            return run.history()[0]["objective"]
 
         blunt, few, follow = many_layers(plate_2d()), many_layers(plate_2d()), many_layers(plate_2d())
         blunt["projection"] = {"beta": 30}

@@ -16,8 +16,8 @@ void* map_large_pages(std::size_t bytes);
 void unmap_large_pages(void* place);
 
 /// While one lives, pieces that are given back are kept for the next to come, since the system clears every
-/// page that it grants. A piece that is too small for what comes goes back to the system, so what is held
-/// never exceeds by more than one piece what was in use at once. Local to the rank.
+/// page that it grants. For each new piece from the system, the largest kept one, which was too small, goes
+/// back. Local to the rank.
 class KeptLargePages {
  public:
   KeptLargePages();

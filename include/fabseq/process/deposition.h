@@ -40,6 +40,9 @@ class Deposition {
   /// Places in Missing of the elements at a node; outside its box, the one behind all.
   using Around = std::array<int, corner_count<Dim>>;
 
+  void add_derivatives_at(const Around& around, const Missing& missing, double d_weight,
+                          std::vector<double>& d_stage) const;
+
   const ElasticModel<Dim>& model_;
   ElementHalo<Dim> halo_;
   std::vector<Around> around_;     ///< of Grid::ghosted_nodes()

@@ -82,8 +82,9 @@ class ProcessSimulation {
   /// what the displacement has of it.
   std::vector<double> increment(int layer, bool counted = false) const;
   const LayerGroups& groups() const { return groups_; }
-  /// Iterations that the next simulation is dealt out by, of all solves of each layer: the last one's
-  /// forward, then those of the last pull_back(). Equal work where there are none, or not for as many layers.
+  /// The next simulation is dealt out by these iterations, sums over all solves of each layer: first those of
+  /// the last simulation, then those of the last pull_back(). Without them, or with those of another number
+  /// of layers, all layers count as the same work.
   const std::vector<double>& expected_work() const { return expected_work_; }
   void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }
