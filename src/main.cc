@@ -43,7 +43,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   try {
     output.keep(run, pipeline);
     output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());
-    pipeline.set_region(setup.region_of_iterations());
+    pipeline.set_region(setup.solver.region);
     while (!run.ended()) {
       note_iterations(run.completed());
       stop_if_requested(setup.world());

@@ -74,19 +74,6 @@ void Setup<Dim>::warn_about_method() const {
          "; gamg is taken in its place");
 }
 
-/// A single block has everything.
-template <int Dim>
-SolverRegion Setup<Dim>::region_of_iterations() const {
-  constexpr double least_sharpness = 2.0;  // over the number of layers: below, values change by up to 1e-4
-  if (config.solver.region != SolverRegion::automatic) return config.solver.region;
-  const LayerTraits& traits = this->layers->traits();
-  const bool built = may_leave_out_elements(config.solver, this->grid) &&
-                     may_leave_out_unbuilt(config.process) && !config.layers.multi_planar &&
-                     traits.count > widest_block &&
-                     (binary() || traits.first_beta >= least_sharpness * traits.count);
-  return built ? SolverRegion::built : SolverRegion::whole;
-}
-
 template <int Dim>
 Config Setup<Dim>::resolved() const {
   Config result = config;

@@ -16,7 +16,7 @@ namespace {
 template <int Dim>
 std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model,
                                                          const ElasticModel<Dim>& elastic, double tolerance) {
-  return make_elasticity_solver(model.settings.solver, model.grid, elastic.domain, elastic.element,
+  return make_elasticity_solver(model.solver, model.grid, elastic.domain, elastic.element,
                                 elastic.material.poisson, tolerance, model.lanes);
 }
 

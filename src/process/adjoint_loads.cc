@@ -17,8 +17,8 @@ void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result
   const LaneVector* own = functional.increments.empty() ? nullptr : &functional.increments[block];
   const LaneVector* weights = result.weights.empty() ? nullptr : &result.weights[block];
   std::fill(load.values.begin(), load.values.end(), 0.0);
-  for (std::size_t i = 0; i < result.nodes.size() * load.components; ++i) {
-    const std::size_t to = result.in_field(i, load.components);
+  for (std::size_t i = 0; i < result.nodes[block].size() * load.components; ++i) {
+    const std::size_t to = result.in_field(block, i, load.components);
     const double common = functional.displacement.empty() ? 0.0 : functional.displacement[to];
     for (int lane = 0; lane < load.lanes; ++lane) {
       const double derivative = common + (own != nullptr ? (*own)(i, lane) : 0.0);
@@ -89,7 +89,7 @@ template <int Dim>
 LaneVector AdjointLoads<Dim>::nodal_stiffness(const LayerDensities& densities,
                                               const LayerBlock& block) const {
   const Grid<Dim>& grid = model_.part.grid();
-  const std::vector<double> of_elements = elements_.stiffness(densities, {block, {}});
+  const std::vector<double> of_elements = elements_.stiffness(densities, {block, {}, {}});
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()) * block.lanes, 0.0);
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     for (const int offset : grid.corner_offsets()) {

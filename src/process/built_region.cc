@@ -36,10 +36,15 @@ BlockRegion BuiltRegion<Dim>::of(const LayerDensities& densities, const LayerBlo
   const std::vector<double> region = standing_.with_neighbors(densities, block.first);
   const auto count = static_cast<std::int64_t>(std::count(region.begin(), region.end(), 1.0));
   const auto all = static_cast<std::int64_t>(model_.elements.size());
-  BlockRegion result{block, {}};
+  BlockRegion result{block, {}, {}};
   if (sum(model_.part.grid().comm(), all - count) == 0 || !is_held(region)) return result;
+  std::vector<int> inside;
   result.elements.reserve(model_.elements.size());
-  for (const int element : model_.elements) result.elements.push_back(region[element] > 0.0 ? 1 : 0);
+  for (const int element : model_.elements) {
+    result.elements.push_back(region[element] > 0.0 ? 1 : 0);
+    if (region[element] > 0.0) inside.push_back(element);
+  }
+  result.nodes = touched_nodes(model_.part.grid(), inside);
   return result;
 }
 

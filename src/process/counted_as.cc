@@ -10,8 +10,8 @@ CountedAs<Dim>::CountedAs(DepositionModel model, const ElasticModel<Dim>& elasti
   if (model == DepositionModel::nominal)
     groups.run([&] {
       const Deposition<Dim> deposition(elastic);
-      for (const LayerBlock& block : result.blocks)
-        weights_.push_back(deposition.weights(densities, block.first, block.lanes));
+      for (std::size_t block = 0; block < result.blocks.size(); ++block)
+        weights_.push_back(deposition.weights(densities, result.blocks[block], result.nodes[block]));
     });
   for (auto& displacement : displacements_) displacement.assign(result.displacement.size(), 0.0);
   exchange();

@@ -39,8 +39,9 @@ Deposition<Dim>::Deposition(const ElasticModel<Dim>& model)
           halo_.box().contains(element) ? static_cast<int>(halo_.box().offset(element)) : outside;
     }
   });
-  for (const int node : model.nodes)
-    ghosted_.push_back(static_cast<int>(grid.ghosted_nodes().offset(grid.owned_nodes().index(node))));
+  grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t) {
+    ghosted_.push_back(static_cast<int>(grid.ghosted_nodes().offset(node)));
+  });
   const std::vector<int>& elements = model.part.elements();
   for (std::size_t e = 0; e < elements.size(); ++e)
     part_element_[halo_.box().offset(grid.owned_elements().index(elements[e]))] = static_cast<int>(e);
@@ -60,13 +61,14 @@ typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<dou
 }
 
 template <int Dim>
-LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, int lanes) const {
-  LaneVector result(static_cast<int>(model_.nodes.size()), 1, lanes);
-  for (int lane = 0; lane < lanes; ++lane) {
-    const Missing missing = this->missing(densities.stage[first + lane]);
-    for (std::size_t k = 0; k < ghosted_.size(); ++k) {
+LaneVector Deposition<Dim>::weights(const LayerDensities& densities, const LayerBlock& block,
+                                    std::span<const int> nodes) const {
+  LaneVector result(static_cast<int>(nodes.size()), 1, block.lanes);
+  for (int lane = 0; lane < block.lanes; ++lane) {
+    const Missing missing = this->missing(densities.stage[block.first + lane]);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
       double product = 1.0;
-      for (const int element : around_[ghosted_[k]]) product *= missing[element];
+      for (const int element : around_[ghosted_[nodes[k]]]) product *= missing[element];
       result(k, lane) = 1.0 - product;
     }
   }
@@ -75,13 +77,14 @@ LaneVector Deposition<Dim>::weights(const LayerDensities& densities, int first, 
 
 template <int Dim>
 void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int first,
-                                      const LaneVector& d_weights, DensityDerivatives& derivatives) const {
+                                      std::span<const int> nodes, const LaneVector& d_weights,
+                                      DensityDerivatives& derivatives) const {
   const Part<Dim>& part = model_.part;
   const Grid<Dim>& grid = part.grid();
   std::vector<double> owned(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
   std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()));
   for (int lane = 0; lane < d_weights.lanes; ++lane) {
-    for (std::size_t k = 0; k < model_.nodes.size(); ++k) owned[model_.nodes[k]] = d_weights(k, lane);
+    for (std::size_t k = 0; k < nodes.size(); ++k) owned[nodes[k]] = d_weights(k, lane);
     grid.exchange(1).to_ghosted(owned, of_nodes);
     auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
     for (std::size_t node = 0; node < of_nodes.size(); ++node)

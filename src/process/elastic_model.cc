@@ -3,19 +3,14 @@
 
 namespace fabseq {
 
-namespace {
-
-/// Offsets in Grid::owned_nodes() of the nodes of these elements, offsets in Grid::owned_elements().
 template <int Dim>
-std::vector<int> nodes_of(const Grid<Dim>& grid, const std::vector<int>& elements) {
+std::vector<int> touched_nodes(const Grid<Dim>& grid, const std::vector<int>& elements) {
   const std::vector<char> touched = nodes_of_elements(grid, elements);
   std::vector<int> result;
   for (std::size_t node = 0; node < touched.size(); ++node)
     if (touched[node] != 0) result.push_back(static_cast<int>(node));
   return result;
 }
-
-}  // namespace
 
 template <int Dim>
 ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& supports_,
@@ -49,7 +44,7 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
     elements.push_back(static_cast<int>(offset));
     domain.first_corners.push_back(grid.first_corner(index));
   });
-  nodes = nodes_of(grid, elements);
+  nodes = touched_nodes(grid, elements);
   domain.fixed.resize(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim);
   for (std::size_t node = 0; node < supports.held.size(); ++node)
     std::fill_n(domain.fixed.begin() + static_cast<std::ptrdiff_t>(node * Dim), Dim, supports.held[node]);
@@ -131,6 +126,7 @@ typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(std::span<con
   return result;
 }
 
+FABSEQ_INSTANTIATE_FUNCTION(touched_nodes);
 FABSEQ_INSTANTIATE_STRUCT(ElasticModel);
 
 }  // namespace fabseq

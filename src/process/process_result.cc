@@ -15,7 +15,8 @@ void ProcessResult::add_counted(std::size_t block, CaseDisplacements& of) const 
   for (std::size_t i = 0; i < own.unknowns(); ++i) {
     const double* share = weights.empty() ? nullptr : &weights[block].values[i / own.components * own.lanes];
     for (int lane = 0; lane < own.lanes; ++lane)
-      of.displacement[in_field(i, own.components)] += (share != nullptr ? share[lane] : 1.0) * own(i, lane);
+      of.displacement[in_field(block, i, own.components)] +=
+          (share != nullptr ? share[lane] : 1.0) * own(i, lane);
   }
 }
 
@@ -27,6 +28,7 @@ ProcessResult ProcessResult::combined(std::span<const double> combination, bool 
   }
   if (!with_increments) return result;
   result.blocks = blocks;
+  result.nodes = nodes;
   result.weights = weights;
   for (std::size_t block = 0; block < blocks.size(); ++block)
     result.increments.push_back(combined_increments(combination, block));
@@ -35,7 +37,6 @@ ProcessResult ProcessResult::combined(std::span<const double> combination, bool 
 
 ProcessResult ProcessResult::at_once(std::vector<double> displacement) const {
   ProcessResult result;
-  result.nodes = nodes;
   result.all_layers = all_layers;
   result.iterations = iterations;
   result.displacement = std::move(displacement);

@@ -7,26 +7,6 @@
 
 namespace fabseq {
 
-namespace {
-
-/// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at each node.
-LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
-                              std::size_t block, const LaneVector& increments) {
-  LaneVector weights(increments.nodes, 1, increments.lanes);
-  for (std::size_t i = 0; i < increments.unknowns(); ++i) {
-    const double common = functional.displacement.empty()
-                              ? 0.0
-                              : functional.displacement[result.in_field(i, increments.components)];
-    for (int lane = 0; lane < increments.lanes; ++lane) {
-      const double own = functional.increments.empty() ? 0.0 : functional.increments[block](i, lane);
-      weights(i / increments.components, lane) += (common + own) * increments(i, lane);
-    }
-  }
-  return weights;
-}
-
-}  // namespace
-
 template <int Dim>
 ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
                                           std::unique_ptr<ElasticitySolver<Dim>> solver,
@@ -40,7 +20,6 @@ ProcessSimulation<Dim>::ProcessSimulation(const ElasticModel<Dim>& model,
       supports_(model),
       adjoint_loads_(model, elements_, groups),
       solver_(std::move(solver)) {
-  result_.nodes = model.nodes;
   result_.all_layers = groups.world();
   result_.scenarios = cases_.scenarios;
   result_.other_cases.resize(cases_.cases.size() - 1);
@@ -114,6 +93,7 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
   regions_.clear();
+  result_.nodes.clear();
   for (std::size_t number = 0; number < result_.case_count(); ++number) {
     result_.of_case(number).displacement.assign(model_.domain.fixed.size(), 0.0);
     result_.of_case(number).increments.resize(result_.blocks.size());
@@ -124,7 +104,8 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
     Room room(count);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
       const LayerBlock& block = result_.blocks[number];
-      regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}});
+      regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}, {}});
+      result_.nodes.emplace_back(regions_.back().elements.empty() ? model_.nodes : regions_.back().nodes);
       solve_block(densities, number, room);
     }
   });
@@ -147,7 +128,7 @@ std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& dens
   std::vector<double> result(model_.domain.fixed.size(), 0.0);
   LaneVector increments;
   for (std::size_t block = 0; block < result_.blocks.size(); ++block) {
-    spread(result_.of_case(number).increments[block], result_.nodes, owned_nodes(), increments);
+    spread(result_.of_case(number).increments[block], result_.nodes[block], owned_nodes(), increments);
     supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], regions_[block], increments,
                             result);
   }
@@ -184,11 +165,11 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
     const auto reports =
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
-      pick(room.solutions[i], result_.nodes, result_.of_case(first + i).increments[number]);
+      pick(room.solutions[i], result_.nodes[number], result_.of_case(first + i).increments[number]);
       room.count.add(reports[i], block.first, "forward");
     }
   }
-  if (deposition_) result_.weights[number] = deposition_->weights(densities, block.first, block.lanes);
+  if (deposition_) result_.weights[number] = deposition_->weights(densities, block, result_.nodes[number]);
   for (std::size_t i = 0; i < all; ++i) result_.add_counted(number, result_.of_case(i));
 }
 
@@ -199,8 +180,8 @@ std::vector<double> ProcessSimulation<Dim>::increment(int layer, bool counted) c
       const int lane = layer - deal_.blocks[group][number].first;
       if (lane < 0 || lane >= deal_.blocks[group][number].lanes) continue;
       std::vector<double> result(result_.displacement.size());
-      for (std::size_t i = 0; group == groups_.index() && i < result_.nodes.size() * Dim; ++i)
-        result[result_.in_field(i, Dim)] =
+      for (std::size_t i = 0; group == groups_.index() && i < result_.nodes[number].size() * Dim; ++i)
+        result[result_.in_field(number, i, Dim)] =
             counted ? result_.counted(number, i, lane) : result_.increments[number](i, lane);
       groups_.broadcast(group, result);
       return result;
@@ -298,13 +279,14 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
   StrainField not_asked_for;
   if (adjoint != nullptr) {
     // Functionals of the same block share its increments.
-    if (room.spread_from != &increments) spread(increments, result_.nodes, owned_nodes(), room.increments);
+    if (room.spread_from != &increments)
+      spread(increments, result_.nodes[number], owned_nodes(), room.increments);
     room.spread_from = combination.empty() ? &increments : nullptr;
     elements_.add_derivatives(densities, regions_[number], cases_.factors(combination), room.increments,
                               *adjoint, *to.densities, to.strains != nullptr ? *to.strains : not_asked_for);
   }
   if (deposition_)
-    deposition_->add_derivatives(room.missing, result_.blocks[number].first,
+    deposition_->add_derivatives(room.missing, result_.blocks[number].first, result_.nodes[number],
                                  weight_derivatives(*functional.from, result_, number, increments),
                                  *to.densities);
   if (to.sink != nullptr) to.sink->hand_on();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/solve/solvers.h"
 
-#include "fabseq/base/mpi.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "solve/lane_elasticity.h"
 #include "solve/lane_heat.h"
@@ -19,12 +18,6 @@ AssembledSolverSettings assembled_settings(const SolverSettings& settings, const
 
 LaneCycle lane_cycle(const SolverSettings& settings) {
   return {.kind = settings.cycle, .degree = settings.smoother_degree};
-}
-
-template <int Dim>
-bool may_leave_out_elements(const SolverSettings& settings, const Grid<Dim>& grid) {
-  if (settings.region != SolverRegion::automatic) return settings.region == SolverRegion::built;
-  return settings.path == SolverPath::lanes && size_of(grid.comm()) == 1;
 }
 
 namespace {
@@ -58,7 +51,7 @@ std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& s
     return make_conduction_solver(settings, grid, of, /*lumped=*/true, step_tolerance({tolerance}), lanes,
                                   LaneHeat<Dim>::cycle_of_steps());
   };
-  if (!may_leave_out_elements(settings, grid)) return make(domain);
+  if (settings.region != SolverRegion::built) return make(domain);
   return std::make_unique<RegionHeat<Dim>>(RegionPool<Dim, HeatSolver<Dim>>(grid, domain, make));
 }
 
@@ -76,11 +69,10 @@ std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettin
                                                    reference, lanes);
     return std::make_unique<ReferenceElasticity<Dim>>(grid, of, element.stiffness(), reference);
   };
-  if (!may_leave_out_elements(settings, grid)) return make(domain);
+  if (settings.region != SolverRegion::built) return make(domain);
   return std::make_unique<RegionElasticity<Dim>>(RegionPool<Dim, ElasticitySolver<Dim>>(grid, domain, make));
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(may_leave_out_elements);
 FABSEQ_INSTANTIATE_FUNCTION(make_heat_solver);
 FABSEQ_INSTANTIATE_FUNCTION(make_temperature_solver);
 FABSEQ_INSTANTIATE_FUNCTION(make_elasticity_solver);

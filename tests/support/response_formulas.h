@@ -28,7 +28,7 @@ struct Formulas {
       for (int lane = 0; lane < state.process.increments[block].lanes; ++lane) {
         std::vector<double> counted(state.process.displacement.size());
         for (std::size_t i = 0; i < state.process.increments[block].unknowns(); ++i)
-          counted[state.process.in_field(i, Dim)] = state.process.counted(block, i, lane);
+          counted[state.process.in_field(block, i, Dim)] = state.process.counted(block, i, lane);
         increments.push_back(whole_node_field<Dim>(grid, counted, Dim));
       }
     for (const auto& stage : state.layers.stage) stages.push_back(whole_part_field(part, stage));

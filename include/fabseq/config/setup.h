@@ -27,9 +27,6 @@ class Setup : public Model<Dim> {
   /// The effective config with the number that the characteristic length comes to: a design means another
   /// pseudo-time with another one, whatever layers it is cut into. Not collective.
   Json effective() const;
-  /// Elements of the systems in an optimization's iterations: as asked; else those that are built, where that
-  /// saves time and hardly changes a value (docs/formulation.md 4.8). Not collective.
-  SolverRegion region_of_iterations() const;
   /// 1 on the owned elements of the substrate, as a field for files.
   std::vector<double> substrate_field() const {
     const auto& elements = this->part.substrate().elements();

@@ -55,6 +55,7 @@ class Model {
   const RunSize& size;
   int lanes;                     ///< layers solved side by side at most
   double characteristic_length;  ///< l_c, length unit
+  SolverSettings solver;         ///< with the region of an optimization's iterations
 
   /// All ranks of the run; the grid has a communicator of its own.
   MPI_Comm world() const { return groups.world(); }

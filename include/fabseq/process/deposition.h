@@ -4,9 +4,11 @@
 #include "fabseq/grid/element_halo.h"
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
+#include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/process/elastic_model.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace fabseq {
@@ -24,8 +26,9 @@ class Deposition {
   /// The model must outlive the object. Collective.
   explicit Deposition(const ElasticModel<Dim>& model);
 
-  /// w of the layers first ... first + lanes - 1 on the nodes of the model, one component.
-  LaneVector weights(const LayerDensities& densities, int first, int lanes) const;
+  /// w of the layers of a block on some of this rank's nodes, one component.
+  LaneVector weights(const LayerDensities& densities, const LayerBlock& block,
+                     std::span<const int> nodes) const;
   /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic), and 1
   /// behind them; 1 in the void, 0 in the substrate. Gathered once, it serves the derivatives of all
   /// functionals.
@@ -33,8 +36,8 @@ class Deposition {
   Missing missing(const std::vector<double>& stage) const;
   /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of the
   /// layers from `first` on.
-  void add_derivatives(const std::vector<Missing>& missing, int first, const LaneVector& d_weights,
-                       DensityDerivatives& derivatives) const;
+  void add_derivatives(const std::vector<Missing>& missing, int first, std::span<const int> nodes,
+                       const LaneVector& d_weights, DensityDerivatives& derivatives) const;
 
  private:
   /// Places in Missing of the elements at a node; outside its box, the one behind all.
@@ -46,7 +49,7 @@ class Deposition {
   const ElasticModel<Dim>& model_;
   ElementHalo<Dim> halo_;
   std::vector<Around> around_;     ///< of Grid::ghosted_nodes()
-  std::vector<int> ghosted_;       ///< the model's nodes in Grid::ghosted_nodes()
+  std::vector<int> ghosted_;       ///< Grid::owned_nodes() in Grid::ghosted_nodes()
   std::vector<int> part_element_;  ///< this rank's part element at each place in Missing, or -1
 };
 

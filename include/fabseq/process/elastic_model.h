@@ -109,4 +109,9 @@ struct ElasticModel {
   }
 };
 
+/// This rank's nodes, ascending offsets in Grid::owned_nodes(), that elements of any rank touch. `elements`:
+/// offsets in Grid::owned_elements(). Collective on the grid's communicator.
+template <int Dim>
+std::vector<int> touched_nodes(const Grid<Dim>& grid, const std::vector<int>& elements);
+
 }  // namespace fabseq

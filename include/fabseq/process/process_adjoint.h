@@ -6,6 +6,7 @@
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/density_sink.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/process_result.h"
 
 #include <cstddef>
 #include <span>
@@ -27,6 +28,11 @@ struct ProcessAdjoint {
 /// The same sum of functionals with one of them for each case, if that makes them fewer: each costs an
 /// adjoint solve. Local; ranks with the same numbers of functionals get the same number.
 std::vector<ProcessAdjoint> reduced(std::vector<ProcessAdjoint> functionals, std::size_t cases);
+
+/// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at the nodes of a block of layers, for its increments of the
+/// functional's combination. Not collective.
+LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
+                              std::size_t block, const LaneVector& increments);
 
 /// Where the derivatives of a functional by densities and strains go.
 struct ProcessDerivatives {

@@ -25,12 +25,12 @@ struct CaseDisplacements {
 
 /// What a simulated process leads to, with the strain as given and with the other cases of StrainCases.
 struct ProcessResult : CaseDisplacements {
-  std::span<const int> nodes;  ///< those of the model, ElasticModel::nodes: no others have increments
-  MPI_Comm all_layers = MPI_COMM_NULL;  ///< the ranks that together have the increments of all layers
-  std::vector<LayerBlock> blocks;       ///< the layers of this rank's group
-  std::vector<LaneVector>
-      weights;  ///< share of increments that counts (Deposition), [one of `nodes`][lane]; empty: all
-  std::vector<int> iterations;  ///< of each layer's solve, all layers; of all cases the largest
+  MPI_Comm all_layers = MPI_COMM_NULL;      ///< the ranks that together have the increments of all layers
+  std::vector<LayerBlock> blocks;           ///< the layers of this rank's group
+  std::vector<std::span<const int>> nodes;  ///< by block: this rank's nodes that have increments, ascending
+  std::vector<LaneVector> weights;  ///< share of increments that counts (Deposition), [one of the block's
+                                    ///< `nodes`][lane]; empty: all
+  std::vector<int> iterations;      ///< of each layer's solve, all layers; of all cases the largest
   std::vector<CaseDisplacements> other_cases;
   std::vector<std::vector<double>> scenarios;  ///< combinations of the cases, StrainCases::scenarios
 
@@ -40,9 +40,9 @@ struct ProcessResult : CaseDisplacements {
     if (weights.empty()) return increment(unknown, lane);
     return weights[block](unknown / increment.components, lane) * increment(unknown, lane);
   }
-  /// Where an unknown of the increments is in fields of all owned nodes.
-  std::size_t in_field(std::size_t unknown, int components) const {
-    return static_cast<std::size_t>(nodes[unknown / components]) * components + unknown % components;
+  /// Where an unknown of the increments of a block is in fields of all owned nodes.
+  std::size_t in_field(std::size_t block, std::size_t unknown, int components) const {
+    return static_cast<std::size_t>(nodes[block][unknown / components]) * components + unknown % components;
   }
   /// Adds what counts of the increments of a block to the displacement, both of one case.
   void add_counted(std::size_t block, CaseDisplacements& of) const;
@@ -54,8 +54,8 @@ struct ProcessResult : CaseDisplacements {
   /// The result for a combination of the cases, which has no other cases; increments, which take memory, only
   /// if asked for.
   ProcessResult combined(std::span<const double> combination, bool with_increments) const;
-  /// The result of a process on these nodes that leads to a displacement at once: it has no increments, other
-  /// cases or release.
+  /// The result of a process that leads to a displacement at once: it has no increments, other cases or
+  /// release.
   ProcessResult at_once(std::vector<double> displacement) const;
   /// Increments of a block for a combination of the cases.
   LaneVector combined_increments(std::span<const double> combination, std::size_t block) const;

@@ -28,27 +28,22 @@ AssembledSolverSettings assembled_settings(const SolverSettings& settings, const
 /// The multigrid cycle of the lane solvers for elasticity.
 LaneCycle lane_cycle(const SolverSettings& settings);
 
-/// Whether solvers of elasticity and of temperature can leave out elements: if `solver.region` asks for it,
-/// and, with "auto", where it can pay: ranks that share the box would wait for those that have more of the
-/// elements.
-template <int Dim>
-bool may_leave_out_elements(const SolverSettings& settings, const Grid<Dim>& grid);
 /// A solver for a sequence's heat equation, a thousand times closer than `tolerance` of the run. `lanes`:
 /// right-hand sides side by side at most. Grid and domain must outlive it. Collective.
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_heat_solver(const SolverSettings& settings, const Grid<Dim>& grid,
                                                   const SystemDomain& domain, bool lumped, double tolerance,
                                                   int lanes);
-/// A solver for the steps of heat conduction in time, without elements that have no diffusivity, where
-/// they may be left out. Ten times closer than `tolerance` of the run, with a lumped capacity
-/// and a V-cycle. Else as make_heat_solver().
+/// A solver for the steps of heat conduction in time, without elements that have no diffusivity where
+/// `settings.region` is `built`. Ten times closer than `tolerance` of the run, with a lumped capacity and a
+/// V-cycle. Else as make_heat_solver().
 template <int Dim>
 std::unique_ptr<HeatSolver<Dim>> make_temperature_solver(const SolverSettings& settings,
                                                          const Grid<Dim>& grid, const SystemDomain& domain,
                                                          double tolerance, int lanes);
 /// A solver for elasticity to `tolerance` of the run. `lanes`: layers side by side at most. Grid and domain
-/// must outlive it. Leaves out elements without stiffness in all layers of a block, where it may.
-/// Collective.
+/// must outlive it. Leaves out elements without stiffness in all layers of a block where `settings.region` is
+/// `built`. Collective.
 template <int Dim>
 std::unique_ptr<ElasticitySolver<Dim>> make_elasticity_solver(const SolverSettings& settings,
                                                               const Grid<Dim>& grid,
