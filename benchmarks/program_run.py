@@ -85,9 +85,10 @@ def method_options(method, tolerance):
 
 
 def run(options, ranks, directory, arguments, **more):
-    """What the program printed."""
+    """What the program printed. The options behind -- come first, so that the script's own win, such as a single
+    layer where nothing is timed."""
     command = [*options.launcher.format(ranks=ranks).split(), options.program, "-config", options.config, "-output", directory,
-               "-overwrite", *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments), *options.rest]
+               "-overwrite", *options.rest, *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments)]
     return run_command(command, **more).stdout
 
 
@@ -133,7 +134,7 @@ def time_iterations(options, ranks, directory, arguments):
     """Of each iteration after the warm-up: seconds by phase, CG iterations of all layers, memory's peak."""
     return [{**line["seconds"], "gigabytes": line["peak_memory_bytes"] / 1e9,
              "cg": sum(sum(line["solver_iterations"][kind]) for kind in ("primal", "adjoint"))}
-            for line in iterate(options, ranks, directory, arguments)[options.warm_up:]]
+            for line in iterate_only(options, ranks, directory, arguments)[options.warm_up:]]
 
 
 def median_iteration(options, ranks, directory, arguments):

@@ -18,13 +18,12 @@ import os
 import sys
 
 import needs_packages  # noqa: F401 (before any package)
-from fabseq_tools.run.command_line import RunError, run_program, run_script
+from fabseq_tools.run.command_line import RunError, run_script
 
 from built import THINNER, gains_of, gains_with_thinner_layers, parse_cases, parser_of_cases, print_line, rounds_of
 from fabseq_tools.study.compare_families import FIRST, add_scan, check_scan
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.figures import COLUMNS, cells, headings
-from fabseq_tools.study.rounds import settings_of
 
 
 def main():
@@ -52,17 +51,12 @@ def kinds(comparison, arguments):
         yield cells(row, FIRST[0], COLUMNS)
 
 
-def thinner(comparison, arguments):
+def thinner(comparison, _):
     """The row of guided layers."""
     family, rounds = comparison.families.guided(), comparison.rounds
     rounds.run(*family.run())
-    directory = rounds.path(f"{family.name}_thinner")
-    if not gains_of(directory) and not arguments.table:
-        design = os.path.join(rounds.path(family.name), "result.h5")
-        words = [*settings_of(family.settings), "-design", design, "-overwrite", "-output", directory]
-        run_program(rounds.arguments, rounds.arguments.config, "sensitivity", *words)
-    gains = gains_of(directory)
-    yield [f"{gains['unchanged']:.1f}" if gains else "–", *gains_with_thinner_layers(directory)]
+    directory = rounds.sensitivity(f"{family.name}_thinner", family.settings, os.path.join(rounds.path(family.name), "result.h5"))
+    yield [f"{gains_of(directory)['unchanged']:.1f}", *gains_with_thinner_layers(directory)]
 
 
 def comparison(cases, name, arguments):

@@ -8,10 +8,9 @@ namespace fabseq {
 template <int Dim>
 PartTemperature<Dim>::PartTemperature(const Model<Dim>& model, double tolerance)
     : thermal(model.part, {model.settings.thermal.value(), model.settings.material, model.settings.process}),
-      simulation(
-          thermal,
-          make_temperature_solver(model.solver, model.grid, thermal.domain, tolerance, model.lanes),
-          model.groups, model.lanes) {}
+      simulation(thermal,
+                 make_temperature_solver(model.solver, model.grid, thermal.domain, tolerance, model.lanes),
+                 model.groups, model.lanes) {}
 
 FABSEQ_INSTANTIATE_STRUCT(PartTemperature);
 

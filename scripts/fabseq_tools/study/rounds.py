@@ -60,7 +60,7 @@ class Rounds:
         """The finished run of these settings (of -set, by path). A folder with just this run is only looked
         at; an optimization that was interrupted goes on. Raises RunError if the program refuses or fails."""
         directory, words = self.path(name), [*settings_of(settings), *map(str, options)]
-        asked = {"config": self.config, "task": task, "options": words, "rest": self.arguments.rest}
+        asked = self.asked(task, words)
         done = self.finished(name, asked)
         if done:
             return done
@@ -74,6 +74,25 @@ class Rounds:
         run_program(self.arguments, self.arguments.config, task, *words, *again, "-output", directory)
         return Run(directory, simulations=True)
 
+    def sensitivity(self, name, settings, design):
+        """The folder with the table of -task sensitivity of a design, a file, under these settings. One of just
+        these settings that is not older than the design is only looked at."""
+        directory, words = self.path(name), [*settings_of(settings), "-design", design]
+        asked, table = self.asked("sensitivity", words), os.path.join(directory, "sensitivity.json")
+        if self.note(name) == asked and os.path.exists(table) and os.path.getmtime(table) >= os.path.getmtime(design):
+            return directory
+        if not self.may_run:
+            raise RunError(f"{directory}: holds no table of this design and these settings")
+        if os.path.exists(table):
+            os.remove(table)
+        write_json(self.path(f"{name}.json"), asked)
+        run_program(self.arguments, self.arguments.config, "sensitivity", *words, "-overwrite", "-output", directory)
+        return directory
+
+    def asked(self, task, words):
+        """As note() reads it."""
+        return json.loads(json.dumps({"config": self.config, "task": task, "options": words, "rest": self.arguments.rest}))
+
     def note(self, name):
         """What the last run of that name was asked for; None without one."""
         try:
@@ -83,7 +102,7 @@ class Rounds:
 
     def finished(self, name, asked):
         """None unless the folder holds the result of just that."""
-        if self.note(name) != json.loads(json.dumps(asked)):
+        if self.note(name) != asked:
             return None
         try:
             run = Run(self.path(name), simulations=True)
