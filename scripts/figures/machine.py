@@ -55,7 +55,8 @@ def thinner(comparison, _):
     """The row of guided layers."""
     family, rounds = comparison.families.guided(), comparison.rounds
     rounds.run(*family.run())
-    directory = rounds.sensitivity(f"{family.name}_thinner", family.settings, os.path.join(rounds.path(family.name), "result.h5"))
+    design = os.path.join(rounds.path(family.name), "result.h5")
+    directory = rounds.sensitivity(f"{family.name}_thinner", family.settings, design)
     yield [f"{gains_of(directory)['unchanged']:.1f}", *gains_with_thinner_layers(directory)]
 
 

@@ -91,7 +91,8 @@ class Rounds:
 
     def asked(self, task, words):
         """As note() reads it."""
-        return json.loads(json.dumps({"config": self.config, "task": task, "options": words, "rest": self.arguments.rest}))
+        asked = {"config": self.config, "task": task, "options": words, "rest": self.arguments.rest}
+        return json.loads(json.dumps(asked))
 
     def note(self, name):
         """What the last run of that name was asked for; None without one."""
