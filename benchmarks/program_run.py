@@ -85,8 +85,8 @@ def method_options(method, tolerance):
 
 
 def run(options, ranks, directory, arguments, **more):
-    """What the program printed. The options behind -- come first, so that the script's own win, such as a single
-    layer where nothing is timed."""
+    """What the program printed. The options behind -- come first, so that the script's own win, such as a
+    single layer where nothing is timed."""
     command = [*options.launcher.format(ranks=ranks).split(), options.program, "-config", options.config, "-output", directory,
                "-overwrite", *options.rest, *(f"{a:.3g}" if isinstance(a, float) else a for a in arguments)]
     return run_command(command, **more).stdout

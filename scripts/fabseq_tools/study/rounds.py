@@ -75,8 +75,8 @@ class Rounds:
         return Run(directory, simulations=True)
 
     def sensitivity(self, name, settings, design):
-        """The folder with the table of -task sensitivity of a design, a file, under these settings. One of just
-        these settings that is not older than the design is only looked at."""
+        """The folder with the table of -task sensitivity of a design, a file, under these settings. One of
+        just these settings that is not older than the design is only looked at."""
         directory, words = self.path(name), [*settings_of(settings), "-design", design]
         asked, table = self.asked("sensitivity", words), os.path.join(directory, "sensitivity.json")
         if self.note(name) == asked and os.path.exists(table) and os.path.getmtime(table) >= os.path.getmtime(design):
