@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 """fabseq-tools tradeoff and compare-families on a tiny part: tables, pictures, the page, what runs once."""
 
+import argparse
 import csv
 import json
 import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 
@@ -20,6 +22,7 @@ from fabseq_tools.run.settings import put
 from fabseq_tools.study.comparison import strains
 from fabseq_tools.study.families import Families
 from fabseq_tools.study.figures import row_of
+from fabseq_tools.study.rounds import Rounds
 from fabseq_tools.study.tradeoff import LIMITS, later_schedule, values_of
 from fabseq_tools.run.read_run import Run
 
@@ -238,6 +241,34 @@ class CompareFamilies(StudyTest):
         self.assertEqual(run.returncode, 2)
         self.assertIn("domain is missing", run.stderr)
         self.assertRaises(RunError, values_of, type("Words", (), {"values": ["x"]}), LIMITS["tilt"], {})
+
+
+class SensitivityTest(FabseqTest):
+    def test_a_table_is_as_new_as_its_design(self):
+        """With a program that only writes a table, and counts its runs."""
+        program, design = os.path.join(self.directory, "program"), os.path.join(self.directory, "result.h5")
+        with open(program, "w", encoding="utf-8") as file:
+            file.write('#!/bin/bash\nmkdir -p "${@: -1}"; echo {} > "${@: -1}/sensitivity.json"; echo >> "$0.runs"\n')
+        os.chmod(program, 0o755)
+        words = {"config": self.write_config(hook()), "output": os.path.join(self.directory, "out"), "ranks": 1,
+                 "program": program, "rest": []}
+        rounds = Rounds(argparse.Namespace(**words))
+
+        def runs_after(settings, age):
+            """How often the program has run once the table of a design of that age, in seconds, was asked for."""
+            with open(design, "w", encoding="utf-8"):
+                os.utime(design, (time.time() - age,) * 2)
+            directory = rounds.sensitivity("thinner", settings, design)
+            self.assertTrue(os.path.exists(os.path.join(directory, "sensitivity.json")))
+            with open(program + ".runs", encoding="utf-8") as file:
+                return len(file.readlines())
+
+        self.assertEqual(runs_after({}, 100), 1)
+        self.assertEqual(runs_after({}, 100), 1)
+        self.assertEqual(runs_after({"layers.count": 3}, 100), 2)
+        self.assertEqual(runs_after({"layers.count": 3}, -100), 3)
+        looking = Rounds(argparse.Namespace(**words), may_run=False)
+        self.assertRaisesRegex(RunError, "thinner: holds no table", looking.sensitivity, "thinner", {}, design)
 
 
 class Machine(StudyTest):
