@@ -255,7 +255,7 @@ class SensitivityTest(FabseqTest):
         rounds = Rounds(argparse.Namespace(**words))
 
         def runs_after(settings, age):
-            """How often the program has run once the table of a design of that age, in seconds, was asked for."""
+            """Runs of the program once the table of a design of that age, in seconds, was asked for."""
             with open(design, "w", encoding="utf-8"):
                 os.utime(design, (time.time() - age,) * 2)
             directory = rounds.sensitivity("thinner", settings, design)
