@@ -144,7 +144,7 @@ def median_iteration(options, ranks, directory, arguments):
 
 
 def resolved_config(options, directory):
-    """The config with all defaults and the program's options in it. A single layer is simulated for it."""
+    """The config with all defaults and the program's options in it, but a single layer, which is run."""
     run(options, 1, directory, ["-task", "simulate", "-layers", 1])
     return read_json(directory, "config.json")
 

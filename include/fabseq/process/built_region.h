@@ -14,7 +14,7 @@ namespace fabseq {
 struct BlockRegion {
   LayerBlock block;
   std::vector<char> elements;  ///< whether each element of the model is in; empty: all are
-  std::vector<int> nodes;      ///< of this rank, ascending: those at the elements; empty likewise
+  std::vector<int> nodes;      ///< of this rank, ascending: those at the elements; not set where all are in
 
   bool has(std::size_t model_element) const { return elements.empty() || elements[model_element] != 0; }
 };

@@ -27,7 +27,8 @@ struct CaseDisplacements {
 struct ProcessResult : CaseDisplacements {
   MPI_Comm all_layers = MPI_COMM_NULL;      ///< the ranks that together have the increments of all layers
   std::vector<LayerBlock> blocks;           ///< the layers of this rank's group
-  std::vector<std::span<const int>> nodes;  ///< by block: this rank's nodes that have increments, ascending
+  std::vector<std::span<const int>> nodes;  ///< by block: this rank's nodes that have increments, ascending;
+                                            ///< valid until the next simulation
   std::vector<LaneVector> weights;  ///< share of increments that counts (Deposition), [one of the block's
                                     ///< `nodes`][lane]; empty: all
   std::vector<int> iterations;      ///< of each layer's solve, all layers; of all cases the largest

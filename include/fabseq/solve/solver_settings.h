@@ -15,7 +15,7 @@ class Section;
 
 enum class SolverPath { lanes, reference };
 /// What the systems of a block of layers consist of (docs/formulation.md 4.8): all elements, or those that
-/// are built by then; automatic: Model::solver has one of them.
+/// are built by then; automatic: Model::solver has one of the two, and solvers take it as whole.
 enum class SolverRegion { automatic, whole, built };
 enum class ReferenceMethod { automatic, gamg, multigrid, direct };
 
