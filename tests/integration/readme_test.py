@@ -93,9 +93,13 @@ class ReadmeTest(FabseqTest):
 
     @only_release
     def test_a_mesh(self):
-        """The README's commands, with the two iterations that show that they go together."""
+        """The README's commands, with as many elements and iterations as show that they go together."""
         (block,) = [block for block in commands(README) if "elbow.stl" in block]
-        self.shell(re.sub(r"(?m)(run\.sh .*?-config elbow\.json)", r"\1 -max_iterations 2", block))
+        for shown, here in ((r"(--elements) \d+", r"\1 4000"),
+                            (r"(run\.sh .*?-config elbow\.json)", r"\1 -max_iterations 2")):
+            block, found = re.subn(shown, here, block)
+            self.assertEqual(found, 1, shown)
+        self.shell(block)
         self.assertTrue(os.path.exists(self.path("output/elbow/report.html")))
 
     def test_the_tests(self):

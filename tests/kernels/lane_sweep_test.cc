@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <vector>
 
 namespace fabseq {
@@ -48,25 +50,48 @@ struct Sweep {
         f(number * block + i, offset * components + i / Width, i % Width);
     });
   }
-  /// `finish` and the sums of shared nodes.
-  template <class Finish>
-  std::vector<double> run(Finish&& finish, std::size_t shared_nodes = 0) {
+  /// `count` values of each component, of a node or of several side by side, which `store` puts in their
+  /// places.
+  struct Sums {
+    std::int64_t node;
+    int count;
+    std::array<const double*, components> values;
+
+    void store(std::vector<double>& vector) const {
+      for (int a = 0; a < components; ++a) std::copy_n(values[a], count, &vector[node * block + a * Width]);
+    }
+    /// Whether their places in the vector hold no numbers yet.
+    bool are_new(const std::vector<double>& vector) const {
+      for (int a = 0; a < components; ++a) {
+        const double* const place = &vector[node * block + a * Width];
+        if (!std::all_of(place, place + count, [](double value) { return std::isnan(value); })) return false;
+      }
+      return true;
+    }
+  };
+  /// `finish`, and the sums of shared nodes. One type of `finish`: each compiles the sweep anew.
+  std::vector<double> run(const std::function<void(const Sums&)>& finish, std::size_t shared_nodes = 0) {
     std::vector<double> shared(shared_nodes * block, NAN);
     const Kernel kernel = Physics::Problem::template kernel<Width>(physics.matrices, coefficients.data());
-    sweep(mesh, kernel, x.data(), window.data(), shared.data(), finish);
+    sweep(mesh, kernel, x.data(), window.data(), shared.data(),
+          [&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
+            std::array<double, components * Sum::width> stored;
+            Sums all{node, Sum::width, {}};
+            for (int a = 0; a < components; ++a) {
+              sums[a].store(&stored[a * Sum::width]);
+              all.values[a] = &stored[a * Sum::width];
+            }
+            finish(all);
+          });
     for (const double value : window) EXPECT_EQ(value, 0.0) << "the window is not clean";
     return shared;
   }
   /// K x of the nodes that are not shared; NaN at the others.
   std::vector<double> product() {
     std::vector<double> result(x.size(), NAN);
-    run([&]<class Sum>(std::int64_t node, const std::array<Sum, components>& sums) {
-      for (int a = 0; a < components; ++a) {
-        double* const place = &result[node * block + a * Width];
-        EXPECT_TRUE(std::all_of(place, place + Sum::width, [](double value) { return std::isnan(value); }))
-            << "a node twice";
-        sums[a].store(place);
-      }
+    run([&](const Sums& sums) {
+      EXPECT_TRUE(sums.are_new(result)) << "a node twice";
+      sums.store(result);
     });
     return result;
   }
@@ -156,9 +181,7 @@ template <class Physics, int Width>
 void expect_x_can_be_overwritten(const test::MaskedBox<Physics::Dim>& box) {
   Sweep<Physics, Width> lanes(box);
   const auto expected = lanes.product();
-  lanes.run([&](std::int64_t node, const auto& sums) {
-    for (int a = 0; a < Physics::components; ++a) sums[a].store(&lanes.x[node * lanes.block + a * Width]);
-  });
+  lanes.run([&](const auto& sums) { sums.store(lanes.x); });
   EXPECT_LT(largest_difference(lanes.x, expected), rounding) << box.name << " " << Width;
 }
 
@@ -179,10 +202,10 @@ void expect_shared_nodes_apart(const test::MaskedBox<Physics::Dim>& box) {
   lanes.mesh.set_shared(nodes);
   std::vector<double> product(expected.size(), NAN);
   const auto shared = lanes.run(
-      [&]<class Sum>(std::int64_t node, const std::array<Sum, Physics::components>& sums) {
-        const auto next = std::lower_bound(nodes.begin(), nodes.end(), node);
-        EXPECT_TRUE(next == nodes.end() || *next >= node + Sum::width / Width);
-        for (int a = 0; a < Physics::components; ++a) sums[a].store(&product[node * lanes.block + a * Width]);
+      [&](const auto& sums) {
+        const auto next = std::lower_bound(nodes.begin(), nodes.end(), sums.node);
+        EXPECT_TRUE(next == nodes.end() || *next >= sums.node + sums.count / Width);
+        sums.store(product);
       },
       nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i)
