@@ -49,7 +49,7 @@ class HeadlineWriter {
             with.verdict->buildable()};
   }
 
-  /// Finds what to compare with.
+  /// Finds what to compare with, and which of these can be built.
   void compare() {
     const auto offer = [&](const std::string& block, const std::string& title, const SequenceNumbers& with) {
       if (!with.verdict->buildable()) return;
@@ -60,11 +60,12 @@ class HeadlineWriter {
     offer("baseline", "planar", planar_);
     for (const Baseline& baseline : reports_.baselines)
       offer(baseline.block, baseline.title, baseline.numbers);
-    if (!result_.baseline) {
+    if (result_.baseline)
+      rivals_.push_back({*result_.baseline, *reference_});
+    else
       result_.planar = compared("baseline", "planar", planar_);
-      reference_ = &planar_;
-    }
     if (reports_.start) result_.start = compared("start", "start", *reports_.start);
+    if (result_.start && result_.start->buildable) rivals_.push_back({*result_.start, *reports_.start});
   }
 
   void add_comparison() {
@@ -73,8 +74,8 @@ class HeadlineWriter {
       words += "the skin distorts " + less_than(result_.baseline->ratio) +
                "in the best buildable baseline (" + result_.baseline->title + ")";
     else
-      words += "no baseline is buildable; the skin distorts " + less_than(result_.planar->ratio) +
-               "in planar layers";
+      words += std::string(rivals_.empty() ? "no baseline" : "no baseline but the start") +
+               " is buildable; the skin distorts " + less_than(result_.planar->ratio) + "in planar layers";
     if (result_.start)
       words += ", " + less_than(result_.start->ratio) + "in the start" +
                (result_.start->buildable ? "" : " (not buildable)");
@@ -95,40 +96,45 @@ class HeadlineWriter {
   void add_largest() {
     const double largest = deviation(reports_.binary).skin.largest;
     std::string worse;
-    const auto add = [&](const std::string& title, const SequenceNumbers& than) {
-      const double other = deviation(than).skin.largest;
-      if (largest > difference * other) worse += ", " + title + " " + length_words(other, unit_);
-    };
-    add(result_.baseline ? result_.baseline->title : "planar", *reference_);
-    if (reports_.start) add("start", *reports_.start);
+    for (const auto& [rival, numbers] : rivals_) {
+      const double other = deviation(numbers).skin.largest;
+      if (largest > difference * other) worse += ", " + rival.title + " " + length_words(other, unit_);
+    }
     if (!worse.empty())
       result_.words.push_back("the largest displacement of the skin got worse: optimized " +
                               length_words(largest, unit_) + worse);
   }
 
-  /// A drawing that is scaled costs nothing: whoever gains less from the sequence should take that.
+  /// A drawing that is scaled costs nothing: whoever gains less from the sequence should take that. What
+  /// cannot be built is no alternative.
   void add_scaled_drawing() {
-    ScaledDrawing scaled = deviation(*reference_).scaled;
-    double least_ratio = result_.baseline ? result_.baseline->ratio : result_.planar->ratio;
-    if (reports_.start) {
-      if (deviation(*reports_.start).scaled.rms < scaled.rms) scaled = deviation(*reports_.start).scaled;
-      least_ratio = std::min(least_ratio, result_.start->ratio);
+    bool gains = true;
+    for (const auto& [rival, numbers] : rivals_) {
+      gains = gains && rival.ratio >= difference;
+      const ScaledDrawing& scaled = deviation(numbers).scaled;
+      if (scaled.rms < (result_.scaled ? result_.scaled->rms : result_.length)) result_.scaled = scaled;
     }
-    const bool gains = least_ratio >= difference;
-    if (scaled.rms < result_.length) result_.scaled = scaled;
     if (gains && !result_.scaled) return;
     std::string words = gains ? "" : "there is nothing to gain from the sequence here";
     if (result_.scaled)
       words += std::string(gains ? "" : ", and ") + "a drawing that is scaled by " +
-               formatted("%.5g", scaled.factor) + " does more, without any optimized sequence: it leaves " +
-               length_words(scaled.rms, unit_) + " of the skin's rms";
+               formatted("%.5g", result_.scaled->factor) +
+               " does more, without any optimized sequence: it leaves " +
+               length_words(result_.scaled->rms, unit_) + " of the skin's rms";
     result_.words.push_back(words);
   }
+
+  /// One that can be built: the best baseline, the start.
+  struct Rival {
+    ComparedSequence compared;
+    const SequenceNumbers& numbers;
+  };
 
   const FinalReports& reports_;
   const SequenceNumbers& planar_;
   std::string unit_;
-  const SequenceNumbers* reference_ = nullptr;  ///< best baseline that can be built, else planar layers
+  const SequenceNumbers* reference_ = nullptr;  ///< best baseline that can be built; none: no baseline can
+  std::vector<Rival> rivals_;
   Headline result_;
 };
 

@@ -27,7 +27,7 @@ struct Headline {
   std::optional<ComparedSequence> baseline;  ///< the best that can be built; none: no baseline can
   std::optional<ComparedSequence> planar;    ///< where no baseline can be built
   std::optional<ComparedSequence> start;     ///< none if its solves failed
-  std::optional<ScaledDrawing> scaled;  ///< of the one of these that leaves least, if it beats the sequence
+  std::optional<ScaledDrawing> scaled;  ///< of the buildable one that leaves least, if it beats the sequence
   std::vector<std::string> words;       ///< sentences without a full stop; the first is the headline
 };
 
