@@ -50,7 +50,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
       const int iteration = run.completed() + 1;
       const double beta = run.continuation.beta(iteration);  // sharpness (3.1)
       pipeline.set_tolerances(run.tolerances());
-      const auto binary = judge_binary(pipeline, run, iteration);  // (9)
+      const auto binary = judge_binary(setup, pipeline, run, iteration);  // (9)
       // Pseudo-time (2), layers (3), displacements (4).
       const auto state = pipeline.run(run.design(), beta, setup.config.projection.binary);
       // Objective and constraints (5 to 7), scaled (9).

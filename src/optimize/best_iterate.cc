@@ -6,21 +6,15 @@
 namespace fabseq {
 
 void BestIterate::offer(const Iterate& iterate, const Design& design) {
-  const double merit = iterate.merit(), violation = iterate.worst_constraint();
-  const Standing standing = iterate.standing();
-  // The violation, where it counts, before the merit.
-  const auto key = [](Standing how, double worst, double value) {
-    return std::tuple(how, how == Standing::violated ? worst : 0.0, value);
-  };
+  const std::tuple key(iterate.standing(), iterate.shortfall(), iterate.merit());
   const bool starts_over =
       iteration_ == 0 || iterate.beta != beta_ || iterate.binary.has_value() != by_binary_;
-  if (!starts_over && !(key(standing, violation, merit) < key(standing_, worst_constraint_, merit_))) return;
+  if (!starts_over && !(key < std::tuple(standing_, shortfall_, merit_))) return;
   iteration_ = iterate.iteration;
   by_binary_ = iterate.binary.has_value();
-  standing_ = standing;
+  std::tie(standing_, shortfall_, merit_) = key;
   beta_ = iterate.beta;
-  worst_constraint_ = violation;
-  merit_ = merit;
+  worst_constraint_ = iterate.worst_constraint();
   design_ = design;
 }
 
@@ -31,6 +25,7 @@ void BestIterate::save(CheckpointState& state) const {
   state.set_scalar("best/standing", static_cast<int>(standing_));
   state.set_scalar("best/beta", beta_);
   state.set_scalar("best/worst_constraint", worst_constraint_);
+  state.set_scalar("best/shortfall", shortfall_);
   state.set_scalar("best/merit", merit_);
   state.set_field("best/design", design_.field);
   if (!design_.layer_variables.empty()) state.set_array("best/" + layer_variables_, design_.layer_variables);
@@ -43,6 +38,7 @@ void BestIterate::restore(const CheckpointState& state) {
   standing_ = static_cast<Standing>(state.integer("best/standing"));
   beta_ = state.number("best/beta");
   worst_constraint_ = state.number("best/worst_constraint");
+  shortfall_ = state.number("best/shortfall");
   merit_ = state.number("best/merit");
   design_.field = state.field("best/design");
   if (state.has_array("best/" + layer_variables_))

@@ -155,10 +155,12 @@ Json optimizer_record(const MmaReport& mma) {
                        {"relaxation", mma.largest_violation}});
 }
 
-Json binary_record(const ProblemValues& values) {
-  return Json::object({{"objective", first_components(values.objective)},
-                       {"constraints", values.constraints},
-                       {"worst_constraint", values.worst_constraint}});
+Json binary_record(const JudgedValues& values) {
+  Json record = Json::object({{"objective", first_components(values.objective)},
+                              {"constraints", values.constraints},
+                              {"worst_constraint", values.worst_constraint}});
+  if (values.beyond_limits) record["beyond_limits"] = *values.beyond_limits;
+  return record;
 }
 
 }  // namespace

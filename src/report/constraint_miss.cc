@@ -31,7 +31,7 @@ template <int Dim>
 std::vector<ConstraintLimit> constraint_limits(const Model<Dim>& model, const Problem<Dim>& problem) {
   std::vector<ConstraintLimit> limits;
   for (const Term& term : model.settings.constraints)
-    limits.push_back({term.type->name, term.type->unit,
+    limits.push_back({term.type->name, term.type->unit, term.type->exact_check,
                       problem.responses()[problem.objective_count() + limits.size()]->rows(1.0)});
   return limits;
 }
@@ -41,7 +41,7 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
                                          const std::vector<std::vector<double>>& values) {
   std::optional<ConstraintMiss> worst;
   std::size_t r = problem.objective_count();
-  for (const auto& [type, unit, rows] : constraint_limits(model, problem)) {
+  for (const auto& [type, unit, check, rows] : constraint_limits(model, problem)) {
     for (const ConstraintRow& row : rows)
       for (std::size_t c = 0; c < values[r].size(); ++c) {
         const double violation = row.violation(values[r][c]);
@@ -61,6 +61,22 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
   return worst;
 }
 
+template <int Dim>
+std::optional<double> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
+                                    const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  const auto limits = constraint_limits(model, problem);
+  if (std::all_of(limits.begin(), limits.end(), [](const auto& limit) { return limit.check.empty(); }))
+    return std::nullopt;
+  const Verdict verdict = judge(check_build(model, pipeline, state).numbers, model.settings);
+  double beyond = 0.0;
+  for (const BrokenLimit& broken : verdict.broken)
+    if (std::any_of(limits.begin(), limits.end(),
+                    [&](const auto& limit) { return limit.check == broken.name; }))
+      beyond += broken.share;
+  return beyond;
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(beyond_limits);
 FABSEQ_INSTANTIATE_FUNCTION(constraint_limits);
 FABSEQ_INSTANTIATE_FUNCTION(worst_miss);
 

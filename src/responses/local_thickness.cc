@@ -121,7 +121,8 @@ const Registered<LocalThickness, LocalThicknessSettings> registered(
      .name = "local_thickness",
      .layers = LayerKind::curved,
      .needs_time_gradient = true,
-     .unit = share_of_part},
+     .unit = share_of_part,
+     .exact_check = "local_thickness"},
     Section<LocalThicknessSettings>("constraints")
         .key("limit", &LocalThicknessSettings::limit,
              "Largest share of the part above tool.thickness, and below it", {.range = "(0, 1)"})

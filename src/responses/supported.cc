@@ -94,7 +94,11 @@ class Supported : public Response<Dim> {
 };
 
 const Registered<Supported, SupportedSettings> registered(
-    {.list = TermList::constraints, .name = "supported", .needs_time_gradient = true, .unit = share_of_part},
+    {.list = TermList::constraints,
+     .name = "supported",
+     .needs_time_gradient = true,
+     .unit = share_of_part,
+     .exact_check = "hanging"},
     Section<SupportedSettings>("constraints")
         .key("limit", &SupportedSettings::limit,
              "Largest share of elements that begin in the air; auto: half of one element",

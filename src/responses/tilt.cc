@@ -106,13 +106,17 @@ class Tilt : public Response<Dim> {
   double cosine_, epsilon_ = 0.0;
 };
 
+const ResponseTraits tilt_traits{.list = TermList::constraints,
+                                 .name = "tilt",
+                                 .needs_time_gradient = true,
+                                 .unit = share_of_part,
+                                 .exact_check = "tilt"};
 const Registered<Tilt, TiltSettings> registered(
-    {.list = TermList::constraints, .name = "tilt", .needs_time_gradient = true, .unit = share_of_part},
-    Section<TiltSettings>("constraints")
-        .key("limit", &TiltSettings::limit, "Largest share of the part beyond tool.max_tilt",
-             {.range = "(0, 1)"})
-        .key("width", &TiltSettings::width, "Range within which the count becomes steep",
-             {.range = "(0, 90]", .unit = "degrees"}));
+    tilt_traits, Section<TiltSettings>("constraints")
+                     .key("limit", &TiltSettings::limit, "Largest share of the part beyond tool.max_tilt",
+                          {.range = "(0, 1)"})
+                     .key("width", &TiltSettings::width, "Range within which the count becomes steep",
+                          {.range = "(0, 90]", .unit = "degrees"}));
 
 }  // namespace
 

@@ -189,7 +189,8 @@ const Registered<ToolClearance, ToolClearanceSettings> registered(
     {.list = TermList::constraints,
      .name = "tool_clearance",
      .layers = LayerKind::curved,
-     .unit = share_of_part},
+     .unit = share_of_part,
+     .exact_check = "blocked"},
     Section<ToolClearanceSettings>("constraints")
         .key("limit", &ToolClearanceSettings::limit,
              "Largest mean fraction of the torch obstructed by deposited material", {.range = "(0, 1)"})

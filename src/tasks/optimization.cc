@@ -134,12 +134,15 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line) {
 }
 
 template <int Dim>
-std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration) {
+std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline, RunState<Dim>& run,
+                                         int iteration) {
   if (!run.continuation.judges_binary(iteration)) return std::nullopt;
   const double beta = run.continuation.beta(iteration);
   const Tolerances usual = pipeline.tolerances();
   pipeline.set_tolerances(Tolerances::all(usual.judged));
-  ProblemValues values = run.problem.evaluate(pipeline, pipeline.run(run.design(), beta, true));
+  const auto state = pipeline.run(run.design(), beta, true);
+  JudgedValues values{run.problem.evaluate(pipeline, state), std::nullopt};
+  values.beyond_limits = beyond_limits(setup, run.problem, pipeline, state);
   pipeline.set_tolerances(usual);
   return values;
 }

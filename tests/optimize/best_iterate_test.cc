@@ -10,7 +10,14 @@ namespace {
 ProblemValues values(double merit, double worst_constraint) {
   ProblemValues result;
   result.merit = merit;
-  result.worst_constraint = worst_constraint;
+  result.worst_constraint = result.worst_unchecked = worst_constraint;
+  return result;
+}
+
+/// Only smooth counts of what is checked exactly are violated.
+ProblemValues counted(double merit, double worst_constraint) {
+  ProblemValues result = values(merit, worst_constraint);
+  result.worst_unchecked = -0.1;
   return result;
 }
 
@@ -21,8 +28,10 @@ class BestIterateTest : public testing::Test {
     best_.offer({iteration, beta, values(merit, worst_constraint), {}},
                 {{static_cast<double>(iteration)}, {}});
   }
-  void offer_judged(int iteration, const ProblemValues& smooth, const ProblemValues& binary) {
-    best_.offer({iteration, 10.0, smooth, binary}, {{static_cast<double>(iteration)}, {}});
+  void offer_judged(int iteration, const ProblemValues& smooth, const ProblemValues& binary,
+                    std::optional<double> beyond_limits = std::nullopt) {
+    best_.offer({iteration, 10.0, smooth, JudgedValues{binary, beyond_limits}},
+                {{static_cast<double>(iteration)}, {}});
   }
   void expect(int iteration) {
     EXPECT_EQ(best_.iteration(), iteration);
@@ -123,6 +132,23 @@ TEST_F(BestIterateTest, BinaryLayersMayMissConstraintsByAnElement) {
   expect(3);
   offer_judged(5, values(1.0, -0.1), values(20.0, -0.1));  // satisfied beats near
   expect(5);
+}
+
+/// Where smooth counts of the machine's limits are too large, the exact checks decide.
+TEST_F(BestIterateTest, ChecksJudgeTheMachinesLimits) {
+  offer_judged(1, values(1.0, 0.1), values(1.0, -0.1), 0.0);  // another constraint is violated
+  offer_judged(2, counted(5.0, 3.0), counted(5.0, 3.0), 0.02);
+  expect(2);
+  offer_judged(3, counted(1.0, 2.0), counted(1.0, 2.0), 0.03);
+  expect(2);
+  offer_judged(4, counted(9.0, 4.0), counted(9.0, 4.0), 0.0);
+  expect(4);
+  offer_judged(5, counted(8.0, 5.0), counted(8.0, 5.0), 0.0);  // both keep the limits: the merit decides
+  expect(5);
+  EXPECT_FALSE(best_.feasible());
+  EXPECT_EQ(best_.worst_constraint(), 5.0);
+  offer_judged(6, values(30.0, -0.1), values(30.0, 0.001), 0.0);
+  expect(6);
 }
 
 }  // namespace

@@ -14,18 +14,26 @@ namespace fabseq {
 
 /// How an iterate's constraints stand, best first. Volumes of binary layers come in whole elements, so what
 /// smooth layers satisfy may be out of their reach: `within_elements` says that the optimizer's own
-/// constraints hold and theirs are missed by little.
-enum class Standing { satisfied, within_elements, violated };
+/// constraints hold and theirs are missed by little. `left_to_checks` says so of the constraints without an
+/// exact check: smooth counts of the machine's limits are stricter than the checks, which judge these.
+enum class Standing { satisfied, within_elements, left_to_checks, violated };
 
 /// They may be missed by this much, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
+/// Values of binary layers.
+struct JudgedValues : ProblemValues {
+  /// Share of the part beyond those limits of the machine that constraints count, by the exact checks; none
+  /// without such constraints.
+  std::optional<double> beyond_limits;
+};
+
 /// What an iteration finds out about its design; the same on all ranks.
 struct Iterate {
   int iteration = 0;
-  double beta = 0.0;                    ///< sharpness of the layers of `values`
-  ProblemValues values;                 ///< what the optimizer goes by
-  std::optional<ProblemValues> binary;  ///< of binary layers, where the iterate is judged by these
+  double beta = 0.0;                   ///< sharpness of the layers of `values`
+  ProblemValues values;                ///< what the optimizer goes by
+  std::optional<JudgedValues> binary;  ///< of binary layers, where the iterate is judged by these
 
   /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind
   /// of layers alone owes that to the soft bounds of these, or to where elements happen to lie.
@@ -35,15 +43,28 @@ struct Iterate {
   }
   Standing standing() const {
     if (worst_constraint() <= 0.0) return Standing::satisfied;
-    const bool within =
-        binary && values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance;
-    return within ? Standing::within_elements : Standing::violated;
+    if (!binary) return Standing::violated;
+    if (values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance)
+      return Standing::within_elements;
+    const bool others_hold = values.worst_unchecked <= 0.0 && binary->worst_unchecked <= binary_allowance;
+    return binary->beyond_limits && others_hold ? Standing::left_to_checks : Standing::violated;
+  }
+  /// What counts before the merit.
+  double shortfall() const {
+    switch (standing()) {
+      case Standing::left_to_checks:
+        return *binary->beyond_limits;
+      case Standing::violated:
+        return worst_constraint();
+      default:
+        return 0.0;
+    }
   }
 };
 
 /// Keeps the best of the designs offered so far, with which a run ends (docs/formulation.md 9): the one whose
 /// constraints stand best, then the one of smaller merit; where constraints are violated, the smaller
-/// violation counts first, and where it is the same (all that it depends on may be fixed) the merit. Local to
+/// shortfall counts first, and where it is the same (all that it depends on may be fixed) the merit. Local to
 /// the rank; ranks agree because values do.
 class BestIterate {
  public:
@@ -70,7 +91,7 @@ class BestIterate {
   int iteration_ = 0;
   bool by_binary_ = false;  ///< judged by binary layers
   Standing standing_ = Standing::violated;
-  double beta_ = 0.0, worst_constraint_ = 0.0, merit_ = 0.0;
+  double beta_ = 0.0, worst_constraint_ = 0.0, shortfall_ = 0.0, merit_ = 0.0;
   Design design_;
 };
 

@@ -39,6 +39,8 @@ struct ProblemValues {
   double merit = 0.0;             ///< what the optimizer descends: comparable between iterations
   double worst_constraint =
       0.0;  ///< largest relative violation, negative when all are satisfied; 0 without any
+  double worst_unchecked =
+      0.0;  ///< the same of constraints without an exact check (ResponseTraits::exact_check)
 };
 
 /// A component of a response, by name, with the config's name of the response's type.
@@ -102,6 +104,8 @@ class Problem {
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   double current_value(std::size_t term, double value) const;
+  template <class Counts>
+  double worst_violation(const std::vector<std::vector<double>>& constraints, Counts&& counts) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
   GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 
@@ -109,6 +113,7 @@ class Problem {
   double margin_;
   ResponseList<Dim> responses_;     ///< terms, which are the model's, constraints, functionals
   std::vector<std::string> types_;  ///< of responses_
+  std::vector<bool> has_check_;     ///< of constraints: ResponseTraits::exact_check
   std::size_t configured_ = 0;      ///< terms and constraints
   std::vector<Squares> squares_;
   std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response

@@ -13,6 +13,7 @@ namespace fabseq {
 /// A constraint of the config, with what it allows. The same on all ranks.
 struct ConstraintLimit {
   std::string type, unit;           ///< of the config; unit of its values, in words, may be empty
+  std::string check;                ///< ResponseTraits::exact_check
   std::vector<ConstraintRow> rows;  ///< bounds of each of its values
 };
 
@@ -28,6 +29,13 @@ struct ConstraintMiss {
   double violation = 0.0;           ///< ConstraintRow::violation(), by which constraints are compared
   std::string words;                ///< "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"
 };
+
+/// Share of the part that is beyond those limits of the machine that constraints of the config count, by the
+/// exact checks of a pipeline's last run, which was of binary layers; none without such constraints.
+/// Collective.
+template <int Dim>
+std::optional<double> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
+                                    const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
 /// None if all constraints hold. `values`: of Problem::responses(), [response][component]. Not collective.
 template <int Dim>

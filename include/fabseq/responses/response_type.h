@@ -46,6 +46,8 @@ struct ResponseTraits {
   double weight = 1.0;                       ///< its default weight
   std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none
   std::string unit = "";           ///< of a constraint's values, in words; "" without one
+  std::string exact_check = "";    ///< check of binary layers (formulation 13.1), of which a constraint is a
+                                   ///< smooth count: its name in `checks` of summary.json; "" without one
 };
 
 /// What is known of a term before there is a part.

@@ -40,7 +40,8 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
 
 /// Values of the design's binary layers, if the iterate is to be judged by them (docs/formulation.md 9).
 template <int Dim>
-std::optional<ProblemValues> judge_binary(Pipeline<Dim>& pipeline, RunState<Dim>& run, int iteration);
+std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline, RunState<Dim>& run,
+                                         int iteration);
 /// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
 /// the table from being made is a warning: the results are there.
 template <int Dim>
