@@ -129,6 +129,19 @@ class VerdictTest(FabseqTest):
         self.assertEqual(summary["baseline"]["verdict"]["words"], "yes")
         self.assertNotIn("violated", summary)
 
+    def test_iterates_that_are_judged(self):
+        """By the exact checks of their binary layers, those that constraints of the config count."""
+        for type_, check in (("tilt", "tilt"), ("supported", "hanging")):
+            config = {**CRANE, "constraints": [CRANE["constraints"][0], {"type": type_}]}
+            run, summary = self.summary_of(config, "-max_iterations", 3, "-set", "optimizer.binary_iterations=2")
+            judged = [line.get("binary") for line in run.history()]
+            self.assertIsNone(judged[0])
+            shares = {reason["name"]: reason["share"] for reason in summary["binary"]["verdict"]["reasons"]}
+            best = judged[summary["best_iteration"] - 1]
+            self.assertAlmostEqual(best["beyond_limits"], shares.get(check, 0.0), places=12)
+        run, _ = self.summary_of(PLATE, "-max_iterations", 2, "-set", "optimizer.binary_iterations=1")
+        self.assertNotIn("beyond_limits", run.history()[1]["binary"])
+
     def test_a_scaled_drawing(self):
         """The drawing takes a part of the distortion away, and the headline says so where it does more."""
         process = {"deposition": "nominal", "void": "absent"}
