@@ -97,21 +97,6 @@ std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<dou
   return factors;
 }
 
-/// Of the constraints that `counts` takes, by their numbers; 0 if it takes none.
-template <int Dim>
-template <class Counts>
-double Problem<Dim>::worst_violation(const std::vector<std::vector<double>>& constraints,
-                                     Counts&& counts) const {
-  std::optional<double> worst;
-  for (std::size_t i = 0; i < constraints.size(); ++i) {
-    if (!counts(i)) continue;
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
-      for (const double value : constraints[i])
-        worst = std::max(worst.value_or(-std::numeric_limits<double>::max()), row.violation(value));
-  }
-  return worst.value_or(0.0);
-}
-
 template <int Dim>
 ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
   auto all = pipeline.values(responses_and_functionals(), state);
@@ -140,8 +125,14 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
             ? terms_[i].weight * terms_[i].normalize * std::log(std::max(current_value(i, value), 1e-300))
             : result.scaled.back();
   }
-  result.worst_constraint = worst_violation(result.constraints, [](std::size_t) { return true; });
-  result.worst_unchecked = worst_violation(result.constraints, [&](std::size_t i) { return !has_check_[i]; });
+  result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
+  result.worst_unchecked = -std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < result.constraints.size(); ++i)
+    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
+      for (const double value : result.constraints[i]) {
+        result.worst_constraint = std::max(result.worst_constraint, row.violation(value));
+        if (!has_check_[i]) result.worst_unchecked = std::max(result.worst_unchecked, row.violation(value));
+      }
   return result;
 }
 

@@ -51,17 +51,18 @@ class HeadlineWriter {
 
   /// Finds what to compare with, and which of these can be built.
   void compare() {
+    const SequenceNumbers* best = nullptr;
     const auto offer = [&](const std::string& block, const std::string& title, const SequenceNumbers& with) {
       if (!with.verdict->buildable()) return;
       if (result_.baseline && result_.baseline->length <= deviation(with).skin.rms) return;
       result_.baseline = compared(block, title, with);
-      reference_ = &with;
+      best = &with;
     };
     offer("baseline", "planar", planar_);
     for (const Baseline& baseline : reports_.baselines)
       offer(baseline.block, baseline.title, baseline.numbers);
     if (result_.baseline)
-      rivals_.push_back({*result_.baseline, *reference_});
+      rivals_.push_back({*result_.baseline, *best});
     else
       result_.planar = compared("baseline", "planar", planar_);
     if (reports_.start) result_.start = compared("start", "start", *reports_.start);
@@ -133,7 +134,6 @@ class HeadlineWriter {
   const FinalReports& reports_;
   const SequenceNumbers& planar_;
   std::string unit_;
-  const SequenceNumbers* reference_ = nullptr;  ///< best baseline that can be built; none: no baseline can
   std::vector<Rival> rivals_;
   Headline result_;
 };

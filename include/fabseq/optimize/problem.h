@@ -104,8 +104,6 @@ class Problem {
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   double current_value(std::size_t term, double value) const;
-  template <class Counts>
-  double worst_violation(const std::vector<std::vector<double>>& constraints, Counts&& counts) const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
   GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 

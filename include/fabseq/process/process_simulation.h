@@ -83,8 +83,8 @@ class ProcessSimulation {
   std::vector<double> increment(int layer, bool counted = false) const;
   const LayerGroups& groups() const { return groups_; }
   /// The next simulation is dealt out by these iterations, sums over all solves of each layer: first those of
-  /// the last simulation, then those of the last pull_back(). All layers count alike where there are none, or
-  /// where the number of layers has changed.
+  /// the last simulation, then those of the last pull_back(). Before the first simulation, and after a change
+  /// of the number of layers, all layers count alike.
   const std::vector<double>& expected_work() const { return expected_work_; }
   void set_expected_work(std::vector<double> work) { expected_work_ = std::move(work); }
   const ElasticModel<Dim>& model() const { return model_; }
