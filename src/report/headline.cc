@@ -35,6 +35,7 @@ class HeadlineWriter {
     add_lengths();
     add_largest();
     add_scaled_drawing();
+    for (const LateSet& set : reports_.binary.late_sets) result_.words.push_back(set.words());
     return std::move(result_);
   }
 

@@ -3,6 +3,7 @@
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/report/late_sets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,6 +80,18 @@ void add_advice_on_foot(const Setup<Dim>& setup, std::vector<std::string>& resul
         static_cast<long long>(foot), 100.0 * share));
 }
 
+/// Whether a measured set lies where the part ends, by layers at equal distances along the part.
+template <int Dim>
+void add_advice_on_late_sets(const Setup<Dim>& setup, std::span<const double> distance,
+                             double geodesic_height, std::vector<std::string>& result) {
+  const double layers = setup.layers->count();
+  std::vector<double> layer_index(distance.begin(), distance.end());
+  for (double& layer : layer_index)
+    layer = std::min(layers, 1.0 + std::floor(layers * layer / geodesic_height));
+  for (const LateSet& set : late_sets(setup.part, setup.node_sets, setup.config.objective, layer_index))
+    result.push_back("/objective: " + set.words());
+}
+
 }  // namespace
 
 template <int Dim>
@@ -89,7 +102,8 @@ double elements_per_layer(const Setup<Dim>& setup, double geodesic_height) {
 }
 
 template <int Dim>
-std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height) {
+std::vector<std::string> advice(const Setup<Dim>& setup, std::span<const double> distance,
+                                double geodesic_height) {
   std::vector<std::string> result;
   const double elements = elements_per_layer(setup, geodesic_height);
   if (elements < least_elements_per_layer)
@@ -98,6 +112,7 @@ std::vector<std::string> advice(const Setup<Dim>& setup, double geodesic_height)
   add_advice_on_count(setup, geodesic_height, result);
   add_advice_on_sharpness(setup, result);
   add_advice_on_foot(setup, result);
+  add_advice_on_late_sets(setup, distance, geodesic_height, result);
   return result;
 }
 

@@ -155,7 +155,7 @@ void run_check(const Setup<Dim>& setup) {
   print_temperature(setup);
   print_machine(setup.world());
   print_cost(setup);
-  for (const std::string& line : advice(setup, height)) warn(line);
+  for (const std::string& line : advice(setup, distance, height)) warn(line);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_check);

@@ -5,6 +5,7 @@
 #include "fabseq/optimize/problem.h"
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
+#include "fabseq/report/late_sets.h"
 #include "fabseq/report/temperature_report.h"
 #include "fabseq/report/verdict.h"
 
@@ -49,6 +50,7 @@ struct SequenceNumbers {
   std::optional<FinishedShape> finished;               ///< where it was asked for
   std::optional<BuildNumbers> build;                   ///< where the shape was asked for
   std::optional<Verdict> verdict;                      ///< the same
+  std::vector<LateSet> late_sets;                      ///< of the objective; where the shape was asked for
   std::optional<TemperatureNumbers> part_temperature;  ///< with a block `thermal`
 
   /// First objective term.
