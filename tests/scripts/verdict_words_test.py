@@ -15,6 +15,7 @@ from fabseq_tools.plot import overview, render_part
 from fabseq_tools.plot.overview_pictures import CHEQUERED, Pictures
 from fabseq_tools.report.report import ReportRun, page_of
 from fabseq_tools.report.views import views_of
+from fabseq_tools.report.words import violation
 from fabseq_tools.run.check_words import out_of_thickness
 from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.read_run import Run
@@ -111,6 +112,10 @@ class VerdictWords(unittest.TestCase):
         np.testing.assert_allclose(worst_misses(run), [0.27, 0.1])
         run.summary["constraints"][0]["bounds"][0]["scale"] = 0.01
         np.testing.assert_allclose(worst_misses(run), [27.0, 0.1])
+        run.history[0] |= {"iteration": 1, "binary": {"worst_constraint": 4.6, "constraints": [[0.002], [1.0, 1.0]]}}
+        run.config["constraints"] = run.summary["constraints"]
+        run.summary |= {"best_iteration": 1}
+        self.assertAlmostEqual(violation(run, binary=True), 0.1)
         del run.summary["constraints"]
         np.testing.assert_allclose(worst_misses(run), [5.6, 0.1])
 

@@ -3,6 +3,7 @@
 
 import math
 
+from fabseq_tools.run.misses import worst_miss
 from fabseq_tools.run.words import alike, duration, factor, number, quantity
 
 STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
@@ -114,15 +115,16 @@ def band(constraint):
 
 
 def violation(run, binary):
-    """Worst relative violation of the iterate that became the result: of its smooth or its binary layers."""
+    """worst_miss() of the iterate that became the result: of its smooth or its binary layers."""
     best = next((line for line in run.history if line["iteration"] == run.summary.get("best_iteration")), None)
     if best is None or not run.config.get("constraints"):
         return None
-    return (best.get("binary") or {}).get("worst_constraint") if binary else best.get("worst_constraint")
+    judged = best.get("binary") if binary else best
+    return worst_miss(run, judged) if judged else None
 
 
 def verdict(worst):
-    """In words, of a relative violation; below 0 is the room that is left."""
+    """In words, of a worst_miss()."""
     if worst is None:
         return None
     return "satisfied" if worst <= 0 else f"violated by {100 * worst:.2g} %"

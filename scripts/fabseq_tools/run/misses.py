@@ -5,14 +5,20 @@ import numpy as np
 
 
 def worst_misses(run):
-    """The largest miss of a constraint in each line of the history, below 0 where all hold: of a count the
-    share of the part beyond its limit, of others relative to what is allowed. The bounds are those that
-    summary.json has (docs/reference.md). The program's own figure mixes these with logarithms of counts; it
+    """worst_miss() of each line of the history; NaN where it is not known."""
+    misses = (worst_miss(run, line) for line in run.history)
+    return np.array([np.nan if worst is None else worst for worst in misses])
+
+
+def worst_miss(run, values):
+    """The largest miss of a constraint in a line of the history, or in its `binary`, below 0 where all hold: of
+    a count the share of the part beyond its limit, of others relative to what is allowed. The bounds are those
+    that summary.json has (docs/reference.md). The program's own figure mixes these with logarithms of counts; it
     stays where there are no constraints, or where an older program has not written their bounds."""
     constraints = run.summary.get("constraints")
     if not constraints:
-        return np.array([np.nan if line["worst_constraint"] is None else line["worst_constraint"] for line in run.history])
-    return np.array([max(miss(*pair) for pair in zip(constraints, line["constraints"])) for line in run.history])
+        return values["worst_constraint"]
+    return max(miss(*pair) for pair in zip(constraints, values["constraints"]))
 
 
 def miss(constraint, values):
