@@ -18,8 +18,18 @@ constexpr double least_thickness = 1e-6;
 struct LocalThicknessSettings {
   double limit = 1e-3;
   double width = 0.1;
+  double margin = 0.0;
+
+  /// What the count allows: largest and least thickness, in the unit of the range. Narrower than the range of
+  /// the exact check, so that few elements that the count misses stay within that.
+  std::array<double, 2> ends(const std::array<double, 2>& range) const {
+    return {(1.0 - margin) * range[1], (1.0 + margin) * range[0]};
+  }
 
   void check(const TermPlace& place) const {
+    if (const auto [high, low] = ends(place.tool.thickness); low >= high)
+      refuse(pointer_to(place.pointer, "margin"), shown(margin),
+             "one that leaves a part of the range of tool.thickness");
     if (!place.layers.target)
       refuse(pointer_to(place.pointer, "type"), "\"local_thickness\" without a target",
              "a constraint layer_thickness, whose target it is measured by");
@@ -37,8 +47,9 @@ class LocalThickness : public Response<Dim> {
         limit_(settings.limit),
         epsilon_(0.25 * settings.width),
         smallest_(least_thickness * context.target_thickness),
-        ends_{context.tool.thickness[1] * context.target_thickness,
-              context.tool.thickness[0] * context.target_thickness} {}
+        ends_(settings.ends(context.tool.thickness)) {
+    for (double& end : ends_) end *= context.target_thickness;
+  }
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
@@ -127,7 +138,10 @@ const Registered<LocalThickness, LocalThicknessSettings> registered(
         .key("limit", &LocalThicknessSettings::limit,
              "Largest share of the part above tool.thickness, and below it", {.range = "(0, 1)"})
         .key("width", &LocalThicknessSettings::width, "Relative range within which the count becomes steep",
-             {.range = "(0, 1]"}));
+             {.range = "(0, 1]"})
+        .key("margin", &LocalThicknessSettings::margin,
+             "Relative distance that the count keeps from both ends of tool.thickness",
+             {.range = "[0, 0.5]"}));
 
 }  // namespace
 

@@ -13,9 +13,13 @@ namespace {
 
 struct TiltSettings {
   double limit = 1e-3;
-  double width = 5.0;  ///< degrees
+  double width = 5.0;   ///< degrees
+  double margin = 0.0;  ///< degrees
 
   void check(const TermPlace& place) const {
+    if (margin >= place.tool.max_tilt)
+      refuse(pointer_to(place.pointer, "margin"), shown(margin),
+             "less than tool.max_tilt, " + shown(place.tool.max_tilt));
     if (!place.tool.axis.empty())
       refuse(pointer_to(place.pointer, "type"), "\"tilt\" with a fixed tool.axis",
              "\"tilt\" with tool.axis \"normal\"");
@@ -33,10 +37,9 @@ class Tilt : public Response<Dim> {
       : context_(context),
         limit_(settings.limit),
         up_(context.part.plate().template normal<Dim>()),
-        cosine_(std::cos(radians(context.tool.max_tilt))) {
-    const double half = 0.5 * settings.width;
-    const double from = std::clamp(context.tool.max_tilt - half, 0.0, 180.0),
-                 to = std::clamp(context.tool.max_tilt + half, 0.0, 180.0);
+        cosine_(std::cos(radians(context.tool.max_tilt - settings.margin))) {
+    const double largest = context.tool.max_tilt - settings.margin, half = 0.5 * settings.width;
+    const double from = std::clamp(largest - half, 0.0, 180.0), to = std::clamp(largest + half, 0.0, 180.0);
     // The slope of E rises from 0.12 to 0.88 of its largest within the width.
     epsilon_ = 0.25 * (std::cos(radians(from)) - std::cos(radians(to)));
   }
@@ -116,7 +119,9 @@ const Registered<Tilt, TiltSettings> registered(
                      .key("limit", &TiltSettings::limit, "Largest share of the part beyond tool.max_tilt",
                           {.range = "(0, 1)"})
                      .key("width", &TiltSettings::width, "Range within which the count becomes steep",
-                          {.range = "(0, 90]", .unit = "degrees"}));
+                          {.range = "(0, 90]", .unit = "degrees"})
+                     .key("margin", &TiltSettings::margin, "Distance that the count keeps from tool.max_tilt",
+                          {.range = "[0, 90)", .unit = "degrees"}));
 
 }  // namespace
 

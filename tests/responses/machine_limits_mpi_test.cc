@@ -107,6 +107,21 @@ TYPED_TEST(MachineLimitsTest, LocalThicknessCountsThickAndThin) {
   EXPECT_NEAR(values[1], thin * this->part_share(pipeline), 1e-11 * values[1]);
 }
 
+/// A margin counts as a narrower limit of the machine would.
+TYPED_TEST(MachineLimitsTest, MarginsNarrowTheLimits) {
+  const auto values = [this](const std::string& tool, const std::string& term) {
+    typename TestFixture::Case pipeline(this->with_tool(tool));
+    const auto state = pipeline.run(pipeline.wavy_design());
+    return this->limit(pipeline, term)->values(state);
+  };
+  EXPECT_DOUBLE_EQ(values(R"({"max_tilt": 53})", R"({"type": "tilt", "margin": 3})")[0],
+                   values(R"({"max_tilt": 50})", R"({"type": "tilt"})")[0]);
+  const auto with_margin =
+      values(R"({"thickness": [0.7, 1.3]})", R"({"type": "local_thickness", "margin": 0.1})");
+  const auto narrower = values(R"({"thickness": [0.77, 1.17]})", R"({"type": "local_thickness"})");
+  for (int side = 0; side < 2; ++side) EXPECT_NEAR(with_margin[side], narrower[side], 1e-12 * narrower[side]);
+}
+
 /// Fields are interpolated by hats of the elements' spacing around all centres.
 template <int Dim>
 double clearance(const Grid<Dim>& grid, const ToolSettings& tool, int samples, double layer,
@@ -201,6 +216,11 @@ TEST(MachineLimitsTest, RefusesWhatHasNoMeaning) {
   EXPECT_EQ(refused(R"({"type": "local_thickness"})", "{}"),
             R"(/constraints/0/type: found "local_thickness" without a target; allowed: a constraint )"
             "layer_thickness, whose target it is measured by");
+  EXPECT_EQ(refused(R"({"type": "tilt", "margin": 40})", R"({"max_tilt": 40})"),
+            "/constraints/0/margin: found 40.0; allowed: less than tool.max_tilt, 40.0");
+  EXPECT_EQ(
+      refused(R"({"type": "local_thickness", "margin": 0.2})", R"({"thickness": [0.9, 1.2]})"),
+      "/constraints/0/margin: found 0.2; allowed: one that leaves a part of the range of tool.thickness");
 }
 
 }  // namespace
