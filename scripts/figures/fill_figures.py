@@ -7,6 +7,7 @@
 Figures of runs that are not there stay as they are. --check writes nothing.
 """
 
+import math
 import os
 import sys
 
@@ -39,7 +40,8 @@ def fill(figure, output):
     if not os.path.exists(os.path.join(directory, "summary.json")):
         return
     if source.get("worst"):
-        value = read_json(directory, "sensitivity.json")["worst"]["length"]["ratio"]
+        # Pages say "at least".
+        value = math.floor(10.0 * read_json(directory, "sensitivity.json")["worst"]["length"]["ratio"]) / 10.0
     else:
         run = Run(directory, with_fields=False)
         numerator, denominator = (run.length(block) for block in source["lengths"])
