@@ -20,7 +20,6 @@ const Domain<3> tower_domain{{2.0, 3.0, 24.0}, {2, 3, 24}, 1.0};
 
 class LateSetsTest : public testing::Test {
  protected:
-  LateSetsTest() : tower_(tower_domain, box({0, 0, 0}, {2, 3, 24})) {}
   /// Those of sets at these heights (`low` to `high`), each measured by an own term; named by the height.
   std::vector<LateSet> late(const std::vector<std::array<double, 2>>& heights) const {
     std::map<std::string, NodeSet> sets;
@@ -37,7 +36,7 @@ class LateSetsTest : public testing::Test {
     return late_sets<3>(tower_.part, sets, terms, layer);
   }
 
-  test::PartOnGrid<3> tower_;
+  test::PartOnGrid<3> tower_{tower_domain, box({0, 0, 0}, {2, 3, 24})};
 };
 
 TEST_F(LateSetsTest, HasSetsWithHalfOrMoreOfTheirNodesInTheLastTenthOfLayers) {
