@@ -15,19 +15,19 @@ namespace fabseq {
 
 namespace {
 
-/// The first layer with an element of the part at each owned node: under nominal deposition the node moves
-/// from then on. 0 without such elements.
+/// The first layer with an element at each owned node, 0 with one of the substrate: under nominal deposition
+/// the node moves from then on. Infinite without elements.
 template <int Dim>
 std::vector<double> own_layers(const Part<Dim>& part, std::span<const double> layer_index) {
   const Grid<Dim>& grid = part.grid();
   const ElementHalo<Dim> halo(grid, 1);
-  const std::vector<double> layers = halo.gather(part.expand(layer_index));
-  std::vector<double> result(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
+  const std::vector<double> layers = halo.gather(part.expand(layer_index, INFINITY, 0.0));
+  std::vector<double> result(static_cast<std::size_t>(grid.owned_nodes().count()), INFINITY);
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     for (int number = 0; number < 1 << Dim; ++number) {
       const Index<Dim> element = stepped<Dim>(node, number, -1);
-      const double layer = halo.box().contains(element) ? layers[halo.box().offset(element)] : 0.0;
-      if (layer > 0.0) result[offset] = result[offset] > 0.0 ? std::min(result[offset], layer) : layer;
+      if (halo.box().contains(element))
+        result[offset] = std::min(result[offset], layers[halo.box().offset(element)]);
     }
   });
   return result;
@@ -46,8 +46,10 @@ template <int Dim>
 std::vector<LateSet> late_sets(const Part<Dim>& part, const std::map<std::string, NodeSet>& node_sets,
                                const std::vector<Term>& terms, std::span<const double> layer_index) {
   std::set<std::string> measured;
-  for (const Term& term : terms)
-    for (const std::string& name : term.type->facts(term).node_sets) measured.insert(name);
+  for (const Term& term : terms) {
+    const TermFacts facts = term.type->facts(term);
+    if (!facts.measures_release) measured.insert(facts.node_sets.begin(), facts.node_sets.end());
+  }
   const MPI_Comm comm = part.grid().comm();
   const double last =
       max(comm, layer_index.empty() ? 0.0 : *std::max_element(layer_index.begin(), layer_index.end()));

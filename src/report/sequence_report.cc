@@ -124,8 +124,9 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
     BuildReport build = report_build(model, pipeline, state, report.used_layers());
     report.build = std::move(build.numbers);
     report.verdict = judge(*report.build, model.settings);
-    report.late_sets =
-        late_sets(model.part, model.node_sets, model.settings.objective, pipeline.last_layer_index());
+    if (model.settings.process.deposition == DepositionModel::nominal)
+      report.late_sets =
+          late_sets(model.part, model.node_sets, model.settings.objective, pipeline.last_layer_index());
     report.build_fields = std::move(build.fields);
   }
   if (state.temperatures != nullptr) {

@@ -20,8 +20,8 @@ struct LocalThicknessSettings {
   double width = 0.1;
   double margin = 0.0;
 
-  /// What the count allows: largest and least thickness, in the unit of the range. Narrower than the range of
-  /// the exact check, so that few elements that the count misses stay within that.
+  /// Largest and least thickness that the count allows, in the unit of the range: elements that it barely
+  /// misses, and those that leave it in binary layers only, stay within the range of the exact check.
   std::array<double, 2> ends(const std::array<double, 2>& range) const {
     return {(1.0 - margin) * range[1], (1.0 + margin) * range[0]};
   }
@@ -36,7 +36,7 @@ struct LocalThicknessSettings {
   }
 };
 
-/// Two components: the shares of the part that are thicker and thinner than the range of tool.thickness,
+/// Two components: the shares of the part that are thicker and thinner than tool.thickness less the margin,
 /// smoothly counted: mean of E(+-ln(d_e / end) / epsilon), with E the smooth excess and
 /// d_e = sum_j drho^j (T_j - T_{j-1}) / (rho M_e).
 template <int Dim>

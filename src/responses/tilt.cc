@@ -29,7 +29,7 @@ struct TiltSettings {
 };
 
 /// One component: the share of the part built beyond the largest tilt, smoothly counted: mean of
-/// E((cos(max_tilt) - a . up) / epsilon), with E the smooth excess.
+/// E((cos(max_tilt - margin) - a . up) / epsilon), with E the smooth excess.
 template <int Dim>
 class Tilt : public Response<Dim> {
  public:

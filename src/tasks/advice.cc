@@ -80,16 +80,19 @@ void add_advice_on_foot(const Setup<Dim>& setup, std::vector<std::string>& resul
         static_cast<long long>(foot), 100.0 * share));
 }
 
-/// Whether a measured set lies where the part ends, by layers at equal distances along the part.
+/// Whether a measured set lies where the part ends, by layers at equal distances along the part, which
+/// sub-parts and material that follows the displaced part have little to do with.
 template <int Dim>
 void add_advice_on_late_sets(const Setup<Dim>& setup, std::span<const double> distance,
                              double geodesic_height, std::vector<std::string>& result) {
+  const bool is_nominal = setup.config.process.deposition == DepositionModel::nominal;
+  if (!is_nominal || setup.config.layers.multi_planar) return;
   const double layers = setup.layers->count();
   std::vector<double> layer_index(distance.begin(), distance.end());
   for (double& layer : layer_index)
     layer = std::min(layers, 1.0 + std::floor(layers * layer / geodesic_height));
   for (const LateSet& set : late_sets(setup.part, setup.node_sets, setup.config.objective, layer_index))
-    result.push_back("/objective: " + set.words());
+    result.push_back("/objective: in layers at equal distances from the plate " + set.words());
 }
 
 }  // namespace

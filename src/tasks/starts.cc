@@ -68,13 +68,16 @@ Json outcome(MPI_Comm comm, const std::string& folder, const Json& initial) {
       objective.push_back(response.at("value"));
   Json record = Json::object({{"initial", initial}, {"objective", objective}});
   for (const char* key : {"feasible", "worst_constraint", "merit"}) record[key] = summary.at(key);
+  if (const auto miss = summary.find("violated"); miss != summary.end()) record["violated"] = *miss;
   return record;
 }
 
 void print_outcome(const Json& record, std::size_t start) {
-  const auto worst = record.at("worst_constraint").get<double>();
-  print(formatted("start %zu: merit %.6g, ", start + 1, record.at("merit").get<double>()) +
-        (record.at("feasible").get<bool>() ? "feasible" : formatted("worst constraint %.3g beyond", worst)));
+  const auto miss = record.find("violated");
+  const std::string stands = record.at("feasible").get<bool>() ? "feasible"
+                             : miss != record.end()            ? miss->at("words").get<std::string>()
+                                                               : "not feasible";
+  print(formatted("start %zu: merit %.6g, ", start + 1, record.at("merit").get<double>()) + stands);
 }
 
 /// Whether a start is better than another. The violation counts where there is one, before the merit.

@@ -84,5 +84,13 @@ TEST(HeadlineTest, ScaledDrawingOfBaselineThatBeatsAGainIsNamed) {
       "skin's rms");
 }
 
+TEST(HeadlineTest, SetsThatTheLastLayersBuildAreNamed) {
+  SequenceReport binary = sequence(1.0, 0.9, true);
+  binary.late_sets = {{"edge", 1.0, 1}};
+  const Headline result = headline(binary, sequence(4.0, 3.9, true), sequence(2.0, 1.9, true));
+  EXPECT_EQ(result.words.back(), binary.late_sets[0].words());
+  EXPECT_EQ(result.words.back().find("the last layer builds 100 % of node set edge, which moves"), 0U);
+}
+
 }  // namespace
 }  // namespace fabseq

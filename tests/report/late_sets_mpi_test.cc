@@ -21,13 +21,14 @@ const Domain<3> tower_domain{{2.0, 3.0, 24.0}, {2, 3, 24}, 1.0};
 class LateSetsTest : public testing::Test {
  protected:
   /// Those of sets at these heights (`low` to `high`), each measured by an own term; named by the height.
-  std::vector<LateSet> late(const std::vector<std::array<double, 2>>& heights) const {
+  std::vector<LateSet> late(const std::vector<std::array<double, 2>>& heights, bool released = false) const {
     std::map<std::string, NodeSet> sets;
     std::vector<Term> terms;
     for (const auto& [low, high] : heights) {
       const std::string name = "from_" + std::to_string(static_cast<int>(low));
       sets.emplace(name, make_node_set<3>(tower_.part, name, {box({0, 0, low}, {2, 3, high}), 0}));
-      const std::string term = R"({"type": "distortion", "nodes": ")" + name + "\"}";
+      const std::string term =
+          R"({"type": "distortion", "nodes": ")" + name + (released ? R"(", "after_release": true})" : "\"}");
       terms.push_back(make_term(TermList::objective, parse_json(term, "term")));
     }
     std::vector<double> layer;
@@ -55,6 +56,8 @@ TEST_F(LateSetsTest, HasSetsWithHalfOrMoreOfTheirNodesInTheLastTenthOfLayers) {
       "the last 2 layers build 100 % of node set from_24, which moves mostly with its own layer: thinner "
       "layers make this motion small in every sequence, planar ones too, and the gain may vanish");
 }
+
+TEST_F(LateSetsTest, LeavesOutWhatIsMeasuredAfterTheRelease) { EXPECT_TRUE(late({{24, 24}}, true).empty()); }
 
 }  // namespace
 }  // namespace fabseq

@@ -13,9 +13,9 @@
 
 namespace fabseq {
 
-/// A node set that is measured, and of which the last `layers` layers build a `share` of the nodes. Few
-/// layers or none move such a node after its own one, whose motion thinner layers make small in every
-/// sequence (docs/formulation.md 4.6): gains on it may vanish with them.
+/// A node set that is measured as built, and of which the last `layers` layers build a `share` of the nodes.
+/// Where material goes to nominal positions, few layers or none move such a node after its own one, whose
+/// motion thinner layers make small in every sequence (docs/formulation.md 4.6): gains on it may vanish.
 struct LateSet {
   std::string name;
   double share = 0.0;  ///< of its nodes
@@ -25,9 +25,9 @@ struct LateSet {
   std::string words() const;
 };
 
-/// The sets that the terms measure and that have half or more of their nodes in the last layers, sorted by
-/// name. `layer_index`: Layers::layer_index() of the part elements. The same on all ranks. Collective on the
-/// grid's communicator.
+/// The sets that the terms measure before the release and that have half or more of their nodes in the last
+/// layers, sorted by name. `layer_index`: Layers::layer_index() of the part elements. The same on all ranks.
+/// Collective on the grid's communicator.
 template <int Dim>
 std::vector<LateSet> late_sets(const Part<Dim>& part, const std::map<std::string, NodeSet>& node_sets,
                                const std::vector<Term>& terms, std::span<const double> layer_index);

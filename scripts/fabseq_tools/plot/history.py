@@ -19,6 +19,7 @@ from matplotlib.ticker import MaxNLocator
 
 from fabseq_tools.plot.drawing import ALLOWED, INK, OPTIMIZED, PLANAR, SOFT_INK, save, tidy
 from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.read_run import read_history, read_json
 
 COMMAND = "plot-history"
@@ -43,8 +44,9 @@ class Curves:
         self.constrained = any(line["constraints"] for line in history)
         self.iterations = [line["iteration"] for line in history]
         self.seconds = list(itertools.accumulate(line["seconds"]["total"] for line in history))
-        self.values = [[term / (planar or terms[0]) for term in terms],
-                       *([line[key] for line in history] for key in ("worst_constraint", "beta", "change"))]
+        self.history, self.summary = history, summary
+        self.values = [[term / (planar or terms[0]) for term in terms], worst_misses(self),
+                       *([line[key] for line in history] for key in ("beta", "change"))]
         self.feasible, best = summary.get("feasible", True), summary.get("best_iteration")
         self.best = self.iterations.index(best) if best in self.iterations else None
 
@@ -83,7 +85,7 @@ def draw(runs, over_seconds):
 
 
 def style_violation(axis, constrained):
-    axis.set_ylabel("worst constraint,\nrelative violation")
+    axis.set_ylabel("worst constraint, missed\nby this share or ratio")
     axis.set_yscale("symlog", linthresh=LINEAR_VIOLATION)
     low, high = axis.get_ylim()
     axis.axhspan(min(low, -LINEAR_VIOLATION), 0.0, color=ALLOWED, zorder=0)
