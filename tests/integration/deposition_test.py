@@ -96,6 +96,14 @@ class DepositionTest(FabseqTest):
         run = self.run_task(config, 1, 1, "nominal", "-task", "simulate")
         self.assertIsNone(run.json("summary.json")["deposition"]["follow"]["nodes"])
 
+    def test_sets_that_the_last_layers_build(self):
+        """At nominal positions they move with their own layer, and a check warns of them."""
+        warning = "the last layer builds 100 % of node set top, which moves mostly with its own layer"
+        for model in MODELS:
+            check = self.run_config(2, plate_2d(), "-deposition", model, "-task", "check")
+            self.assert_done(check)
+            (self.assertIn if model == "nominal" else self.assertNotIn)(warning, check.stderr)
+
     def test_nominal_hardly_depends_on_the_least_stiffness(self):
         """What is not built yet is as soft as that."""
         change = {}
