@@ -22,19 +22,23 @@ class LateSetsTest : public testing::Test {
  protected:
   /// Those of sets at these heights (`low` to `high`), each measured by an own term; named by the height.
   std::vector<LateSet> late(const std::vector<std::array<double, 2>>& heights, bool released = false) const {
+    return late(tower_, heights, released);
+  }
+  static std::vector<LateSet> late(const test::PartOnGrid<3>& tower,
+                                   const std::vector<std::array<double, 2>>& heights, bool released = false) {
     std::map<std::string, NodeSet> sets;
     std::vector<Term> terms;
     for (const auto& [low, high] : heights) {
       const std::string name = "from_" + std::to_string(static_cast<int>(low));
-      sets.emplace(name, make_node_set<3>(tower_.part, name, {box({0, 0, low}, {2, 3, high}), 0}));
+      sets.emplace(name, make_node_set<3>(tower.part, name, {box({0, 0, low}, {2, 3, high}), 0}));
       const std::string term =
           R"({"type": "distortion", "nodes": ")" + name + (released ? R"(", "after_release": true})" : "\"}");
       terms.push_back(make_term(TermList::objective, parse_json(term, "term")));
     }
     std::vector<double> layer;
-    for (const int element : tower_.part.elements())
-      layer.push_back(1.0 + tower_.grid.owned_elements().index(element)[2]);
-    return late_sets<3>(tower_.part, sets, terms, layer);
+    for (const int element : tower.part.elements())
+      layer.push_back(1.0 + tower.grid.owned_elements().index(element)[2]);
+    return late_sets<3>(tower.part, sets, terms, layer);
   }
 
   test::PartOnGrid<3> tower_{tower_domain, box({0, 0, 0}, {2, 3, 24})};
@@ -55,6 +59,14 @@ TEST_F(LateSetsTest, HasSetsWithHalfOrMoreOfTheirNodesInTheLastTenthOfLayers) {
       found[2].words(),
       "the last 2 layers build 100 % of node set from_24, which moves mostly with its own layer: thinner "
       "layers make this motion small in every sequence, planar ones too, and the gain may vanish");
+}
+
+/// Nodes of the substrate move from the first layer on: two thirds of the top are the part's, half of these
+/// stand at the substrate.
+TEST_F(LateSetsTest, LeavesOutNodesOfTheSubstrate) {
+  PartDescription description{box({1, 0, 0}, {2, 3, 24}), false};
+  description.substrate = box({0, 0, 0}, {1, 3, 24});
+  EXPECT_TRUE(late(test::PartOnGrid<3>(tower_domain, description), {{24, 24}}).empty());
 }
 
 TEST_F(LateSetsTest, LeavesOutWhatIsMeasuredAfterTheRelease) { EXPECT_TRUE(late({{24, 24}}, true).empty()); }
