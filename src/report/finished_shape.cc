@@ -10,6 +10,7 @@
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace fabseq {
@@ -26,15 +27,18 @@ std::vector<double> skin_normals(const Part<Dim>& part) {
   std::vector<double> normals(static_cast<std::size_t>(grid.owned_nodes().count()) * Dim, 0.0);
   grid.owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
     if (part.touched_nodes()[offset] == 0) return;
-    double* normal = &normals[static_cast<std::size_t>(offset) * Dim];
+    std::array<int, Dim> away{};  // from its elements, in units of their edges; whole: inside, it vanishes
     for (int number = 0; number < 1 << Dim; ++number) {
       const Index<Dim> element = stepped<Dim>(node, number, -1);
       if (!halo.box().contains(element) || solid[halo.box().offset(element)] == 0.0) continue;
-      for (int axis = 0; axis < Dim; ++axis)  // away from the element, in units of its edges
-        normal[axis] += ((number >> axis & 1) != 0 ? 1.0 : -1.0) / grid.spacing()[axis];
+      for (int axis = 0; axis < Dim; ++axis) away[axis] += (number >> axis & 1) != 0 ? 1 : -1;
     }
+    double* normal = &normals[static_cast<std::size_t>(offset) * Dim];
     double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis) square += normal[axis] * normal[axis];
+    for (int axis = 0; axis < Dim; ++axis) {
+      normal[axis] = away[axis] / grid.spacing()[axis];
+      square += normal[axis] * normal[axis];
+    }
     for (int axis = 0; axis < Dim && square > 0.0; ++axis) normal[axis] /= std::sqrt(square);
   });
   return normals;

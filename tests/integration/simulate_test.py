@@ -9,6 +9,25 @@ from run_fabseq import BAD_INPUT, FabseqTest
 from small_parts import direct_2d, hook_3d, part_density, plate_2d, post_on_substrate, touched_nodes, write_voxels
 
 
+def surface_normals(density, edges):
+    """At each node the sum over its elements of the direction away from them, [node][axis]."""
+    padded = np.pad(density, 1)
+    normals = np.zeros((*(n + 1 for n in density.shape), 3))
+    for before in np.ndindex(2, 2, 2):  # whether the element lies before the node, along z, y, x
+        element = padded[tuple(slice(1 - side, n + 2 - side) for side, n in zip(before, density.shape))]
+        normals += element[..., None] * (2 * np.array(before[::-1]) - 1)
+    return normals / edges
+
+
+def without_rigid_motion(displacement, places):
+    """What the translation and rotation that fit best leave."""
+    places = places - places.mean(0)
+    motions = [np.broadcast_to(axis, places.shape) for axis in np.eye(3)] + [np.cross(axis, places) for axis in np.eye(3)]
+    motions = np.stack([motion.ravel() for motion in motions], 1)
+    fit = np.linalg.lstsq(motions, displacement.ravel(), rcond=None)[0]
+    return displacement - (motions @ fit).reshape(places.shape)
+
+
 class SimulateOutputTest(FabseqTest):
     def check_simulation(self, config, ranks):
         dimension = len(config["domain"]["size"])
@@ -87,6 +106,30 @@ class SimulateOutputTest(FabseqTest):
                 expected = (released[arm]**2).sum(1).mean()
                 self.assertAlmostEqual(values["objective_0"] / expected, 1)
                 self.assertAlmostEqual(values["objective_2"] / (data["displacement"][arm]**2).sum(), 1)
+
+    def test_skin_of_the_finished_part(self):
+        """Displacement of the surface after the best rigid fit, and stock along its normals, on edges of
+        which no sum is exact."""
+        for edges in ((5, 5, 5), (0.7, 0.3, 1.1)):
+            size, tower, foot = ([float(n * h) for n, h in zip(steps, edges)] for steps in ((4, 3, 5), (2, 3, 5), (4, 3, 3)))
+            config = {"name": "angle", "domain": {"size": size, "elements": [4, 3, 5]},
+                      "part": {"union": [{"box": {"min": [0, 0, 0], "max": top}} for top in (tower, foot)]},
+                      "build_plate": "z-", "node_sets": {"skin": {"all": True, "surface": True}},
+                      "process": {"deposition": "nominal"}, "sequence": {"type": "planar"}, "layers": {"count": 3},
+                      "objective": [{"type": "distortion", "measure": "shape", "nodes": "skin"}]}
+            run = self.run_config(2, config, "-task", "simulate")
+            self.assert_done(run)
+            data, built = read_result(run), run.json("summary.json")["finished"]["as_built"]
+            away = surface_normals(data["density"], edges)
+            skin = np.any(away != 0, axis=-1)
+            self.assertTrue((~skin & touched_nodes(data["density"])).any())
+            left = without_rigid_motion(data["displacement"][skin], np.argwhere(skin)[:, ::-1] * edges)
+            self.assertAlmostEqual(built["skin"]["rms"] / np.sqrt((left**2).sum(1).mean()), 1)
+            self.assertAlmostEqual(built["skin"]["max"] / np.linalg.norm(left, axis=1).max(), 1)
+            along = (left * away[skin] / np.linalg.norm(away[skin], axis=1)[:, None]).sum(1)
+            np.testing.assert_allclose([built["stock"]["outward"], built["stock"]["inward"]],
+                                       [max(0, along.max()), max(0, -along.min())], rtol=1e-7)
+            self.assertAlmostEqual(run.json("summary.json")["responses"][0]["value"] / built["skin"]["rms"]**2, 1)
 
     def test_planar_layers_shrink_along_themselves(self):
         """Strain that turns, for planar layers, is the constant one of their direction."""
