@@ -23,7 +23,7 @@ from small_picture import first_that_fits, parser_of_picture, resized
 
 PIXELS = (1000, 900)      # of a drawn part
 CAPTION = 110             # pixels below it
-COLOURS = 48
+COLOURS = 128
 HANGING = (215, 25, 28)
 SEQUENCES = (("planar/", "planar layers"), ("", "optimized layers"))
 FONT = "DejaVuSans.ttf"   # comes with Matplotlib
