@@ -16,12 +16,20 @@ namespace fabseq {
 struct SmoothExcess {
   explicit SmoothExcess(double x) {
     constexpr double ln2 = std::numbers::ln2;
-    const double plus = (std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x)))) / ln2;
+    const double small = std::exp(-std::abs(x));
+    if (x < -negligible) {  // both logarithms are their arguments then; most places are far before their limit
+      value = slope = small / (ln2 * ln2);
+      return;
+    }
+    const double plus = (std::max(x, 0.0) + std::log1p(small)) / ln2;
     value = std::log1p(plus) / ln2;
-    slope = 1.0 / ((1.0 + std::exp(-x)) * (1.0 + plus) * ln2 * ln2);
+    slope = (x < 0.0 ? small : 1.0) / ((1.0 + small) * (1.0 + plus) * ln2 * ln2);
   }
 
   double value, slope;
+
+ private:
+  static constexpr double negligible = 40.0;  ///< e^-x is less than rounding of 1
 };
 
 /// Upper bound of a mean of excesses. Its logarithm is bounded: the means range over orders of magnitude.
