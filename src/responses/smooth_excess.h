@@ -17,7 +17,7 @@ struct SmoothExcess {
   explicit SmoothExcess(double x) {
     constexpr double ln2 = std::numbers::ln2;
     const double small = std::exp(-std::abs(x));
-    if (x < -negligible) {  // both logarithms are their arguments then; most places are far before their limit
+    if (x < -negligible) {  // as most places are; both logarithms are their arguments then
       value = slope = small / (ln2 * ln2);
       return;
     }

@@ -209,7 +209,7 @@ class ToolClearance : public Response<Dim> {
   ElementHalo<Dim> halo_;
   std::vector<double> density_;
   std::vector<char> material_around_;
-  std::array<std::int64_t, corner_count<Dim>> steps_{};  ///< from an element to those around a point, in the box
+  std::array<std::int64_t, corner_count<Dim>> steps_{};  ///< to the elements around a point
 };
 
 const Registered<ToolClearance, ToolClearanceSettings> registered(
