@@ -22,8 +22,8 @@ def surface_normals(density, edges):
 def without_rigid_motion(displacement, places):
     """What the translation and rotation that fit best leave."""
     places = places - places.mean(0)
-    motions = [np.broadcast_to(axis, places.shape) for axis in np.eye(3)] + [np.cross(axis, places) for axis in np.eye(3)]
-    motions = np.stack([motion.ravel() for motion in motions], 1)
+    motions = np.stack([motion.ravel() for axis in np.eye(3)
+                        for motion in (np.broadcast_to(axis, places.shape), np.cross(axis, places))], 1)
     fit = np.linalg.lstsq(motions, displacement.ravel(), rcond=None)[0]
     return displacement - (motions @ fit).reshape(places.shape)
 
@@ -111,7 +111,8 @@ class SimulateOutputTest(FabseqTest):
         """Displacement of the surface after the best rigid fit, and stock along its normals, on edges of
         which no sum is exact."""
         for edges in ((5, 5, 5), (0.7, 0.3, 1.1)):
-            size, tower, foot = ([float(n * h) for n, h in zip(steps, edges)] for steps in ((4, 3, 5), (2, 3, 5), (4, 3, 3)))
+            size, tower, foot = ([float(n * h) for n, h in zip(steps, edges)]
+                                 for steps in ((4, 3, 5), (2, 3, 5), (4, 3, 3)))
             config = {"name": "angle", "domain": {"size": size, "elements": [4, 3, 5]},
                       "part": {"union": [{"box": {"min": [0, 0, 0], "max": top}} for top in (tower, foot)]},
                       "build_plate": "z-", "node_sets": {"skin": {"all": True, "surface": True}},
