@@ -9,7 +9,6 @@
 #include "responses/unit_gradient.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 namespace fabseq {
@@ -45,10 +44,8 @@ class ToolClearance : public Response<Dim> {
         samples_(torch_samples<Dim>(context.tool, up_, diagonal(context.part.grid()), settings.samples)),
         halo_(context.part.grid(), width(context)),
         density_(halo_.gather(standing_density(context.part))),
-        material_around_(material_around()) {
-    for (int number = 0; number < corner_count<Dim>; ++number)
-      steps_[number] = halo_.box().offset(stepped<Dim>(halo_.box().start, number, 1));
-  }
+        cells_(ringed(halo_.box())),
+        material_around_(material_around()) {}
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const Field field = gather(state);
@@ -123,16 +120,13 @@ class ToolClearance : public Response<Dim> {
     return part.expand(part.part_density(), 0.0, 1.0);
   }
 
-  /// Whether any of the elements from one on along each axis holds material, in the halo's box.
+  /// Whether any of the elements around a cell holds material.
   std::vector<char> material_around() const {
-    const IndexBox<Dim>& box = halo_.box();
-    std::vector<char> result(density_.size(), 0);
-    box.for_each([&](const Index<Dim>& element, std::int64_t c) {
+    std::vector<char> result(static_cast<std::size_t>(cells_.count()), 0);
+    halo_.box().for_each([&](const Index<Dim>& element, std::int64_t c) {
       if (density_[c] == 0.0) return;
-      for (int number = 0; number < corner_count<Dim>; ++number) {
-        const Index<Dim> first = stepped<Dim>(element, number, -1);
-        if (box.contains(first)) result[box.offset(first)] = 1;
-      }
+      for (int number = 0; number < corner_count<Dim>; ++number)
+        result[cells_.offset(stepped<Dim>(element, number, -1))] = 1;
     });
     return result;
   }
@@ -172,22 +166,18 @@ class ToolClearance : public Response<Dim> {
   template <class What>
   void for_each_corner(const Place& place, const Point<Dim>& offset, What&& what) const {
     const Point<Dim>& spacing = context_.part.grid().spacing();
-    const IndexBox<Dim>& box = halo_.box();
     Index<Dim> first = place.element;
     Point<Dim> rest;
     for (int i = 0; i < Dim; ++i) {
       const double steps = offset[i] / spacing[i], whole = std::floor(steps);
       first[i] += static_cast<int>(whole);
-      if (first[i] + 1 < box.start[i] || first[i] >= box.start[i] + box.size[i]) return;
       rest[i] = steps - whole;
     }
-    const bool begins_inside = box.contains(first),
-               inside = begins_inside && box.contains(stepped<Dim>(first, corner_count<Dim> - 1, 1));
-    const std::int64_t start = box.offset(first);
-    if (begins_inside && material_around_[start] == 0) return;
+    if (!cells_.contains(first) || material_around_[cells_.offset(first)] == 0) return;
     for (int number = 0; number < corner_count<Dim>; ++number) {
-      if (!inside && !box.contains(stepped<Dim>(first, number, 1))) continue;
-      const auto c = static_cast<std::size_t>(start + steps_[number]);
+      const Index<Dim> corner = stepped<Dim>(first, number, 1);
+      if (!halo_.box().contains(corner)) continue;
+      const auto c = static_cast<std::size_t>(halo_.box().offset(corner));
       if (density_[c] == 0.0) continue;
       double weight = 1.0;
       Point<Dim> slope;
@@ -208,8 +198,8 @@ class ToolClearance : public Response<Dim> {
   std::vector<Point<Dim>> samples_;
   ElementHalo<Dim> halo_;
   std::vector<double> density_;
-  std::vector<char> material_around_;
-  std::array<std::int64_t, corner_count<Dim>> steps_{};  ///< to the elements around a point
+  IndexBox<Dim> cells_;                ///< between the centres of 2^Dim elements each, by the lowest of these
+  std::vector<char> material_around_;  ///< [cell]
 };
 
 const Registered<ToolClearance, ToolClearanceSettings> registered(
