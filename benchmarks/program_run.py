@@ -117,8 +117,10 @@ def stop_after(directory, iterations):
     def ask():
         while not ended.wait(0.02):
             if os.path.exists(config) and os.path.getmtime(config) != before:
-                with open(os.path.join(directory, "stop"), "w", encoding="utf-8") as file:
+                stop = os.path.join(directory, "stop")
+                with open(stop + ".partial", "w", encoding="utf-8") as file:
                     file.write(str(iterations))
+                os.replace(stop + ".partial", stop)  # an empty file would stop the run at once
                 return
 
     asking = threading.Thread(target=ask)

@@ -15,6 +15,7 @@
 #include <ctime>
 #include <fstream>
 #include <sstream>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -77,11 +78,20 @@ extern "C" void on_stop_signal(int signal) {
   errno = error;
 }
 
+std::string first_word(const std::string& path) {
+  std::string word;
+  std::ifstream(path) >> word;
+  return word;
+}
+
 /// A file that is there but cannot be read counts as a request, too.
 bool file_asks(const WatchedFile& seen) {
   if (seen.path.empty() || ::access(seen.path.c_str(), F_OK) != 0) return false;
-  std::string word;
-  std::ifstream(seen.path) >> word;
+  std::string word = first_word(seen.path);
+  if (word.empty()) {  // whoever writes a number there makes an empty file first
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    word = first_word(seen.path);
+  }
   const std::optional<int> wanted = number_in<int>(word);
   return !wanted || seen.iterations >= *wanted;
 }

@@ -115,6 +115,23 @@ TEST(Stop, AFileThatWaitsForAnIteration) {
   EXPECT_EQ(reason(), "stopped by the file 'stop' in the output directory");
 }
 
+TEST(Stop, ANumberThatIsWrittenALittleAfterItsFile) {
+  const test::ScratchDirectory scratch;
+  const StopRequests requests(std::nullopt);
+  const StopFile stop_file(PETSC_COMM_WORLD, scratch.file("stop"));
+  std::ofstream file;
+  if (is_first()) file.open(scratch.file("stop"));
+  std::thread writer([&file] {
+    wait(0.02);
+    file << "12\n" << std::flush;
+  });
+  note_iterations(11);
+  writer.join();
+  EXPECT_NO_THROW(stop_if_requested(PETSC_COMM_WORLD));
+  note_iterations(12);
+  EXPECT_EQ(reason(), "stopped by the file 'stop' in the output directory");
+}
+
 /// A pipe that nobody reads: nothing waits for it once the run shall stop, and what there was room for is
 /// whole.
 TEST(StandardStreams, AFullPipeDoesNotKeepFromStopping) {
