@@ -16,9 +16,7 @@ def digits(value):
     """A figure in a table: whole numbers as they are, others with three digits, zeros included."""
     if isinstance(value, int):
         return f"{value:,}"
-    if 1e3 <= abs(value) < 1e4:
-        return f"{value:,.0f}"
-    return f"{value:#.3g}".rstrip(".") if 1e-2 <= abs(value) < 1e3 else number(value)
+    return f"{value:#.3g}".rstrip(".") if 1e-2 <= abs(value) < 999.5 else number(value)
 
 
 def cell(value, show=digits, **attributes):

@@ -19,8 +19,10 @@ def alike(first, second):
 
 
 def number(value):
-    """Three digits, with a power of ten where needed: 0.127, 3.07·10⁻³."""
-    if value == 0 or 1e-2 <= abs(value) < 1e4:
+    """Three digits, or four of a whole number, with a power of ten where needed: 0.127, 1,093, 3.07·10⁻³."""
+    if 999.5 <= abs(value) < 9999.5:
+        return f"{value:,.0f}"
+    if value == 0 or 1e-2 <= abs(value) < 999.5:
         return f"{value:.3g}"
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}·10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
