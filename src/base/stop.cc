@@ -89,7 +89,7 @@ bool file_asks(const WatchedFile& seen) {
   if (seen.path.empty() || ::access(seen.path.c_str(), F_OK) != 0) return false;
   std::string word = first_word(seen.path);
   if (word.empty()) {  // whoever writes a number there makes an empty file first
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
     word = first_word(seen.path);
   }
   const std::optional<int> wanted = number_in<int>(word);

@@ -144,7 +144,7 @@ TEST(StandardStreams, AFullPipeDoesNotKeepFromStopping) {
   const auto start = MPI_Wtime();
   write_text(ends[1], std::string(100000, 'x'));
   write_text(ends[1], "last\n");
-  EXPECT_LT(MPI_Wtime() - start, 5.0);
+  EXPECT_LT(MPI_Wtime() - start, 60.0);
   EXPECT_EQ(fcntl(ends[1], F_GETFL) & O_NONBLOCK, 0) << "the pipe itself has been changed";
   std::string found(8192, ' ');
   found.resize(static_cast<std::size_t>(read(ends[0], found.data(), found.size())));

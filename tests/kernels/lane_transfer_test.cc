@@ -42,13 +42,23 @@ struct TwoMeshes {
   template <class Function>
   void for_each_entry(Function&& f) const {
     for_each_node(fine, [&](const Index<Dim>& node, std::int64_t number) {
-      for_each_node(coarse, [&](const Index<Dim>& at, std::int64_t coarse_number) {
+      around(node).for_each([&](const Index<Dim>& at, std::int64_t) {
         double weight = 1.0;
         for (int axis = 0; axis < Dim; ++axis)
           weight *= std::max(0.0, 1.0 - std::abs(at[axis] - static_cast<double>(node[axis]) / factors[axis]));
-        if (weight > 0.0) f(node, number, at, coarse_number, weight);
+        const bool is_there = coarse.node_box().contains(at) && coarse.node_number(at) >= 0;
+        if (weight > 0.0 && is_there) f(node, number, at, coarse.node_number(at), weight);
       });
     });
+  }
+  /// Coarse nodes next to a fine one; hat functions of the others vanish there.
+  IndexBox<Dim> around(const Index<Dim>& node) const {
+    IndexBox<Dim> result;
+    for (int axis = 0; axis < Dim; ++axis) {
+      result.start[axis] = node[axis] / factors[axis] - 1;
+      result.size[axis] = 3;
+    }
+    return result;
   }
   template <class Function>
   static void for_each_node(const LaneMesh<Dim>& mesh, Function&& f) {

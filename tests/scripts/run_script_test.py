@@ -88,7 +88,7 @@ class RunScriptTest(unittest.TestCase):
             self.wait_until(lambda expected=message: expected in self.errors())
             time.sleep(0.2)  # sooner, it is the same signal
         process.terminate()
-        self.assertEqual(process.wait(10), 128 + signal.SIGKILL, self.errors())
+        self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGKILL, self.errors())
 
     def test_input_is_left_alone(self):
         """In a loop that reads lines, they are the loop's."""
