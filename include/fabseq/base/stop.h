@@ -22,8 +22,8 @@ class StopRequests {
 };
 
 /// Makes the presence of a file a request, too, for the lifetime of the object. If the file holds an integer,
-/// the request is made when that many iterations are done, otherwise at once; an empty one is read again after
-/// half a second. Stop files of runs within runs are nested.
+/// the request is made when that many iterations are done, otherwise at once; an empty one is read again
+/// after half a second. Stop files of runs within runs are nested.
 class StopFile {
  public:
   /// Rank 0 of `comm` looks for the file. Not collective.
