@@ -11,14 +11,6 @@ namespace fabseq {
 
 namespace {
 
-/// The target thickness of the first constraint that has one.
-std::optional<TargetThickness> target_of(const std::vector<Term>& constraints) {
-  for (std::size_t i = 0; i < constraints.size(); ++i)
-    if (const auto target = constraints[i].type->facts(constraints[i]).target_thickness)
-      return TargetThickness{*target, "/constraints/" + std::to_string(i) + "/target"};
-  return std::nullopt;
-}
-
 ToolRange range_of(const ToolSettings& tool) {
   ToolRange range{tool.max_tilt};
   if (!tool.profile.empty()) range.thickness = tool.thickness;
@@ -26,6 +18,14 @@ ToolRange range_of(const ToolSettings& tool) {
 }
 
 }  // namespace
+
+std::optional<TargetThickness> target_thickness(const Config& config) {
+  if (config.layers.given_target) return TargetThickness{*config.layers.given_target, "/layers/target"};
+  for (std::size_t i = 0; i < config.constraints.size(); ++i)
+    if (const auto target = config.constraints[i].type->facts(config.constraints[i]).target_thickness)
+      return TargetThickness{*target, "/constraints/" + std::to_string(i) + "/target"};
+  return std::nullopt;
+}
 
 Config read_settings(const Json& document, const std::string& directory,
                      std::shared_ptr<const PlacedMesh> mesh) {
@@ -40,7 +40,7 @@ Config read_settings(const Json& document, const std::string& directory,
 void complete(Config& config) {
   if (config.layers.multi_planar)
     complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
-  config.layers.target = target_of(config.constraints);
+  config.layers.target = target_thickness(config);
   config.sequence.kind->follow_tool(config.sequence, range_of(config.tool));
   complete_move_limits(config.optimizer, config.sequence, config.objective);
   check_rules(config);

@@ -126,6 +126,8 @@ Config read_config(MPI_Comm comm, Json document, const std::string& directory,
   if (command_line.sequence_file) {
     sequence_file = std::filesystem::absolute(*command_line.sequence_file, error).string();
     apply_override(document, "sequence", Json::object({{"type", "file"}, {"file", sequence_file}}).dump());
+    for (const auto& [path, value] : command_line.overrides)
+      if (path == "sequence.dataset") apply_override(document, path, value);
   }
   merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);

@@ -78,11 +78,9 @@ void check_strain(const Config& config) {
          "a list of numbers, or sequence type " + sequences_with_gradient());
 }
 
-/// The torch turns with the layers, and each rank gathers the layers of all elements.
+/// Each rank gathers the layers of all elements.
 void check_torch(const Config& config) {
   if (config.tool.profile.empty()) return;
-  if (config.tool.axis.empty() && !config.has_time_gradient() && !config.layers.multi_planar)
-    refuse("/tool/axis", "\"normal\"" + without_gradient(config), "a vector, such as the plate's normal");
   constexpr double most_elements = 1e8;
   double elements = 1.0;
   for (const int count : config.elements) elements *= count;

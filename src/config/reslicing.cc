@@ -29,9 +29,10 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
 void leave_out_terms_of_gradient(std::vector<Term>& terms, const std::string& list) {
   std::erase_if(terms, [&](const Term& term) {
     const ResponseType& type = *term.type;
-    if (!type.needs_time_gradient || type.layers == LayerKind::multi_planar) return false;
+    if (!type.needs_time_gradient) return false;
     warn("-sequence: " + pointer_to(pointer_to("", list), term.position) + " (" + type.name +
-         ") is left out: it needs the gradient of the pseudo-time, which a file does not have");
+         ") is left out: it needs the gradient of the pseudo-time, which a sequence from a file has for "
+         "checks only");
     return true;
   });
 }
@@ -57,8 +58,12 @@ void reslice(const CommandLine& command_line, const Slicing& of_file, Config& co
     config.projection.beta = of_file.beta * (*layers.count / of_file.layers);
     config.projection.max = config.projection.beta;
   }
+  const auto target = target_thickness(config);
   leave_out_terms_of_gradient(config.objective, "objective");
   leave_out_terms_of_gradient(config.constraints, "constraints");
+  if (!target || layers.multi_planar) return;
+  const bool is_resliced = of_file.layers > 0.0 && layers.count;
+  layers.given_target = target->value * (is_resliced ? of_file.layers / *layers.count : 1.0);
 }
 
 }  // namespace fabseq

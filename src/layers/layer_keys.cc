@@ -85,6 +85,9 @@ Section<LayerSettings> layer_keys() {
             .range = "[1, " + std::to_string(most_layers) + "]",
             .words = "auto",
             .option = "-layers"})
+      .key("target", &Its::given_target,
+           "Target thickness that tool.thickness refers to; auto: that of the first constraint with one",
+           {.range = "(0, inf)", .words = "auto", .unit = "length"})
       .key("time_points", &Its::variable_time_points,
            "Pseudo-times at which layers end: equal steps, or variables",
            {.words = "uniform variable", .option = "-time_points"});

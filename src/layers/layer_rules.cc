@@ -54,9 +54,9 @@ void check_multi_planar(const MultiPlanarSettings& layers, const Json& config, i
 
 void check_curved(const LayerSettings& layers) {
   if (layers.count || layers.target) return;
-  refuse("/layers/count", "\"auto\" without a layer_thickness constraint",
+  refuse("/layers/count", "\"auto\" without layers.target and a layer_thickness constraint",
          "an integer in [1, " + std::to_string(most_layers) +
-             "], or \"auto\" with a constraint of type layer_thickness");
+             "], or \"auto\" with layers.target or a constraint of type layer_thickness");
 }
 
 /// `keys`: the completed section.

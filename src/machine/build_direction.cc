@@ -6,10 +6,10 @@
 namespace fabseq {
 
 template <int Dim>
-std::vector<double> build_direction(const PseudoTime<Dim>& time, const LayerDensities& layers,
+std::vector<double> build_direction(std::span<const double> gradient, const LayerDensities& layers,
                                     std::span<const double> layer_index) {
   const SubParts& sub_parts = layers.sub_parts;
-  std::vector<double> result = time.gradient;
+  std::vector<double> result(gradient.begin(), gradient.end());
   if (sub_parts.count() > 0) {
     result.resize(layer_index.size() * Dim);
     for (std::size_t e = 0; e < layer_index.size(); ++e) {

@@ -9,6 +9,15 @@
 
 namespace fabseq {
 
+namespace {
+
+template <int Dim>
+bool vanishes(const double* vector) {
+  return std::all_of(vector, vector + Dim, [](double component) { return component == 0.0; });
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const double> direction,
                                      std::span<const double> layer_index, double bead_width) {
@@ -27,7 +36,8 @@ std::vector<double> hanging_elements(const Part<Dim>& part, std::span<const doub
   std::vector<double> result(layer_index.size());
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const Index<Dim> element = grid.owned_elements().index(part.elements()[e]);
-    const double* axis_of_bead = direction.empty() ? normal.data() : &direction[e * Dim];
+    const double* axis_of_bead =
+        direction.empty() || vanishes<Dim>(&direction[e * Dim]) ? normal.data() : &direction[e * Dim];
     const bool stands = std::any_of(steps.begin(), steps.end(), [&](const Index<Dim>& step) {
       if (!footing.holds(step, axis_of_bead)) return false;
       Index<Dim> below = element;

@@ -10,15 +10,14 @@
 namespace fabseq {
 
 template <int Dim>
-std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDensities& layers,
+std::vector<double> local_thickness(std::span<const double> gradient, const LayerDensities& layers,
                                     std::span<const double> layer_index) {
   std::vector<double> result;
-  if (time.gradient.empty() || layers.time_points.empty()) return result;
+  if (gradient.empty() || layers.time_points.empty()) return result;
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const auto layer = static_cast<std::size_t>(layer_index[e]);
     double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis)
-      square += time.gradient[e * Dim + axis] * time.gradient[e * Dim + axis];
+    for (int axis = 0; axis < Dim; ++axis) square += gradient[e * Dim + axis] * gradient[e * Dim + axis];
     result.push_back((layers.time_points[layer] - layers.time_points[layer - 1]) / std::sqrt(square));
   }
   return result;

@@ -20,7 +20,7 @@ template <int Dim>
 class TimesAround {
  public:
   /// Collective.
-  TimesAround(const Part<Dim>& part, const std::vector<double>& time)
+  TimesAround(const Part<Dim>& part, std::span<const double> time)
       : part_(part), halo_(part.grid(), 1), time_(halo_.gather(part.expand(time, outside))) {}
 
   /// Square of the steepest one-sided differences along all axes, 1/length^2.
@@ -53,13 +53,14 @@ class TimesAround {
 }  // namespace
 
 template <int Dim>
-std::vector<double> meeting_fronts(const Part<Dim>& part, const PseudoTime<Dim>& time) {
+std::vector<double> meeting_fronts(const Part<Dim>& part, std::span<const double> time,
+                                   std::span<const double> gradient) {
   std::vector<double> result;
-  if (!any(part.grid().comm(), !time.gradient.empty())) return result;
-  const TimesAround<Dim> around(part, time.time);
-  for (std::size_t e = 0; e < time.time.size(); ++e) {
+  if (!any(part.grid().comm(), !gradient.empty())) return result;
+  const TimesAround<Dim> around(part, time);
+  for (std::size_t e = 0; e < time.size(); ++e) {
     double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis) square += std::pow(time.gradient[e * Dim + axis], 2);
+    for (int axis = 0; axis < Dim; ++axis) square += std::pow(gradient[e * Dim + axis], 2);
     const double steepest = around.steepness(part.elements()[e]);
     result.push_back(steepest > steeper * steeper * square ? 1.0 : 0.0);
   }

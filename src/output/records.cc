@@ -33,6 +33,19 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
   return table;
 }
 
+const char* name_of(GradientSource source) {
+  switch (source) {
+    case GradientSource::file:
+      return "file";
+    case GradientSource::differences:
+      return "differences";
+    case GradientSource::layer_differences:
+      return "layer_differences";
+    default:
+      return "sequence";
+  }
+}
+
 Json checks_record(const BuildNumbers& numbers) {
   const auto place = [](const MarkedElements& marked) {
     return marked.at.empty() ? Json() : Json(marked.at);
@@ -67,7 +80,8 @@ Json checks_record(const BuildNumbers& numbers) {
     return Json::object(
         {{"elements", marked.elements}, {"at", place(marked)}, {"per_layer", marked.per_layer}});
   };
-  return Json::object({{"blocked", blocked},
+  return Json::object({{"gradient", name_of(numbers.gradient)},
+                       {"blocked", blocked},
                        {"tilt", tilt},
                        {"local_thickness", thickness},
                        {"hanging", marks_record(numbers.hanging)},

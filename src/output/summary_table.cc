@@ -167,6 +167,21 @@ std::string words_on_thickness(const SequenceNumbers& of, const std::string& uni
          near_words(thickness->largest_at) + words;
 }
 
+/// What a sequence's checks go by where it has no gradient itself.
+std::string words_on_gradient(const SequenceNumbers& of) {
+  const std::string begin = "checks of direction and thickness: ";
+  switch (of.build ? of.build->gradient : GradientSource::sequence) {
+    case GradientSource::file:
+      return begin + "by the gradient recorded beside the times";
+    case GradientSource::differences:
+      return begin + "by differences of the elements' times, which come without a gradient";
+    case GradientSource::layer_differences:
+      return begin + "estimates, by differences of times that are no finer than layers";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> summary_table(const Summary& summary) {
@@ -178,8 +193,9 @@ std::vector<std::string> summary_table(const Summary& summary) {
   columns.push_back({"binary", &reports.binary});
   std::vector<std::string> lines = table(summary.unit, columns);
   add_verdicts(lines, columns);
-  if (const std::string words = words_on_thickness(reports.binary, summary.unit); !words.empty())
-    lines.push_back(words);
+  for (const std::string& words :
+       {words_on_gradient(reports.binary), words_on_thickness(reports.binary, summary.unit)})
+    if (!words.empty()) lines.push_back(words);
   for (const std::string& words : summary.finish->headline.words) lines.push_back(words);
   return lines;
 }
@@ -187,6 +203,7 @@ std::vector<std::string> summary_table(const Summary& summary) {
 std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const std::string& unit) {
   std::vector<std::string> lines = table(unit, {{"simulated", &numbers}});
   if (numbers.verdict) lines.push_back("buildable on this machine: " + numbers.verdict->words());
+  if (const std::string words = words_on_gradient(numbers); !words.empty()) lines.push_back(words);
   return lines;
 }
 

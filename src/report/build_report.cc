@@ -7,6 +7,7 @@
 #include "fabseq/machine/hanging.h"
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/machine/meeting_fronts.h"
+#include "fabseq/machine/time_gradient.h"
 #include "fabseq/process/residual_stress.h"
 
 #include <algorithm>
@@ -37,11 +38,13 @@ class MachineChecks {
         settings_(model.settings),
         state_(state),
         layer_(pipeline.last_layer_index()),
-        direction_(build_direction(state.time, state.layers, layer_)) {}
+        gradient_(time_gradient(model.part, state.time, state.layers)),
+        direction_(build_direction<Dim>(gradient_.values, state.layers, layer_)) {}
 
   /// Collective.
   void add_to(BuildReport& report) const {
     if (any(part_.grid().comm(), !direction_.empty())) report.fields.direction = direction_;
+    report.numbers.gradient = gradient_.source;
     add_torch(report);
     add_thickness(report);
     std::vector<double> hanging = hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
@@ -77,9 +80,9 @@ class MachineChecks {
   }
 
   void add_thickness(BuildReport& report) const {
-    std::vector<double> thickness = local_thickness(state_.time, state_.layers, layer_);
+    std::vector<double> thickness = local_thickness<Dim>(gradient_.values, state_.layers, layer_);
     report.numbers.local_thickness =
-        thickness_range<Dim>(part_, thickness, meeting_fronts(part_, state_.time),
+        thickness_range<Dim>(part_, thickness, meeting_fronts<Dim>(part_, state_.time.time, gradient_.values),
                              allowed_thickness(settings_), layer_, state_.layers.count());
     if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
   }
@@ -87,7 +90,9 @@ class MachineChecks {
   const Part<Dim>& part_;
   const ModelSettings& settings_;
   const PipelineState<Dim>& state_;
-  std::vector<double> layer_, direction_;
+  std::vector<double> layer_;
+  TimeGradient gradient_;
+  std::vector<double> direction_;
 };
 
 }  // namespace

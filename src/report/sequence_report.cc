@@ -81,6 +81,8 @@ template <int Dim>
 void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
                          const std::string& prefix) {
   fields.add_elements(prefix + "time", report.time, 1, &part.elements());
+  if (any(part.grid().comm(), !report.time_gradient.empty()))
+    fields.add_elements(prefix + "time_gradient", report.time_gradient, Dim, &part.elements());
   fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
   add_build_fields(fields, part, report.build_fields, prefix);
   if (report.part_temperature)
@@ -135,6 +137,7 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
     report.interpass_temperature = std::move(temperature.field);
   }
   report.time = state.time.time;
+  report.time_gradient = state.time.gradient.empty() ? state.time.recorded_gradient : state.time.gradient;
   report.layer = pipeline.last_layer_index();
   report.temperature = state.time.temperature;
   report.nodal_time = state.time.nodal;

@@ -14,7 +14,8 @@ struct FileKind {
     return Section<Settings>("sequence")
         .key("file", &Settings::file, "HDF5 file with the pseudo-time",
              {.type = KeyType::path, .required = true})
-        .key("dataset", &Settings::dataset, "Dataset with axes [z][y][x], values in [0, 1]");
+        .key("dataset", &Settings::dataset,
+             "Dataset with axes [z][y][x], values in [0, 1]; with a gradient beside it any");
   }
 
   static SequenceFacts facts(const Settings& settings) {

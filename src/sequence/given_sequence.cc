@@ -2,6 +2,7 @@
 #include "fabseq/sequence/given_sequence.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/files/hdf5_writer.h"
 
@@ -67,11 +68,38 @@ double planar_height(const Part<Dim>& part, std::vector<double> direction) {
   return heights.highest - heights.lowest;
 }
 
+namespace {
+
+/// What is recorded beside a time; empty if there is none.
+template <int Dim>
+std::vector<double> recorded_gradient(const Part<Dim>& part, const std::string& file,
+                                      const std::string& dataset) {
+  const std::string name = dataset + "_gradient";
+  if (!hdf5_file_has(part.grid().comm(), file, name, "/sequence/file")) return {};
+  const std::vector<double> field =
+      read_field(part.grid(), false, file, name, "/sequence/file", "/sequence/file", Dim);
+  std::vector<double> result;
+  for (const int element : part.elements())
+    result.insert(result.end(), &field[static_cast<std::size_t>(element) * Dim],
+                  &field[static_cast<std::size_t>(element + 1) * Dim]);
+  const auto is_finite = [](double component) { return std::isfinite(component); };
+  if (any(part.grid().comm(), !std::all_of(result.begin(), result.end(), is_finite)))
+    throw InputError("/sequence/file: dataset \"" + name + "\" of " + file +
+                     " holds values that are no numbers; allowed: the gradient of \"" + dataset +
+                     "\" on all part elements");
+  return result;
+}
+
+}  // namespace
+
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset) {
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
-  const auto outside = [](double t) { return !(t >= 0.0 && t <= 1.0); };
+  result.recorded_gradient = recorded_gradient(part, file, dataset);
+  // Times of a run may leave the range a little; whoever writes a gradient beside them means times.
+  const bool is_of_run = any(part.grid().comm(), !result.recorded_gradient.empty());
+  const auto outside = [=](double t) { return !(is_of_run ? std::isfinite(t) : t >= 0.0 && t <= 1.0); };
   if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");

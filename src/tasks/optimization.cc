@@ -36,7 +36,7 @@ std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Proble
 
 /// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
 void drop_unwritten_fields(SequenceReport& binary) {
-  binary.time = binary.layer = binary.temperature = binary.nodal_time = {};
+  binary.time = binary.time_gradient = binary.layer = binary.temperature = binary.nodal_time = {};
   BuildFields written;
   written.von_mises = std::move(binary.build_fields.von_mises);
   binary.build_fields = std::move(written);

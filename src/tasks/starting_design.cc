@@ -55,18 +55,18 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
 }
 
 std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& variables,
-                                         const std::string& file) {
+                                         const std::string& file, const std::string& option) {
   const char* shape = variables.columns > 0 ? "a row a sub-part" : "one less than layers";
-  std::vector<double> result = read_list(comm, file, variables.name, variables.count(), shape, "-design",
-                                         "-design", variables.columns);
+  std::vector<double> result =
+      read_list(comm, file, variables.name, variables.count(), shape, option, option, variables.columns);
   for (std::size_t j = 0; j < result.size(); ++j)
     if (any_outside(comm, {result[j]}, variables.lower[j], variables.upper[j]))
-      throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " +
+      throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
                        Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
                        Json(variables.upper[j]).dump());
   if (variables.columns == 0 && !std::is_sorted(result.begin(), result.end()))
-    throw InputError("-design: dataset '" + variables.name + "' of " + file + " has " + shown(Json(result)) +
-                     ", needs ascending times");
+    throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
+                     shown(Json(result)) + ", needs ascending times");
   return result;
 }
 
@@ -95,10 +95,15 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
                       : sequence.initial_design());
   design.layer_variables = variables.start;
   if (variables.count() > 0 && has(variables.name.c_str())) {
-    design.layer_variables = read_layer_variables(setup.world(), variables, *command_line.design_file);
+    design.layer_variables =
+        read_layer_variables(setup.world(), variables, *command_line.design_file, "-design");
   } else if (setup.config.layers.variable_time_points && command_line.sequence_file) {
     design.layer_variables =
         resliced_time_points(setup.world(), setup.layers->count(), *command_line.sequence_file);
+  } else if (variables.count() > 0 && command_line.sequence_file &&
+             hdf5_file_has(setup.world(), *command_line.sequence_file, variables.name, "-sequence")) {
+    design.layer_variables =
+        read_layer_variables(setup.world(), variables, *command_line.sequence_file, "-sequence");
   }
   return design;
 }

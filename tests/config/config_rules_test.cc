@@ -43,10 +43,9 @@ TEST(ConfigRulesTest, NodeSetsOfTerms) {
 
 TEST(ConfigRulesTest, KeysThatNeedEachOther) {
   EXPECT_EQ(error_of(solid, {{"layers.count", "auto"}, {"constraints", "[]"}}),
-            "/layers/count: found \"auto\" without a layer_thickness constraint; allowed: an integer in [1, "
-            "10000], "
-            "or \"auto\" with a "
-            "constraint of type layer_thickness");
+            "/layers/count: found \"auto\" without layers.target and a layer_thickness constraint; allowed: "
+            "an integer in "
+            "[1, 10000], or \"auto\" with layers.target or a constraint of type layer_thickness");
   const std::string file = R"({"type": "file", "file": "t.h5"})";
   const std::string reason =
       " with sequence type \"file\", for which the gradient of the pseudo-time is not defined; allowed: this "

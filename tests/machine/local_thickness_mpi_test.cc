@@ -23,12 +23,12 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   std::vector<double> layer;
   for (const double t : time.time) layer.push_back(t < 0.25 ? 1.0 : 2.0);
 
-  const std::vector<double> thickness = local_thickness<3>(time, layers, layer);
+  const std::vector<double> thickness = local_thickness<3>(time.gradient, layers, layer);
   const double height = planar_height<3>(part, {1.0, 0.0, 1.0});
   for (std::size_t e = 0; e < layer.size(); ++e)
     EXPECT_NEAR(thickness[e], (layer[e] == 1.0 ? 0.25 : 0.75) * height, 1e-12);
   const std::array<double, 2> allowed{0.1 * height, 0.5 * height};
-  const std::vector<double> meetings = meeting_fronts(part, time);
+  const std::vector<double> meetings = meeting_fronts<3>(part, time.time, time.gradient);
   EXPECT_EQ(std::count(meetings.begin(), meetings.end(), 0.0), static_cast<std::ptrdiff_t>(layer.size()));
   const auto range = thickness_range<3>(part, thickness, meetings, allowed, layer, 2);
   ASSERT_TRUE(range);
@@ -43,7 +43,7 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   EXPECT_NEAR(range->outside->largest, 0.5, 1e-12);  // 0.75 in place of 0.5
   EXPECT_FALSE(thickness_range<3>(part, thickness, meetings, std::nullopt, layer, 2)->outside);
 
-  const std::vector<double> direction = build_direction<3>(time, layers, layer);
+  const std::vector<double> direction = build_direction<3>(time.gradient, layers, layer);
   for (std::size_t i = 0; i < direction.size(); ++i)
     EXPECT_NEAR(direction[i], i % 3 == 1 ? 0.0 : std::sqrt(0.5), 1e-12);
 }
@@ -53,13 +53,14 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   const Part<2>& part = on_grid.part;
   PseudoTime<2> time = planar_time(part, {});
   const std::vector<double> layer(time.time.size(), 1.0);
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, LayerDensities{}, layer), {}, std::nullopt,
-                                  layer, 1));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.gradient, LayerDensities{}, layer), {},
+                                  std::nullopt, layer, 1));
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time, layers, layer), {}, std::nullopt, layer, 1));
-  EXPECT_TRUE(build_direction<2>(time, layers, layer).empty());
+  EXPECT_FALSE(
+      thickness_range<2>(part, local_thickness<2>(time.gradient, layers, layer), {}, std::nullopt, layer, 1));
+  EXPECT_TRUE(build_direction<2>(time.gradient, layers, layer).empty());
 }
 
 TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
@@ -75,16 +76,16 @@ TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
     time.gradient.push_back(0.0);
     middle.push_back(in_middle ? 1.0 : 0.0);
   }
-  EXPECT_EQ(meeting_fronts(part, time), middle);
+  EXPECT_EQ(meeting_fronts<2>(part, time.time, time.gradient), middle);
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
   const std::vector<double> layer(time.time.size(), 1.0);
-  const std::vector<double> thickness = local_thickness<2>(time, layers, layer);
+  const std::vector<double> thickness = local_thickness<2>(time.gradient, layers, layer);
   const auto range = thickness_range<2>(part, thickness, middle, std::nullopt, layer, 1);
   EXPECT_TRUE(range->largest_is_meeting);
   EXPECT_NEAR(range->largest_at.at(0), 1.75, 1e-12);
   time.gradient.clear();
-  EXPECT_TRUE(meeting_fronts(part, time).empty());
+  EXPECT_TRUE((meeting_fronts<2>(part, time.time, time.gradient).empty()));
 }
 
 TEST(BuildDirectionTest, OfMultiPlanarLayersIsTheirPrintDirection) {
@@ -96,7 +97,7 @@ TEST(BuildDirectionTest, OfMultiPlanarLayersIsTheirPrintDirection) {
   layers.sub_parts.of_layer = {0, 1, 1};
   std::vector<double> layer;
   for (std::size_t e = 0; e < time.time.size(); ++e) layer.push_back(1.0 + static_cast<double>(e % 3));
-  const std::vector<double> direction = build_direction<2>(time, layers, layer);
+  const std::vector<double> direction = build_direction<2>(time.gradient, layers, layer);
   for (std::size_t e = 0; e < layer.size(); ++e) {
     EXPECT_EQ(direction[2 * e], layer[e] == 1.0 ? 0.0 : 0.6);
     EXPECT_EQ(direction[2 * e + 1], layer[e] == 1.0 ? 1.0 : 0.8);

@@ -63,7 +63,7 @@ class SupportedTest : public testing::Test {
     const auto state = pipeline.pipeline.run(design, pipeline.setup.layers->traits().first_beta, true);
     const auto layers = pipeline.setup.layers->make(design.layer_variables, 1.0, true, {});
     const std::vector<double> index = layers->layer_index(state.time.time, state.layers);
-    const std::vector<double> direction = build_direction<dim>(state.time, state.layers, index);
+    const std::vector<double> direction = build_direction<dim>(state.time.gradient, state.layers, index);
     const std::vector<double> marks =
         hanging_elements<dim>(pipeline.setup.part, direction, index, pipeline.config.tool.bead_width);
     double count = 0.0;

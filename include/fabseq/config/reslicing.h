@@ -22,7 +22,9 @@ Slicing slicing_of(MPI_Comm comm, const std::string& name);
 ///   - layers.count, unless the command line gives it: the number of layers that FILE states;
 ///   - projection.beta, unless the command line gives it: the sharpness relative to a layer that FILE states,
 ///     so that the same number of layers gives the same layers;
-///   - terms that need the gradient of the pseudo-time, which a file does not have, are left out, each with a
+///   - layers.target: the target thickness of the config, relative to a layer that FILE states likewise;
+///   - terms that need the gradient of the pseudo-time, which a file has for checks only, are left out, each
+///   with a
 ///     warning.
 ///
 /// Not collective.

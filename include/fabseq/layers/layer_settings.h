@@ -30,16 +30,17 @@ struct MultiPlanarSettings {
   bool fixed_angles = false, fixed_time = false;  ///< kept from the optimizer
 };
 
-/// How thick layers shall be, length unit, and the key of the constraint that says so.
+/// How thick layers shall be, length unit, and the key that says so.
 struct TargetThickness {
   double value = 0.0;
   std::string key;
 };
 
 struct LayerSettings {
-  std::optional<int> count;  ///< none: ceil(geodesic height / target thickness)
-  std::optional<TargetThickness> target = std::nullopt;
-  bool variable_time_points = false;                               ///< T_1 ... T_{N-1} are design variables
+  std::optional<int> count;                              ///< none: ceil(geodesic height / target thickness)
+  std::optional<double> given_target = std::nullopt;     ///< length unit; none: that of the constraints
+  std::optional<TargetThickness> target = std::nullopt;  ///< what counts, where there is any
+  bool variable_time_points = false;                     ///< T_1 ... T_{N-1} are design variables
   std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers
 
   /// What so many layers of the target thickness make together, length unit; 0: no target.

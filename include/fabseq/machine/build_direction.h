@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/grid/grid.h"
 #include "fabseq/layers/layers.h"
-#include "fabseq/sequence/sequence.h"
 
 #include <span>
 #include <vector>
@@ -10,11 +10,12 @@
 namespace fabseq {
 
 /// The unit vector along which material is added at each part element, [part element][axis]
-/// (docs/formulation.md 13.1): the print direction of multi-planar layers, grad t / |grad t| of others. Empty
-/// where the pseudo-time has no gradient; 0 at elements where that vanishes. Local.
+/// (docs/formulation.md 13.1): the print direction of multi-planar layers, grad t / |grad t| of others, 0 at
+/// elements where that vanishes. Local.
+/// \param gradient     TimeGradient::values
 /// \param layer_index  the layer that builds each part element, from 1 (Layers::layer_index())
 template <int Dim>
-std::vector<double> build_direction(const PseudoTime<Dim>& time, const LayerDensities& layers,
+std::vector<double> build_direction(std::span<const double> gradient, const LayerDensities& layers,
                                     std::span<const double> layer_index);
 
 }  // namespace fabseq

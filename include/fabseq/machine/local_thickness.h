@@ -4,7 +4,6 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/machine/marked_elements.h"
 #include "fabseq/part/part.h"
-#include "fabseq/sequence/sequence.h"
 
 #include <array>
 #include <optional>
@@ -14,11 +13,12 @@
 namespace fabseq {
 
 /// How thick a binary layer is at each of its elements, (T_j - T_{j-1}) / |grad t|, a part field, length unit
-/// (docs/formulation.md 13.1). Empty where the pseudo-time has no gradient or the layers have no time points;
-/// infinite where the gradient vanishes. Local.
+/// (docs/formulation.md 13.1). Empty without a gradient or time points; infinite where the gradient
+/// vanishes. Local.
+/// \param gradient     TimeGradient::values
 /// \param layer_index  the layer that builds each part element, from 1
 template <int Dim>
-std::vector<double> local_thickness(const PseudoTime<Dim>& time, const LayerDensities& layers,
+std::vector<double> local_thickness(std::span<const double> gradient, const LayerDensities& layers,
                                     std::span<const double> layer_index);
 
 /// What a local thickness is between, and the elements at which it lies outside of an allowed range.

@@ -6,6 +6,7 @@
 #include "fabseq/files/field_set.h"
 #include "fabseq/machine/local_thickness.h"
 #include "fabseq/machine/marked_elements.h"
+#include "fabseq/machine/time_gradient.h"
 #include "fabseq/optimize/pipeline.h"
 
 #include <optional>
@@ -28,6 +29,7 @@ struct TiltNumbers {
 
 /// Figures of a sequence, the same on all ranks.
 struct BuildNumbers {
+  GradientSource gradient = GradientSource::sequence;  ///< what direction and thickness are found from
   std::optional<MarkedElements> blocked;          ///< by how deep the torch is blocked; none without a torch
   std::optional<TiltNumbers> tilt;                ///< none where the torch's axis is not defined
   std::optional<ThicknessRange> local_thickness;  ///< none where it is not defined

@@ -65,6 +65,7 @@ struct SequenceNumbers {
 struct SequenceReport : SequenceNumbers {
   std::vector<std::vector<double>> values;    ///< of each response
   std::vector<double> time, layer;            ///< part fields
+  std::vector<double> time_gradient;          ///< [part element][axis]; empty: only differences are known
   std::vector<double> temperature;            ///< on the owned nodes, or empty
   std::vector<double> nodal_time;             ///< PseudoTime::nodal
   std::vector<int> nodes;                     ///< ElasticModel::nodes: no others move

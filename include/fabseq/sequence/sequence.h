@@ -21,6 +21,9 @@ struct PseudoTime {
   double lowest_temperature = std::numeric_limits<double>::quiet_NaN();
   double highest_temperature = std::numeric_limits<double>::quiet_NaN();
   std::optional<int> iterations = std::nullopt;  ///< of the forward solve; none: nothing is solved for it
+  /// grad t that was recorded beside times from a file, as `gradient`, for the checks of docs/formulation.md
+  /// 13.1 alone; empty: none.
+  std::vector<double> recorded_gradient = {};
 };
 
 /// Regularization eps^2, which is added to |grad t|^2 wherever the direction of grad t or the root is needed:
