@@ -24,9 +24,9 @@ step() {
   "$@" || failed+=("$name")
 }
 
-sources() { find include src tests benchmarks docs/example \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
-shell_scripts() { find scripts benchmarks .ci -type f \( -name '*.sh' -o -path '.ci/run' \) -print0; }
-python_scripts() { find scripts tests benchmarks docs/example -type f \( -name '*.py' -o -name fabseq-tools \) -print0 2>/dev/null || true; }
+sources() { find include src tests benchmarks findings docs/example \( -name '*.cc' -o -name '*.h' \) -print0 2>/dev/null || true; }
+shell_scripts() { find scripts benchmarks findings .ci -type f \( -name '*.sh' -o -name '*.bash' -o -path '.ci/run' \) -print0; }
+python_scripts() { find scripts tests benchmarks findings docs/example -type f \( -name '*.py' -o -name fabseq-tools \) -print0 2>/dev/null || true; }
 
 format() { sources | xargs -0 clang-format --dry-run -Werror; }
 bash_syntax() { shell_scripts | xargs -0 -n 1 bash -n; }
@@ -43,7 +43,7 @@ if [[ $part != tidy ]]; then
   step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
   step "shell syntax" bash_syntax
   step "Python format" python_format
-  step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks docs/example
+  step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks findings docs/example
   step "Doxygen" doxygen_pages
   step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
   step "manual page" /usr/bin/python3 scripts/dev/man_page.py
