@@ -28,7 +28,8 @@ fetch_debian() {
     cannot_fetch "$@"
   for archive in archives/*.deb; do dpkg-deb --extract "$archive" "$root"; done
   export PATH=$root/usr/bin:$PATH
-  export LD_LIBRARY_PATH=$root/usr/lib/x86_64-linux-gnu:$root/usr/lib:$root/lib/x86_64-linux-gnu
+  local libraries=$root/usr/lib/x86_64-linux-gnu
+  export LD_LIBRARY_PATH=$libraries:$root/usr/lib:$root/lib/x86_64-linux-gnu:$libraries/blas:$libraries/lapack
   echo "packages: $*"
 }
 
