@@ -49,7 +49,7 @@ leave_out_exit_reports() {
 # once; a third one, or Ctrl-\, kills mpirun. The status is that of COMMAND. What the terminal types does not reach the
 # ranks; other input does. The traps of the shell are as before afterwards.
 launch_stoppable() {
-  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 errors filter ready turn traps caught=(HUP INT QUIT TERM USR1 USR2)
+  local name=$1 signals=0 stops=0 last=-1000000 early=no launcher='' status=0 errors filter ready turn traps caught=(HUP INT QUIT TERM USR1 USR2 XCPU)
   shift
   exec {ready}<> <(:) # a pipe
   exec {errors}> >(trap '' "${caught[@]}"; echo >&"$ready"; leave_out_exit_reports >&2)

@@ -15,6 +15,7 @@
 #include <ctime>
 #include <fstream>
 #include <sstream>
+#include <sys/resource.h>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -29,8 +30,16 @@ struct NamedSignal {
   int number;
   const char* name;
 };
-constexpr std::array<NamedSignal, 4> stop_signals = {
-    {{SIGUSR1, "USR1"}, {SIGUSR2, "USR2"}, {SIGTERM, "TERM"}, {SIGINT, "INT"}}};
+constexpr std::array<NamedSignal, 7> stop_signals = {{{SIGUSR1, "USR1"},
+                                                      {SIGUSR2, "USR2"},
+                                                      {SIGTERM, "TERM"},
+                                                      {SIGINT, "INT"},
+                                                      {SIGHUP, "HUP"},
+                                                      {SIGXCPU, "XCPU"},
+                                                      {SIGPIPE, "PIPE"}}};
+
+/// Whether the system sends it, and may do so again and again: nobody's wish to end at once.
+constexpr bool may_repeat(int signal) { return signal == SIGHUP || signal == SIGXCPU || signal == SIGPIPE; }
 
 // Reasons are numbers, so that ranks can agree on the largest: a signal, which is first_signal and its
 // number, takes precedence, then the file, then the time.
@@ -39,9 +48,9 @@ constexpr int no_reason = 0, time_reason = 1, file_reason = 2, first_signal = 3;
 const Clock::time_point process_start = Clock::now();
 constexpr long nanoseconds = 1000000000L;
 
-// What the signal handler knows.
-volatile std::sig_atomic_t caught_signal = 0;
-volatile std::sig_atomic_t caught_seconds = 0, caught_nanoseconds = 0;
+// What the signal handler knows: the first signal, and when somebody has asked first.
+volatile std::sig_atomic_t caught_signal = 0, asked = 0;
+volatile std::sig_atomic_t asked_seconds = 0, asked_nanoseconds = 0;
 
 /// A file that may ask for the stop. `path` is empty on ranks that leave looking to another rank.
 struct WatchedFile {
@@ -67,11 +76,14 @@ extern "C" void on_stop_signal(int signal) {
   const int error = errno;
   timespec now{};
   (void)clock_gettime(CLOCK_MONOTONIC, &now);
-  if (caught_signal == 0) {
-    caught_signal = signal;
-    caught_seconds = static_cast<std::sig_atomic_t>(now.tv_sec);
-    caught_nanoseconds = static_cast<std::sig_atomic_t>(now.tv_nsec);
-  } else if ((now.tv_sec - caught_seconds) * nanoseconds + now.tv_nsec - caught_nanoseconds > same_request) {
+  if (caught_signal == 0) caught_signal = signal;
+  if (may_repeat(signal)) {
+    // noted
+  } else if (asked == 0) {
+    asked = 1;
+    asked_seconds = static_cast<std::sig_atomic_t>(now.tv_sec);
+    asked_nanoseconds = static_cast<std::sig_atomic_t>(now.tv_nsec);
+  } else if ((now.tv_sec - asked_seconds) * nanoseconds + now.tv_nsec - asked_nanoseconds > same_request) {
     (void)std::signal(signal, SIG_DFL);
     (void)raise(signal);  // delivered when this returns
   }
@@ -126,19 +138,47 @@ std::string reason_text(int reason) {
   return "stopped";
 }
 
+/// Listens for a signal; not for one of the system that is ignored already, as nohup has HUP ignored.
+void listen_for(int signal) {
+  struct sigaction before {
+  }, action{};
+  if (may_repeat(signal) && sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) return;
+  action.sa_handler = on_stop_signal;
+  action.sa_flags = SA_RESTART;  // interrupted writes go on
+  (void)sigaction(signal, &action, nullptr);
+}
+
+void listen_no_more(int signal) {
+  struct sigaction now {};
+  if (sigaction(signal, nullptr, &now) == 0 && now.sa_handler == on_stop_signal)
+    (void)std::signal(signal, SIG_DFL);
+}
+
+/// Linux sends XCPU at the soft limit of CPU time and kills at the hard one. A shell's `ulimit -t` sets both
+/// to one value; the soft one then moves a tenth, at most a minute, ahead, in which to write a checkpoint.
+void be_warned_of_cpu_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_CPU, &limit) != 0 || limit.rlim_max == RLIM_INFINITY ||
+      limit.rlim_cur < limit.rlim_max)
+    return;
+  limit.rlim_cur = limit.rlim_max - std::min<rlim_t>(60, limit.rlim_max / 10 + 1);
+  (void)setrlimit(RLIMIT_CPU, &limit);
+}
+
 }  // namespace
 
 StopRequests::StopRequests(std::optional<double> max_wall_time) {
   watch().max_wall_time = max_wall_time;
-  struct sigaction action {};
-  action.sa_handler = on_stop_signal;
-  action.sa_flags = SA_RESTART;  // interrupted writes go on
-  for (const NamedSignal& signal : stop_signals) (void)sigaction(signal.number, &action, nullptr);
+  for (const NamedSignal& signal : stop_signals) listen_for(signal.number);
+  (void)std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` fails as one to a full disk
+  be_warned_of_cpu_limit();
 }
 
 StopRequests::~StopRequests() {
-  for (const NamedSignal& signal : stop_signals) (void)std::signal(signal.number, SIG_DFL);
+  for (const NamedSignal& signal : stop_signals) listen_no_more(signal.number);
+  (void)std::signal(SIGXFSZ, SIG_DFL);
   caught_signal = 0;
+  asked = 0;
   watch() = Watch();
 }
 

@@ -17,6 +17,7 @@
 #include <fcntl.h>
 #include <map>
 #include <optional>
+#include <sys/resource.h>
 
 namespace fabseq {
 
@@ -53,6 +54,7 @@ class Hdf5Writer::File {
   }
 
   void create_dataset(const std::string& name, const std::vector<hsize_t>& shape, hid_t type) {
+    require_room_for(shape, type);
     const Hdf5Dataspace space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr));
     const Hdf5PropertyList links(H5Pcreate(H5P_LINK_CREATE));
     (void)H5Pset_create_intermediate_group(links, 1);
@@ -115,6 +117,19 @@ class Hdf5Writer::File {
   struct Place {
     std::int64_t offset = 0, bytes = 0;
   };
+
+  /// Throws OutputError for a dataset that the limit of file sizes (`ulimit -f`) leaves no room for: it holds
+  /// for files in memory, too.
+  void require_room_for(const std::vector<hsize_t>& shape, hid_t type) const {
+    constexpr hsize_t metadata = 1 << 16;  // at most, until the next dataset or the end
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    hsize_t size = 0, bytes = H5Tget_size(type);
+    for (const hsize_t extent : shape) bytes *= extent;
+    (void)H5Fget_filesize(file_, &size);
+    if (size + bytes + metadata > limit.rlim_cur)
+      throw OutputError("cannot write '" + path_ + "': File too large");
+  }
 
   void copy_metadata(std::int64_t begin, std::int64_t end) const {
     std::vector<char> bytes;

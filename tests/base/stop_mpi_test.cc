@@ -8,6 +8,8 @@
 #include <csignal>
 #include <ctime>
 #include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
@@ -38,8 +40,10 @@ TEST(Stop, NobodyAsks) {
 }
 
 TEST(Stop, ASignalToOneRankStopsAll) {
-  for (const auto& [signal, name] : {std::pair(SIGUSR1, "USR1"), std::pair(SIGUSR2, "USR2"),
-                                     std::pair(SIGTERM, "TERM"), std::pair(SIGINT, "INT")}) {
+  for (const auto& [signal, name] :
+       {std::pair(SIGUSR1, "USR1"), std::pair(SIGUSR2, "USR2"), std::pair(SIGTERM, "TERM"),
+        std::pair(SIGINT, "INT"), std::pair(SIGHUP, "HUP"), std::pair(SIGXCPU, "XCPU"),
+        std::pair(SIGPIPE, "PIPE")}) {
     const StopRequests requests(std::nullopt);
     if (is_last()) (void)raise(signal);
     EXPECT_EQ(stop_requested(), is_last());
@@ -53,6 +57,59 @@ TEST(Stop, TheSameSignalTwiceAtOnceIsOneRequest) {
   const StopRequests requests(std::nullopt);
   for (int i = 0; i < 3; ++i) (void)raise(SIGUSR1);
   EXPECT_EQ(reason(), "stopped by signal USR1");
+}
+
+/// Linux sends XCPU every second once the time is over, a logout sends HUP, then TERM.
+TEST(Stop, WhatTheSystemSendsAgainLeavesNobody) {
+  const StopRequests requests(std::nullopt);
+  for (const int signal : {SIGXCPU, SIGHUP, SIGPIPE, SIGTERM, SIGXCPU, SIGHUP, SIGPIPE}) {
+    (void)raise(signal);
+    wait(0.11);
+  }
+  EXPECT_EQ(reason(), "stopped by signal XCPU");
+}
+
+TEST(Stop, WhatIsIgnoredStaysSo) {
+  for (const int signal : {SIGHUP, SIGXCPU, SIGPIPE}) {
+    (void)std::signal(signal, SIG_IGN);
+    {
+      const StopRequests requests(std::nullopt);
+      (void)raise(signal);
+      EXPECT_FALSE(stop_requested());
+    }
+    EXPECT_EQ(std::signal(signal, SIG_DFL), SIG_IGN);
+  }
+}
+
+/// `ulimit -t` of a shell sets the limit that warns and the one that kills to one value.
+TEST(Stop, ALimitOfCpuTimeWarnsFirst) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_CPU, &before), 0);
+  if (before.rlim_max != RLIM_INFINITY) GTEST_SKIP() << "the tests themselves have a limit of CPU time";
+  const auto soft_limit_of = [](rlim_t soft, rlim_t hard) {
+    const std::string text = std::to_string(soft) + ' ' + std::to_string(hard);
+    const pid_t child = fork();
+    if (child == 0) {
+      const rlimit limit{soft, hard};
+      (void)setrlimit(RLIMIT_CPU, &limit);
+      const StopRequests requests(std::nullopt);
+      rlimit now{};
+      (void)getrlimit(RLIMIT_CPU, &now);
+      std::_Exit(now.rlim_max == hard ? static_cast<int>((hard - now.rlim_cur)) : 255);
+    }
+    int status = -1;
+    EXPECT_EQ(waitpid(child, &status, 0), child) << text;
+    return WEXITSTATUS(status);
+  };
+  EXPECT_EQ(soft_limit_of(100000, 100000), 60);
+  EXPECT_EQ(soft_limit_of(400, 400), 41);
+  EXPECT_EQ(soft_limit_of(99800, 100000), 200) << "it was warned anyway";
+}
+
+TEST(Stop, ATooLargeFileIsAFailedWrite) {
+  const StopRequests requests(std::nullopt);
+  (void)raise(SIGXFSZ);
+  EXPECT_FALSE(stop_requested());
 }
 
 TEST(StopDeathTest, ASecondSignalLeavesAtOnce) {

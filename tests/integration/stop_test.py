@@ -108,7 +108,7 @@ class SignalTest(StopTest):
 
     def test_without_mpirun(self):
         path, output = self.write_config(plate_2d()), os.path.join(self.directory, "alone")
-        for number, name in ((signal.SIGTERM, "TERM"), (signal.SIGINT, "INT")):
+        for number, name in ((signal.SIGTERM, "TERM"), (signal.SIGINT, "INT"), (signal.SIGHUP, "HUP")):
             command = [PROGRAM, "-config", path, "-output", output, *LONG, "-restart", "auto"]
             with Process(command, self.directory) as process:
                 before = len(Result([], 0, "", "", output).history()) if os.path.exists(output) else 0
@@ -117,6 +117,50 @@ class SignalTest(StopTest):
                 run = self.finish(process, output)
             self.assertEqual(run.status, STOPPED, str(run))
             self.assertIn(f"fabseq: stopped by signal {name}", run.stderr)
+
+    def run_in_shell(self, text, output):
+        """A run without mpirun in a shell's line, which has {run} for it, and what the run left."""
+        run = f"{PROGRAM} -config {self.write_config(plate_2d())} -output {output} {' '.join(LONG)}"
+        command = ["bash", "-c", text.format(run=run)]
+        return Result(command, *run_fabseq.run_command(command, self.directory, PATIENCE), output)
+
+    def test_limit_of_cpu_time(self):
+        """Of a queue, which warns a second before, and of `ulimit -t`, which alone would kill."""
+        for limit in distinct("-St 2", "-t 3"):
+            with self.subTest(limit=limit):
+                output = os.path.join(self.directory, "limit" + limit.split()[-1])
+                run = self.run_in_shell(f"ulimit {limit}; exec {{run}}", output)
+                self.assertEqual(run.status, STOPPED, str(run))
+                self.assertEqual(run.messages(), ["fabseq: stopped by signal XCPU"])
+                self.assertEqual(run.json("summary.json")["status"], "stopped")
+                self.assertTrue(os.path.exists(run.path("checkpoint/newest")))
+
+    def test_nobody_reads_the_output_any_more(self):
+        """As when a closed terminal ends the `tee` behind a run."""
+        output = os.path.join(self.directory, "unread")
+        run = self.run_in_shell("{run} | head -2; exit ${{PIPESTATUS[0]}}", output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertEqual(run.json("summary.json")["reason"], "stopped by signal PIPE")
+        self.assertTrue(os.path.exists(run.path("checkpoint/newest")))
+
+    def test_nohup(self):
+        """It goes on without the terminal."""
+        output = os.path.join(self.directory, "nohup")
+        command = ["nohup", PROGRAM, "-config", self.write_config(plate_2d()), "-output", output, *LONG]
+        with Process(command, self.directory) as process:
+            self.wait_for_lines(process, output, 2)
+            process.process.send_signal(signal.SIGHUP)
+            self.wait_for_lines(process, output, 5)
+            process.process.send_signal(signal.SIGTERM)
+            run = self.finish(process, output)
+        self.assertEqual(run.status, STOPPED, str(run))
+        self.assertEqual(run.json("summary.json")["reason"], "stopped by signal TERM")
+
+    def test_limit_of_file_sizes(self):
+        """`ulimit -f` is met like a full disk."""
+        run = self.run_in_shell("ulimit -f 64; {run} -elements 160,96", os.path.join(self.directory, "large"))
+        self.assertEqual(run.status, OUTPUT_FAILURE, str(run))
+        self.assertIn("File too large", run.messages()[-1])
 
     def test_to_one_rank_only(self):
         output = os.path.join(self.directory, "one")
