@@ -59,8 +59,27 @@ allow_more_ranks_than_cores() {
   export OMPI_MCA_hwloc_base_binding_policy="${OMPI_MCA_hwloc_base_binding_policy:-none}"
 }
 
-# Cores of the machine; nproc alone would answer OMP_NUM_THREADS.
-core_count() { env -u OMP_NUM_THREADS nproc; }
+# Cores' time that the control groups of this process give it, rounded up; nothing without a limit.
+time_limit_in_cores() {
+  local group
+  group=$(cat /proc/self/cgroup 2>/dev/null | sed -n 's|^0::/|/|p')
+  {
+    group=${group%/}
+    while cat "/sys/fs/cgroup$group/cpu.max"; [ -n "$group" ]; do group=${group%/*}; done
+    echo "$(cat /sys/fs/cgroup/cpu/cpu.cfs_quota_us)" "$(cat /sys/fs/cgroup/cpu/cpu.cfs_period_us)" # version 1
+  } 2>/dev/null | awk '
+    $1 > 0 && $2 > 0 { cores = int($1 / $2) + ($1 % $2 > 0); if (!least || cores < least) least = cores }
+    END { if (least) print least }'
+}
+
+# Cores of the machine, and no more than there is time for; nproc alone would answer OMP_NUM_THREADS.
+core_count() {
+  local cores limit
+  cores=$(env -u OMP_NUM_THREADS nproc)
+  limit=$(time_limit_in_cores)
+  [ "${limit:-$cores}" -ge "$cores" ] || cores=$limit
+  echo "$cores"
+}
 
 # Parallel compiler jobs: CMAKE_BUILD_PARALLEL_LEVEL, or else the cores, but no more than memory allows at 2 GB a job.
 compile_jobs() {

@@ -2,6 +2,7 @@
 #include "fabseq/base/machine_cores.h"
 
 #include "base/busy_time.h"
+#include "base/control_group.h"
 #include "base/core_count.h"
 #include "base/node_ranks.h"
 #include "fabseq/base/formatted.h"
@@ -60,22 +61,24 @@ std::string counted(int count, const char* what) {
 NodeCores fewest_cores(MPI_Comm comm) {
   const NodeRanks node(comm);
   const ThreadSet threads = threads_of_node(node);
-  std::vector<std::int64_t> own;
+  std::vector<double> own;
   if (node.is_first()) {
     const CoreCount count = count_cores(threads);
-    own = {count.cores, count.threads, node.count()};
+    own = {static_cast<double>(count.cores), static_cast<double>(count.threads),
+           static_cast<double>(node.count()), cpu_quota().value_or(0.0)};
   }
-  const std::vector<std::int64_t> all = gather_all(comm, own);
+  const std::vector<double> all = gather_all(comm, own);
   std::vector<NodeCores> nodes;
-  const auto count = static_cast<int>(all.size() / 3);
-  for (auto of = all.begin(); of != all.end(); of += 3)
-    nodes.push_back({static_cast<int>(of[0]), static_cast<int>(of[1]), static_cast<int>(of[2]), count});
+  const auto count = static_cast<int>(all.size() / 4);
+  for (auto of = all.begin(); of != all.end(); of += 4)
+    nodes.push_back(
+        {static_cast<int>(of[0]), static_cast<int>(of[1]), static_cast<int>(of[2]), count, of[3]});
   return fullest(nodes);
 }
 
 NodeCores fullest(std::span<const NodeCores> nodes) {
   return *std::min_element(nodes.begin(), nodes.end(), [](const NodeCores& a, const NodeCores& b) {
-    return std::int64_t{a.cores} * b.ranks < std::int64_t{b.cores} * a.ranks;
+    return a.usable() * b.ranks < b.usable() * a.ranks;
   });
 }
 
@@ -94,8 +97,10 @@ std::optional<double> busy_share(MPI_Comm comm) {
 }
 
 std::string machine_text(const NodeCores& cores, std::optional<double> busy) {
-  std::string result = counted(cores.cores, "core") + " (" + counted(cores.threads, "thread") + ") for " +
-                       counted(cores.ranks, "rank");
+  std::string result = counted(cores.cores, "core") + " (" + counted(cores.threads, "thread") + ")";
+  if (cores.usable() < cores.cores)
+    result += formatted(", but the time of %.3g (a limit of the container or the job),", cores.quota);
+  result += " for " + counted(cores.ranks, "rank");
   if (cores.nodes > 1) result = std::to_string(cores.nodes) + " nodes, the fullest with " + result;
   return busy ? result + formatted(", %.0f %% busy", 100.0 * *busy) : result;
 }

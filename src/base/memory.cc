@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/memory.h"
 
+#include "base/control_group.h"
 #include "base/node_ranks.h"
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/plain_numbers.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -29,7 +31,9 @@ std::int64_t peak_memory_bytes(MPI_Comm comm) {
 }
 
 std::int64_t installed_memory_bytes(MPI_Comm comm) {
-  return sum_over_machines(comm, static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE));
+  std::int64_t bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  if (const auto limit = memory_limit()) bytes = std::min(bytes, limit->limit);
+  return sum_over_machines(comm, bytes);
 }
 
 std::int64_t available_memory_bytes(MPI_Comm comm) {
@@ -40,7 +44,9 @@ std::int64_t available_memory_bytes(MPI_Comm comm) {
   std::string name, value, unit;
   while (file >> name >> value && std::getline(file, unit))
     if (name == "MemAvailable:") kilobytes = number_in<std::int64_t>(value).value_or(kilobytes);
-  return sum_over_machines(comm, 1024 * kilobytes);
+  std::int64_t bytes = 1024 * kilobytes;
+  if (const auto limit = memory_limit()) bytes = std::min(bytes, limit->available);
+  return sum_over_machines(comm, bytes);
 }
 
 void require_memory(MPI_Comm comm, double bytes, const std::string& what) {

@@ -25,6 +25,9 @@ void print_machine(MPI_Comm world) {
   if (cores.ranks > cores.cores)
     warn(formatted("machine: %d ranks share %d core%s: more ranks than cores gain nothing", cores.ranks,
                    cores.cores, cores.cores == 1 ? "" : "s"));
+  else if (cores.ranks > 1 && cores.ranks >= cores.usable() + 1.0)
+    warn(formatted("machine: %d ranks share the time of %.3g cores: more ranks than that gain nothing",
+                   cores.ranks, cores.usable()));
 }
 
 template <int Dim>

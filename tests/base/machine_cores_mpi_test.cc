@@ -178,11 +178,23 @@ TEST(MachineCores, TheFullestNodeHasTheFewestCoresPerRank) {
   EXPECT_DOUBLE_EQ(roomy.per_rank(), 1.0);
 }
 
+TEST(MachineCores, ALimitOfTimeCountsLikeFewerCores) {
+  const NodeCores half{2, 4, 1, 1, 0.5}, shared{8, 16, 4, 1, 2.0}, enough{2, 4, 2, 1, 8.0};
+  EXPECT_DOUBLE_EQ(half.per_rank(), 0.5);
+  EXPECT_DOUBLE_EQ(shared.per_rank(), 0.5);
+  EXPECT_DOUBLE_EQ(enough.per_rank(), 1.0);
+  EXPECT_EQ(fullest(std::vector<NodeCores>{enough, shared}).ranks, 4);
+}
+
 TEST(MachineCores, TextNamesWhatThereIs) {
   EXPECT_EQ(machine_text({2, 4, 2, 1}, 0.354), "2 cores (4 threads) for 2 ranks, 35 % busy");
   EXPECT_EQ(machine_text({1, 1, 1, 1}, std::nullopt), "1 core (1 thread) for 1 rank");
   EXPECT_EQ(machine_text({64, 128, 64, 3}, 0.0),
             "3 nodes, the fullest with 64 cores (128 threads) for 64 ranks, 0 % busy");
+  EXPECT_EQ(
+      machine_text({2, 4, 1, 1, 0.5}, 0.0),
+      "2 cores (4 threads), but the time of 0.5 (a limit of the container or the job), for 1 rank, 0 % busy");
+  EXPECT_EQ(machine_text({2, 4, 1, 1, 8.0}, 0.0), "2 cores (4 threads) for 1 rank, 0 % busy");
 }
 
 }  // namespace

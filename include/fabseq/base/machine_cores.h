@@ -13,15 +13,17 @@
 namespace fabseq {
 
 /// What the ranks of a run may use on one node, a machine with a memory of its own. Cores that a launcher,
-/// a batch system or a container keeps from all of its ranks do not count. A limit of their time (`cpu.max`
-/// of a control group) is not seen.
+/// a batch system or a container keeps from all of its ranks do not count.
 struct NodeCores {
-  int cores = 0;    ///< physical ones, as hwloc sees them
-  int threads = 0;  ///< hardware threads, of which a core has one or more
-  int ranks = 1;    ///< on this node
-  int nodes = 1;    ///< of the run
+  int cores = 0;       ///< physical ones, as hwloc sees them
+  int threads = 0;     ///< hardware threads, of which a core has one or more
+  int ranks = 1;       ///< on this node
+  int nodes = 1;       ///< of the run
+  double quota = 0.0;  ///< so many cores' time a container or a batch system gives; 0: no limit
+  /// Cores that the ranks can keep busy at once.
+  double usable() const { return quota > 0.0 && quota < cores ? quota : cores; }
   /// Cores that a rank has for itself; at most 1, since a rank computes on one core.
-  double per_rank() const { return ranks > cores ? static_cast<double>(cores) / ranks : 1.0; }
+  double per_rank() const { return ranks > usable() ? usable() / ranks : 1.0; }
 };
 
 /// Those of the node with the fewest cores per rank.
@@ -34,7 +36,8 @@ NodeCores fullest(std::span<const NodeCores> nodes);
 /// busiest node: over a tenth of a second, for which the ranks sleep. Nothing where the system does not tell.
 std::optional<double> busy_share(MPI_Comm comm);
 
-/// Such as "2 cores (4 threads) for 2 ranks, 35 % busy".
+/// Such as "2 cores (4 threads) for 2 ranks, 35 % busy", or "2 cores (4 threads), but the time of 0.5 (a
+/// limit of the container or the job), for 2 ranks, 35 % busy".
 std::string machine_text(const NodeCores& cores, std::optional<double> busy);
 std::string machine_text(MPI_Comm comm);
 
