@@ -137,6 +137,7 @@ Session::Session(const std::vector<std::string>& petsc_arguments) {
     int count = static_cast<int>(copies.size());
     char** arguments = pointers.data();
     prefer_romio();
+    leave_step_of_shell();
     give_memory_back();
     PetscErrorPrintf = PetscErrorPrintfNone;  // there can be no error handler yet
     check_options(PetscInitialize(&count, &arguments, nullptr, nullptr));

@@ -11,8 +11,9 @@ import h5py
 import numpy as np
 
 import run_fabseq
-from run_fabseq import BAD_INPUT, DONE, FabseqTest, OUTPUT_FAILURE, PROGRAM, distinct
+from run_fabseq import BAD_INPUT, DONE, ENVIRONMENT, FabseqTest, OUTPUT_FAILURE, PROGRAM, distinct
 from small_parts import hook_3d, plate_2d, post_on_substrate, write_voxels
+from terminal import Terminal
 
 
 class BadInputTest(FabseqTest):
@@ -426,6 +427,24 @@ class CommandLineTest(FabseqTest):
                                                            self.directory, 120)
                 self.assertEqual(status, DONE, stderr)
                 self.assert_done(self.run_program(2, "-config", path, "-task", "check"))
+
+    def test_a_shell_of_several_tasks(self):
+        """As `srun --pty -n 4 bash` starts it: what is typed there, or started by the task with the terminal,
+        is one process."""
+        command = f"{PROGRAM} -config {self.write_config(plate_2d())} -task check"
+        environment = {**ENVIRONMENT, **os.environ, "SLURM_STEP_NUM_TASKS": "4", "SLURM_PROCID": "0"}
+        with Terminal(self.directory, environment, 120) as terminal:
+            for line in (command, f"bash -c '{command}; exit $?'"):
+                terminal.run(line)
+                terminal.wait_for("pieces: 1")
+                self.assertEqual(terminal.wait_for_status(), DONE)
+            terminal.run(f"SLURM_PTY_PORT=1 setsid --wait bash -c '{command}; exit $?'")
+            terminal.wait_for("pieces: 1")
+            self.assertEqual(terminal.wait_for_status(), DONE)
+            terminal.run(f"SLURM_PTY_PORT=1 SLURM_PROCID=1 setsid --wait bash -c '{command}; exit $?'")
+            self.assertEqual(terminal.wait_for_status(), BAD_INPUT)
+            terminal.run(f"setsid --ctty --wait bash -c '{command}; exit $?'")
+            terminal.wait_for("srun started 4 processes that do not know of each other")
 
     def test_help_and_version(self):
         for ranks in distinct(3, 1):
