@@ -8,6 +8,8 @@
 #include "fabseq/base/verdict.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace fabseq {
 
@@ -48,6 +50,34 @@ std::string place_elsewhere(hid_t dataset) {
   return "";
 }
 
+/// Name of a compression; `in_file`: what the file calls it.
+std::string filter_name(H5Z_filter_t filter, const char* in_file) {
+  // Their numbers are registered at the HDF Group.
+  constexpr std::pair<H5Z_filter_t, const char*> known[] = {
+      {H5Z_FILTER_SZIP, "szip"}, {307, "bzip2"}, {32000, "lzf"},  {32001, "blosc"}, {32004, "lz4"},
+      {32008, "bitshuffle"},     {32013, "zfp"}, {32015, "zstd"}, {32026, "blosc2"}};
+  for (const auto& [number, name] : known)
+    if (number == filter) return name;
+  return *in_file != '\0' ? "'" + std::string(in_file) + "'" : "filter " + std::to_string(filter);
+}
+
+/// The compression of a dataset that this HDF5 library cannot undo; "" if it can undo all.
+std::string unknown_compression(hid_t dataset) {
+  const Hdf5PropertyList creation(H5Dget_create_plist(dataset));
+  for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
+    std::array<char, 64> name{};
+    std::size_t values = 0;
+    unsigned flags = 0, abilities = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &values, nullptr,
+                                               name.size() - 1, name.data(), nullptr);
+    if (filter < 0) continue;
+    const bool known = H5Zfilter_avail(filter) > 0 && H5Zget_filter_info(filter, &abilities) >= 0;
+    if (!known || (abilities & H5Z_FILTER_CONFIG_DECODE_ENABLED) == 0)
+      return filter_name(filter, name.data());
+  }
+  return "";
+}
+
 /// Opens a file on this rank alone.
 Hdf5File open_alone(const std::string& file_name, const std::string& file_key) {
   const std::string problem = reading_problem(file_name);
@@ -77,6 +107,12 @@ void check_alone(const std::string& file_name, const std::string& dataset_name, 
   if (!elsewhere.empty())
     throw InputError(dataset_key + ": dataset '" + dataset_name + "' of '" + file_name + "' " + elsewhere +
                      "; needs them in the dataset itself");
+  const std::string compression = unknown_compression(dataset);
+  if (!compression.empty())
+    throw InputError(
+        dataset_key + ": dataset '" + dataset_name + "' of '" + file_name + "' is compressed with " +
+        compression +
+        ", which this HDF5 library cannot read; needs none or gzip (in h5py: compression=\"gzip\")");
 }
 
 }  // namespace

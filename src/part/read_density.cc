@@ -43,8 +43,12 @@ std::vector<double> means(const std::vector<double>& samples, const IndexBox<Dim
   return sums;
 }
 
-/// Throws InputError on all ranks for densities that are NaN or, without a threshold, not between 0 and 1.
-void require_densities(MPI_Comm comm, const std::vector<double>& density, const VoxelFile& voxels) {
+/// Densities so little beyond 0 and 1 are rounded, as by a filter or in single precision.
+constexpr double rounding = 1e-6;
+
+/// Throws InputError on all ranks for densities that are NaN or, without a threshold, not between 0 and 1,
+/// and brings those there that are beyond by rounding.
+void require_densities(MPI_Comm comm, std::vector<double>& density, const VoxelFile& voxels) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   std::int64_t not_a_number = 0;
   for (const double value : density) {
@@ -60,9 +64,11 @@ void require_densities(MPI_Comm comm, const std::vector<double>& density, const 
   if (not_a_number > 0)
     throw InputError(name + std::to_string(not_a_number) +
                      " values that are not a number, needs densities from 0 to 1");
-  if (voxels.threshold || (lowest >= 0.0 && highest <= 1.0)) return;
-  throw InputError(name + formatted("values from %g to %g", lowest, highest) +
-                   ", needs densities from 0 to 1 or a threshold");
+  if (voxels.threshold) return;
+  if (lowest < -rounding || highest > 1.0 + rounding)
+    throw InputError(name + formatted("values from %.10g to %.10g", lowest, highest) +
+                     ", needs densities from 0 to 1 or a threshold");
+  for (double& value : density) value = std::clamp(value, 0.0, 1.0);
 }
 
 /// Number of elements that a file has along each axis. Throws InputError unless these are those of `domain`

@@ -52,6 +52,33 @@ void write_booleans(hid_t file, const char* name, const std::vector<std::int8_t>
   H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
 }
 
+/// A filter that is there while the file is written, as h5py has its own. It changes nothing.
+class OwnCompression {
+ public:
+  OwnCompression(H5Z_filter_t number, const char* name) : number_(number) {
+    const H5Z_class2_t filter = {H5Z_CLASS_T_VERS, number, 1, 1, name, nullptr, nullptr, same};
+    H5Zregister(&filter);
+  }
+  OwnCompression(OwnCompression&&) = delete;
+  ~OwnCompression() { H5Zunregister(number_); }
+
+  void write(hid_t file, const char* dataset, const std::vector<double>& values) const {
+    const std::vector<hsize_t> shape = {5, 3, 7}, chunk = {2, 2, 3};
+    const Hdf5Dataspace space(H5Screate_simple(3, shape.data(), nullptr));
+    const Hdf5PropertyList creation(H5Pcreate(H5P_DATASET_CREATE));
+    H5Pset_chunk(creation, 3, chunk.data());
+    H5Pset_filter(creation, number_, H5Z_FLAG_OPTIONAL, 0, nullptr);
+    const Hdf5Dataset made(
+        H5Dcreate2(file, dataset, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+    H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  }
+
+ private:
+  static size_t same(unsigned, size_t, const unsigned[], size_t bytes, size_t*, void**) { return bytes; }
+
+  H5Z_filter_t number_;
+};
+
 void write_file(const std::string& path) {
   const Hdf5File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
   std::vector<double> grey(total), percent(total), negative(total), gaps(total);
@@ -73,6 +100,14 @@ void write_file(const std::string& path) {
   write(file, "negative", H5T_IEEE_F64LE, shape, negative);
   write(file, "gaps", H5T_IEEE_F64LE, shape, gaps);
   write(file, "plane", H5T_IEEE_F64LE, {3, 7}, std::vector<double>(grey.begin(), grey.begin() + 21));
+  std::vector<double> rounded = grey, beyond = grey;
+  rounded[3] = -1e-12;
+  rounded[20] = 1.0000001;
+  beyond[20] = 1.00001;
+  write(file, "rounded", H5T_IEEE_F64LE, shape, rounded);
+  write(file, "beyond", H5T_IEEE_F64LE, shape, beyond);
+  OwnCompression(32000, "of h5py").write(file, "lzf", grey);
+  OwnCompression(40000, "of nobody").write(file, "unknown", grey);
   write_booleans(file, "solid", booleans);
   const Hdf5Group group(H5Gcreate2(file, "steps", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   write(group, "last", H5T_IEEE_F64LE, shape, grey);
@@ -123,6 +158,11 @@ TEST_F(ReadDensity, ReadsGreyDensitiesOfAnyNumericType) {
     const std::vector<double> field = read(voxels(name));
     for (int i = 0; i < total; ++i) EXPECT_NEAR(field[i], density_of(i), 1e-7) << name << " " << i;
   }
+}
+
+TEST_F(ReadDensity, BringsRoundedValuesIntoTheRange) {
+  const std::vector<double> field = read(voxels("rounded"));
+  for (int i = 0; i < total; ++i) EXPECT_EQ(field[i], i == 3 ? 0.0 : density_of(i)) << i;
 }
 
 TEST_F(ReadDensity, AppliesTheThreshold) {
@@ -234,12 +274,24 @@ TEST_F(ReadDensity, NamesTheDatasetThatIsWrong) {
   EXPECT_NE(flat.find("has shape [105], needs [5,3,7]"), std::string::npos) << flat;
 }
 
+TEST_F(ReadDensity, NamesACompressionThatItCannotUndo) {
+  for (const auto& [name, compression] : {std::pair("lzf", "lzf"), std::pair("unknown", "'of nobody'")}) {
+    const std::string text = refusal(voxels(name));
+    EXPECT_EQ(text.rfind("/part/voxels/dataset: dataset '" + std::string(name) + "' of '", 0), 0u) << text;
+    EXPECT_NE(text.find("' is compressed with " + std::string(compression) + ", which this HDF5"),
+              std::string::npos)
+        << text;
+  }
+}
+
 TEST_F(ReadDensity, RefusesDensitiesThatAreNone) {
   const std::string negative = refusal(voxels("negative"));
   EXPECT_NE(negative.find("values from -0.25 to 0.75, needs densities from 0 to 1"), std::string::npos)
       << negative;
   const std::string percent = refusal(voxels("percent"));
   EXPECT_NE(percent.find("values from 0 to 100"), std::string::npos) << percent;
+  const std::string beyond = refusal(voxels("beyond"));
+  EXPECT_NE(beyond.find("values from 0 to 1.00001,"), std::string::npos) << beyond;
   for (const std::optional<double> threshold : {std::optional<double>(), std::optional<double>(0.5)}) {
     const std::string gaps = refusal(voxels("gaps", threshold));
     EXPECT_NE(gaps.find("1 values that are not a number"), std::string::npos) << gaps;
