@@ -142,7 +142,8 @@ void write_values(const FieldSet<Dim>& fields, const std::vector<std::int64_t>& 
 }  // namespace
 
 template <int Dim>
-void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base) {
+void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base,
+                      std::optional<double> moment) {
   const bool writes = rank_of(comm) < size_of(fields.grid->comm());
   const std::string binary = base + ".bin";
   const std::string partial = partial_name(binary);
@@ -161,7 +162,7 @@ void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::str
         return XdmfSource{R"(Format="Binary" Endian="Little" Seek=")" + std::to_string(offsets[i]) + '"',
                           name};
       };
-      replace_file(base + ".xdmf", xdmf_text<Dim>(fields, source));
+      replace_file(base + ".xdmf", xdmf_text<Dim>(fields, source, moment));
     });
   } catch (const OutputError&) {
     run_on_first(comm, [&] { remove_quietly(partial); });

@@ -45,16 +45,18 @@ std::string field_text(const Grid<Dim>& grid, const typename FieldSet<Dim>::Fiel
 }  // namespace
 
 template <int Dim>
-std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source) {
+std::string xdmf_text(const FieldSet<Dim>& fields, const std::function<XdmfSource(std::size_t)>& source,
+                      std::optional<double> moment) {
   const Grid<Dim>& grid = *fields.grid;
   std::string text =
       "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    <Grid Name=\"fabseq\" "
-      "GridType=\"Uniform\">\n"
-      "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"" +
-      list_text(slowest_first(grid.all_nodes().size, 1.0)) +
-      "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" +
-      triple_item(slowest_first(grid.domain().origin, 0.0)) +
-      triple_item(slowest_first(grid.spacing(), 1.0)) + "      </Geometry>\n";
+      "GridType=\"Uniform\">\n";
+  if (moment) text += formatted("      <Time Value=\"%.17g\"/>\n", *moment);
+  text += "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"" +
+          list_text(slowest_first(grid.all_nodes().size, 1.0)) +
+          "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" +
+          triple_item(slowest_first(grid.domain().origin, 0.0)) +
+          triple_item(slowest_first(grid.spacing(), 1.0)) + "      </Geometry>\n";
   for (std::size_t i = 0; i < fields.fields.size(); ++i)
     text += field_text<Dim>(grid, fields.fields[i], source(i));
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/output/result.h"
 
+#include "fabseq/base/formatted.h"
 #include "fabseq/files/field_dump.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/output/model_group.h"
@@ -51,7 +52,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
 
 template <int Dim>
 void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
-                            const std::string& name, const Pipeline<Dim>& pipeline,
+                            const DumpedIteration& dumped, const Pipeline<Dim>& pipeline,
                             std::span<const double> share, const std::vector<double>& displacement,
                             const BuildFields& checks) {
   const std::vector<double> design = model.design_field(share);
@@ -69,7 +70,8 @@ void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& dire
   if (last != nullptr && !last->temperature.empty()) fields.add_nodes("temperature", last->temperature);
   if (!displacement.empty()) fields.add_nodes("displacement", displacement, Dim);
   directory.make_folder("fields");
-  write_field_dump(model.world(), fields, directory.file("fields/" + name));
+  const std::string file = formatted("iteration_%04d", dumped.iteration) + (dumped.failed ? "_failed" : "");
+  write_field_dump(model.world(), fields, directory.file("fields/" + file), dumped.iteration);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(write_result);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/output/run_output.h"
 
-#include "fabseq/base/formatted.h"
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/posix_file.h"
@@ -68,9 +67,8 @@ void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, P
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
-      write_iteration_fields(setup_, directory_, formatted("iteration_%04d", iterate.iteration), pipeline,
-                             design.field, state.process.displacement,
-                             check_build(setup_, pipeline, state).fields);
+      write_iteration_fields(setup_, directory_, {iterate.iteration}, pipeline, design.field,
+                             state.process.displacement, check_build(setup_, pipeline, state).fields);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
@@ -140,8 +138,7 @@ void RunOutput<Dim>::fail(const NumericalError& error, const Pipeline<Dim>& pipe
   try {
     checkpoints_.write();
     write_summary(summary({"failed", error.what(), checkpoints_.iteration()}));
-    write_iteration_fields(setup_, directory_,
-                           formatted("iteration_%04d_failed", checkpoints_.iteration() + 1), pipeline,
+    write_iteration_fields(setup_, directory_, {checkpoints_.iteration() + 1, /*failed=*/true}, pipeline,
                            checkpoints_.design(), {}, {});
   } catch (const OutputError& second) {
     warn(second.what());

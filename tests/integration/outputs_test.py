@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What an optimization leaves in its output directory: form and values of every file, on 1 and on 2 ranks."""
 
+import json
 import os
 import shutil
 import unittest
@@ -205,15 +206,27 @@ class OutputsOfTwoRanksTest(OutputsOfOneRankTest):
                     array = arrays[f"{center} {field}"].reshape(count, -1)[:, :expected.shape[1]]
                     np.testing.assert_array_equal(array, expected, err_msg=field)
 
+    @unittest.skipUnless(shutil.which("pvpython") and shutil.which("Xvfb"), "ParaView is not installed")
+    def test_paraview_shows_the_iterations_as_a_film(self):
+        """Its times are their numbers."""
+        run = RUNS[2]
+        files = [run.path(f"fields/iteration_{number:04d}.xdmf") for number in (2, 3, 5)]
+        times, values = map(json.loads, self.run_in_paraview("read_times.py", "time", *files).splitlines())
+        self.assertEqual(times, [2, 3, 5])
+        np.testing.assert_array_equal(values, read_dump(run, 5)["time"].ravel())
+
     def read_with_paraview(self, path):
         saved = os.path.join(self.directory, "arrays.npz")
-        script = os.path.join(run_fabseq.HERE, "read_arrays.py")
-        tools = os.path.join(run_fabseq.ROOT, "scripts", "fabseq-tools")
-        command = [tools, "virtual-display", "pvpython", script, path, saved]
-        status, stdout, stderr = run_fabseq.run_command(command, self.directory, 300)
-        self.assertEqual(status, 0, stdout + stderr)
+        self.run_in_paraview("read_arrays.py", path, saved)
         with np.load(saved) as arrays:
             return dict(arrays)
+
+    def run_in_paraview(self, script, *words):
+        tools = os.path.join(run_fabseq.ROOT, "scripts", "fabseq-tools")
+        command = [tools, "virtual-display", "pvpython", os.path.join(run_fabseq.HERE, script), *words]
+        status, stdout, stderr = run_fabseq.run_command(command, self.directory, 300)
+        self.assertEqual(status, 0, stdout + stderr)
+        return stdout
 
 
 if __name__ == "__main__":

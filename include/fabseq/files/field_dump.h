@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_set.h"
 
+#include <optional>
 #include <string>
 
 namespace fabseq {
@@ -13,8 +14,10 @@ namespace fabseq {
 /// views. ParaView opens BASE.xdmf; files beyond 4 GiB need its older "XDMF Reader", because the newer ones
 /// keep offsets in 32 bits. Collective on `comm`, whose first ranks must be those of the grid; these write,
 /// and further ranks hold copies. Throws OutputError on all ranks, naming the file, if there is no room for
-/// it or if any write failed or was incomplete.
+/// it or if any write failed or was incomplete. `moment`: the time that ParaView shows for the file in a
+/// series.
 template <int Dim>
-void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base);
+void write_field_dump(MPI_Comm comm, const FieldSet<Dim>& fields, const std::string& base,
+                      std::optional<double> moment = {});
 
 }  // namespace fabseq

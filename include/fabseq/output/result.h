@@ -19,12 +19,18 @@ template <int Dim>
 void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, const FinalReports& reports,
                   const SequenceReport& baseline, const BestIterate& best);
 
-/// fields/NAME: density, design, what the pipeline's last run led to, and its checks; `displacement` and
-/// `checks` may be empty.
+/// The iteration that fields belong to; `failed`: the one in which a solver did.
+struct DumpedIteration {
+  int iteration;
+  bool failed = false;
+};
+
+/// fields/iteration_NNNN or iteration_NNNN_failed: density, design, what the pipeline's last run led to, and
+/// its checks; `displacement` and `checks` may be empty. The number is the time of a film in ParaView.
 /// Collective; throws OutputError on all ranks.
 template <int Dim>
 void write_iteration_fields(const Model<Dim>& model, const OutputDirectory& directory,
-                            const std::string& name, const Pipeline<Dim>& pipeline,
+                            const DumpedIteration& dumped, const Pipeline<Dim>& pipeline,
                             std::span<const double> share, const std::vector<double>& displacement,
                             const BuildFields& checks);
 
