@@ -121,6 +121,24 @@ class CalculixTest(FabseqTest):
         middle = np.mean([np.min(list(nodes.values()), axis=0), np.max(list(nodes.values()), axis=0)], axis=0)
         np.testing.assert_allclose(middle, (LOW + HIGH) / 2, atol=4.0)  # an element's edge
 
+    def test_numbers_as_fortran_writes_them(self):
+        """Displacements of rounding have exponents of three digits, which leave no room for the E."""
+        run = self.simulate(plate_2d())
+        path = os.path.join(self.solve(run, 2), "layer_0002.dat")
+        with open(path, encoding="ascii") as file:
+            text = file.read()
+        zero = re.search(r" (?:-| )0\.000000E\+00\n", text)[0]
+        for written, refused in (("1.234567-105", False), ("-1.23456-105", False), ("1.234567D-90", False), ("NaN", True),
+                                 ("1.234567+310", True), ("*" * 12, True)):
+            with open(path, "w", encoding="ascii") as file:
+                file.write(text.replace(zero, f" {written}\n", 1))
+            if not refused:
+                self.expect_same(run, path)
+                continue
+            compared = run_tool("compare-calculix", run.output, path)
+            self.assertEqual((compared.returncode, len(compared.stderr.splitlines())), (2, 1), compared.stderr)
+            self.assertRegex(compared.stderr, rf"layer_0002\.dat, line \d+: found .*{re.escape(written)}; allowed: three numbers")
+
     def test_mistakes(self):
         run = self.run_config(1, plate_2d(), "-task", "simulate", "-stages")
         self.assert_done(run)

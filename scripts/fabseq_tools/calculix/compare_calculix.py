@@ -86,8 +86,18 @@ def read_displacements(path, count):
     """Displacements (count, 3) that *NODE PRINT has left; NaN for nodes that have none."""
     values = np.full((count, 3), np.nan)
     with open(path, encoding="ascii", errors="replace") as file:
-        for line in file:
+        for place, line in enumerate(file, 1):
             words = line.split()
-            if len(words) == 4 and words[0].isdigit() and int(words[0]) <= count:
-                values[int(words[0]) - 1] = [float(word) for word in words[1:]]
+            if len(words) == 4 and words[0].isdigit() and 1 <= int(words[0]) <= count:
+                found = [fortran_number(word) for word in words[1:]]
+                if not np.isfinite(found).all():
+                    raise RunError(f"{path}, line {place}: found {' '.join(words[1:])}; allowed: three numbers")
+                values[int(words[0]) - 1] = found
     return values
+
+
+def fortran_number(word):
+    """The number in a word that Fortran has written: exponents of three digits stand there without their E.
+    NaN for what is no number."""
+    found = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([-+]\d+)|[EeDd](\d+))?", word)
+    return float(f"{found[1]}e{found[2] or found[3] or 0}") if found else np.nan
