@@ -80,6 +80,43 @@ class NewConfigTest(unittest.TestCase):
             self.assertEqual("layer_uniformity" in [one["type"] for one in config["objective"]], kind == "heat")
             self.assertEqual(self.warnings, "")
 
+    def check(self, config):
+        """What the program says of a config."""
+        return subprocess.run([PROGRAM, "-config", config, "-task", "check"], capture_output=True, text=True, check=False,
+                              cwd=self.folder)
+
+    def test_several_pieces_on_the_plate(self):
+        """They have no release."""
+        low, high = box_triangles((0.0, 0.0, 0.0), (20.0, 20.0, 20.0)), box_triangles((40.0, 0.0, 0.0), (60.0, 20.0, 30.0))
+        write_stl(self.path("posts.stl"), [*low, *high])
+        for words in ([], ["--max-tilt", "45"]):
+            printed = self.run_new("posts.stl", "--thickness", "8", "--overwrite", *words)
+            self.assertEqual(self.warnings, "fabseq-tools new: warning: 2 pieces stand on the plate: they have no release, so what "
+                             "is made small is the shape on the plate\n")
+            config = read_config(self.path("posts.json"))
+            self.assertEqual(config["objective"][0], {"type": "distortion", "measure": "shape", "nodes": "skin"})
+            self.assertIn("2 pieces stand there", printed)
+            done = self.check("posts.json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("pieces: 2", done.stdout)
+
+    def test_pieces_off_the_plate(self):
+        """Small ones are left out with a word, large ones if asked for."""
+        for name, height in (("stray", 4.0), ("half", 20.0)):
+            bar = box_triangles((0.0, 0.0, 0.0), (60.0, 20.0, 20.0))
+            piece = box_triangles((0.0, 0.0, 40.0), (height, height, 40.0 + height))
+            write_stl(self.path(name + ".stl"), [*bar, *piece])
+        for name, words in (("stray", []), ("half", ["--keep", "connected"])):
+            printed = self.run_new(f"{name}.stl", "--thickness", "8", *words)
+            self.assertRegex(self.warnings, r"^fabseq-tools new: warning: /part: 1 piece is not connected to .*; dropped\n$")
+            self.assertIn("keep leaves out 1 piece off the plate", printed)
+            self.assertEqual(read_config(self.path(name + ".json"))["part"]["keep"], "connected")
+            self.assertEqual(self.check(name + ".json").returncode, 0)
+        for name, words, share in (("stray", ["--keep", "all"], 0.27), ("half", [], 25)):
+            line = self.run_new(f"{name}.stl", "--thickness", "8", "--overwrite", *words, status=2)
+            self.assertIn(f"1 piece of the part, {share} % of it, stands neither on the plate nor on the rest", line)
+            self.assertIn("allowed: --keep connected", line)
+
     def test_thin_wall(self):
         """Three elements across it where the bound allows, else a warning and a config that is taken."""
         write_stl(self.path("fin.stl"), [*box_triangles((0, 0, 0), (40, 20, 10)), *box_triangles((10, 0, 10), (13, 20, 30))])

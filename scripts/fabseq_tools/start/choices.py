@@ -24,6 +24,7 @@ USUAL_LAYERS, MOST_LAYERS = 16, 10_000
 MOST_LOOKS = 8           # for one choice
 BEYOND_ANY_PART = 1e12   # an element of this edge is filled by no mesh
 PROGRAM_ALONE = 0.06     # GB of a run without elements
+MOST_HANGING = 0.05      # of the elements, off the plate: what is left out unless told otherwise
 
 
 def positive(text):
@@ -56,6 +57,9 @@ class Found:
     memory: float
     seconds: float
     warnings: list
+    standing: int        # pieces on the plate
+    hanging: int         # pieces off it, which are left out
+    share_hanging: float  # of the elements of all
 
 
 class Look:
@@ -134,10 +138,16 @@ def found_in(edge, printed, warnings):
             raise RunError(f"the program's -task check says nothing of {pattern}: is it of another version?")
         return found
 
+    pieces = re.findall(r"^  (\d+) elements in .*, (on|not on) the plate$", printed, re.MULTILINE)  # the ten largest
+    dropped = re.search(r"^/part: (\d+) pieces? (?:is|are) not connected", "\n".join(warnings), re.MULTILINE)
+    hanging = int(dropped[1]) if dropped else 0
+    off_plate = [int(count) for count, where in pieces if where == "not on"]
+    lost = sum(off_plate) + (hanging - len(off_plate)) * int(pieces[-1][0])
     part, wall = one(r"^part: (\d+) elements.* volume (\S+)"), one(r"^thinnest wall: (\S+) elements(?: at (\S+))?")
     estimate = one(r"^estimate .*memory (\S+) GB, (\S+) s an iteration")
     return Found(edge, int(part[1]), float(part[2]), float(wall[1]), wall[2] or "", float(one(r"geodesic (\S+)$")[1]),
-                 int(one(r"^plate contact: (\d+)")[1]), float(estimate[1]), float(estimate[2]), warnings)
+                 int(one(r"^plate contact: (\d+)")[1]), float(estimate[1]), float(estimate[2]), warnings,
+                 int(one(r"^pieces: (\d+)")[1]) - hanging, hanging, lost / (lost + int(part[1])))
 
 
 def rounded(value):
@@ -226,6 +236,19 @@ class Element:
                              "there, nothing is lost; else bending there is a rough guess")
 
 
+def require_on_plate(arguments, found):
+    """Raises RunError for pieces off the plate that shall not be left out, or, unless asked for, are too much of
+    the part for that."""
+    if not found.hanging or arguments.keep == "connected":
+        return
+    if arguments.keep == "all" or found.share_hanging > MOST_HANGING:
+        what = f"{found.hanging} piece{'s' * (found.hanging > 1)} of the part"
+        raise RunError(f"{arguments.part}: {what}, {100 * found.share_hanging:.2g} % of it, "
+                       f"{'stands' if found.hanging == 1 else 'stand'} neither on the plate nor on the rest, with elements of "
+                       f"{found.edge:g} {arguments.unit}; allowed: --keep connected, which leaves out "
+                       f"{'it' if found.hanging == 1 else 'them'}, smaller elements (--elements), or another mesh")
+
+
 def choose(arguments, look):
     """The entries of the config, and warnings."""
     material = material_of(arguments)
@@ -241,6 +264,10 @@ def choose(arguments, look):
                         f"{LEAST_ACROSS_LAYER:g}, better {ACROSS_LAYER}: allow more elements (--elements, --memory), or thicker "
                         f"layers, of {LEAST_ACROSS_LAYER * found.edge:.3g} {arguments.unit} or more; one thick layer may stand "
                         "for several")
+    require_on_plate(arguments, found)
+    if found.standing > 1:
+        warnings.append(f"{found.standing} pieces stand on the plate: they have no release, so what is made small is the shape "
+                        "on the plate")
     count = layers_for(found, target)
     entries = entries_of(arguments, look, element, material, target, why_target, count)
     content = plain(entries)

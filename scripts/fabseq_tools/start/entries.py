@@ -18,19 +18,24 @@ def entries_of(arguments, look, element, material, target, why_target, count):
     wall = "The program refuses fewer than 3 elements across a wall."
     if element.least_elements is not None:
         wall = f"The wall at {found.wall_at} has {found.wall:g}, so least_elements lets it pass."
+    part = {"mesh": mesh}
+    if found.hanging:
+        part["keep"] = "connected"
+        wall += (f" keep leaves out {found.hanging} piece{'s' * (found.hanging > 1)} off the plate, "
+                 f"{100 * found.share_hanging:.2g} % of the elements; --keep all refuses them.")
     interval = max(1, min(15, arguments.iterations * 2 // 9))
     name = os.path.splitext(os.path.basename(arguments.part))[0]
     return [
         Entry("name", name, "Output goes to output/NAME."),
         Entry("domain", {"element": found.edge, "unit": unit}, f"Edge of an element: {element.why[0]}."),
-        Entry("part", {"mesh": mesh}, wall),
+        Entry("part", part, wall),
         Entry("node_sets", {"skin": {"all": True, "surface": True}}, "What a scan sees."),
         material,
         sequence(arguments, count * target, found),
         Entry("layers", {"count": count}, f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more."),
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
-        Entry("objective", objective(arguments), "What is made small. The first term is printed."),
+        Entry("objective", objective(arguments, found), "What is made small. The first term is printed."),
         Entry("constraints", constraints(arguments, target, why_target, found.elements),
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         Entry("tool", tool_of(arguments),
@@ -54,9 +59,12 @@ def sequence(arguments, length, found):
                  f"Number of layers times their thickness.{narrow_foot(found)}")
 
 
-def objective(arguments):
-    result = [Entry("", {"type": "distortion", "measure": "shape", "nodes": "skin", "after_release": True},
-                    "The shape of the skin once the plate has let go, after the best fit.")]
+def objective(arguments, found):
+    shape = {"type": "distortion", "measure": "shape", "nodes": "skin"}
+    result = [Entry("", shape | {"after_release": True}, "The shape of the skin once the plate has let go, after the best fit.")]
+    if found.standing > 1:  # the program has no release for them (docs/formulation.md 4.3)
+        result = [Entry("", shape, f"The shape of the skin on the plate, after the best fit: {found.standing} pieces stand there, "
+                        "and each goes its own way once the plate has let go. A config for each of them alone has after_release.")]
     if arguments.sequence == "heat":  # guided layers start evenly: their first value, which scales the term, is nearly 0
         result.append(Entry("", {"type": "layer_uniformity", "weight": 0.05}, "Even layers; more weight makes them evener."))
     return result

@@ -3,7 +3,7 @@
 
     fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
                      [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
-                     [--sequence heat|guided]
+                     [--sequence heat|guided] [--keep connected|all]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
                      [--program build/release/fabseq]
 
@@ -17,9 +17,11 @@ of several sizes. What is chosen stands in the config, each with the reason as a
 - The number of layers: the geodesic height over the thickness, and 5 % more.
 - The sequence: with --max-tilt below 90 degrees guided, which leans no further; else heat. --sequence says
   otherwise.
-- The objective: the shape of the skin after the release, and, of heat, even layers. Constraints: the
-  thickness of each layer and, place by place, the range of tool.thickness; a whole last layer; no element
-  begins in the air; with --max-tilt the tilt.
+- Pieces that stand neither on the plate nor on the rest are left out if they are less than 5 % of the part;
+  --keep connected leaves out larger ones, --keep all refuses any.
+- The objective: the shape of the skin after the release (of several pieces on one plate: before it), and, of
+  heat, even layers. Constraints: the thickness of each layer and, place by place, the range of
+  tool.thickness; a whole last layer; no element begins in the air; with --max-tilt the tilt.
 - What it is compared with: also planar layers in the best direction within the tilt (baseline.direction).
 
 Lengths are in --unit, which names the config's unit (default: mm); --scale is the factor from the file's unit
@@ -88,6 +90,8 @@ def parsed(words):
     parser.add_argument("--bead-width", type=positive, metavar="W")
     parser.add_argument("--max-tilt", type=positive, metavar="DEGREES", help="between torch and plate's normal")
     parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with --max-tilt below 90, else heat")
+    parser.add_argument("--keep", choices=["connected", "all"],
+                        help="pieces (default: connected, if it leaves out less than 5 %%)")
     bound = parser.add_mutually_exclusive_group()
     bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
     bound.add_argument("--memory", type=positive, metavar="GB", help="of a run on one rank, at most")
