@@ -30,6 +30,7 @@ fetch_debian() {
   export PATH=$root/usr/bin:$PATH
   local libraries=$root/usr/lib/x86_64-linux-gnu
   export LD_LIBRARY_PATH=$libraries:$root/usr/lib:$root/lib/x86_64-linux-gnu:$libraries/blas:$libraries/lapack
+  LD_LIBRARY_PATH+=:$libraries/pulseaudio
   echo "packages: $*"
 }
 

@@ -19,10 +19,9 @@ for name, transform in (("57", "1 0 0 0 1 0 0 0 1 0 0 57"), ("1234", "1 0 0 0 1 
 EOF
 perl=$folder/root/usr
 export PERL5LIB=$perl/share/perl5:$perl/lib/x86_64-linux-gnu/perl5/5.36:$perl/lib/slic3r
-extent() {
-  slic3r --info "$1.3mf" 2> log.txt |
-    awk -v axis="_$2" '$1 == "min" axis {low = $3} $1 == "max" axis {printf "%.2f to %.2f", low, $3}'
-}
+PERL5LIB+=:$perl/share/perl/5.36:$perl/lib/x86_64-linux-gnu/perl/5.36
+for name in 57 1234 57.0 mirrored; do slic3r --info "$name.3mf" > "$name.txt"; done
+extent() { awk -v axis="_$2" '$1 == "min" axis {low = $3} $1 == "max" axis {printf "%.2f to %.2f", low, $3}' "$1.txt"; }
 expect "moved up by 57" "z 5.00 to 6.00" "z $(extent 57 z)"
 expect "moved up by 1234" "z 123.00 to 124.00" "z $(extent 1234 z)"
 expect "moved up by 57.0" "z 57.00 to 58.00" "z $(extent 57.0 z)"
