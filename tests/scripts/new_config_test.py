@@ -91,8 +91,8 @@ class NewConfigTest(unittest.TestCase):
         write_stl(self.path("posts.stl"), [*low, *high])
         for words in ([], ["--max-tilt", "45"]):
             printed = self.run_new("posts.stl", "--thickness", "8", "--overwrite", *words)
-            self.assertEqual(self.warnings, "fabseq-tools new: warning: 2 pieces stand on the plate: they have no release, so what "
-                             "is made small is the shape on the plate\n")
+            self.assertEqual(self.warnings, "fabseq-tools new: warning: 2 pieces stand on the plate: they have no release, so "
+                             "what is made small is the shape on the plate\n")
             config = read_config(self.path("posts.json"))
             self.assertEqual(config["objective"][0], {"type": "distortion", "measure": "shape", "nodes": "skin"})
             self.assertIn("2 pieces stand there", printed)

@@ -237,8 +237,8 @@ class Element:
 
 
 def require_on_plate(arguments, found):
-    """Raises RunError for pieces off the plate that shall not be left out, or, unless asked for, are too much of
-    the part for that."""
+    """Raises RunError for pieces off the plate that shall not be left out, or, unless asked for, are too much
+    of the part for that."""
     if not found.hanging or arguments.keep == "connected":
         return
     if arguments.keep == "all" or found.share_hanging > MOST_HANGING:

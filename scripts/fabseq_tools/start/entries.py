@@ -63,8 +63,8 @@ def objective(arguments, found):
     shape = {"type": "distortion", "measure": "shape", "nodes": "skin"}
     result = [Entry("", shape | {"after_release": True}, "The shape of the skin once the plate has let go, after the best fit.")]
     if found.standing > 1:  # the program has no release for them (docs/formulation.md 4.3)
-        result = [Entry("", shape, f"The shape of the skin on the plate, after the best fit: {found.standing} pieces stand there, "
-                        "and each goes its own way once the plate has let go. A config for each of them alone has after_release.")]
+        result = [Entry("", shape, f"The shape of the skin on the plate, after the best fit: {found.standing} pieces stand "
+                        "there, and each goes its own way once the plate has let go. A config for each alone has after_release.")]
     if arguments.sequence == "heat":  # guided layers start evenly: their first value, which scales the term, is nearly 0
         result.append(Entry("", {"type": "layer_uniformity", "weight": 0.05}, "Even layers; more weight makes them evener."))
     return result
