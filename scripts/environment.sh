@@ -61,12 +61,16 @@ allow_more_ranks_than_cores() {
 
 # Cores' time that the control groups of this process give it, rounded up; nothing without a limit.
 time_limit_in_cores() {
-  local group
-  group=$(cat /proc/self/cgroup 2>/dev/null | sed -n 's|^0::/|/|p')
+  local groups folder
+  groups=$(cat /proc/self/cgroup 2>/dev/null) || groups=
   {
-    group=${group%/}
-    while cat "/sys/fs/cgroup$group/cpu.max"; [ -n "$group" ]; do group=${group%/*}; done
-    echo "$(cat /sys/fs/cgroup/cpu/cpu.cfs_quota_us)" "$(cat /sys/fs/cgroup/cpu/cpu.cfs_period_us)" # version 1
+    folder=$(echo "$groups" | sed -n 's|^0::||p')
+    folder=${folder%/}
+    while cat "/sys/fs/cgroup$folder/cpu.max"; [ -n "$folder" ]; do folder=${folder%/*}; done
+    folder=$(echo "$groups" | sed -n 's|^[0-9]*:\(.*,\)*cpu\(,.*\)*:||p') # version 1
+    folder=${folder%/}
+    while echo "$(cat "/sys/fs/cgroup/cpu$folder/cpu.cfs_quota_us") $(cat "/sys/fs/cgroup/cpu$folder/cpu.cfs_period_us")"
+      [ -n "$folder" ]; do folder=${folder%/*}; done
   } 2>/dev/null | awk '
     $1 > 0 && $2 > 0 { cores = int($1 / $2) + ($1 % $2 > 0); if (!least || cores < least) least = cores }
     END { if (least) print least }'

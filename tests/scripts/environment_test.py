@@ -57,12 +57,14 @@ class EnvironmentTest(unittest.TestCase):
     def test_time_of_fewer_cores(self):
         """A limit of the container (cpu.max), in nested groups and in version 1: rounded up, and never more
         than there are cores."""
-        v2, v1 = "/sys/fs/cgroup{}/cpu.max", "/sys/fs/cgroup/cpu/cpu.cfs_{}_us"
+        v2, v1, nested = "/sys/fs/cgroup{}/cpu.max", "/sys/fs/cgroup/cpu/cpu.cfs_{}_us", "/sys/fs/cgroup/cpu/a/cpu.cfs_{}_us"
         for expected, files in ((1, {v2.format(""): "50000 100000"}), (2, {v2.format(""): "150000 100000"}),
                                 (4, {v2.format(""): "max 100000"}), (4, {v2.format(""): "900000 100000"}), (4, {}),
                                 (3, {"/proc/self/cgroup": "0::/a/b", v2.format("/a/b"): "max 100000",
                                      v2.format("/a"): "300000 100000"}),
                                 (2, {v1.format("quota"): "200000", v1.format("period"): "100000"}),
+                                (1, {"/proc/self/cgroup": "4:cpuset:/\n3:cpu,cpuacct:/a/b\n0::/", nested.format("quota"): "30000",
+                                     nested.format("period"): "100000", v1.format("quota"): "-1"}),
                                 (4, {v1.format("quota"): "-1", v1.format("period"): "100000"})):
             cases = " ".join(f"{path}) echo '{text}' ;;" for path, text in files.items())
             line = f"cat() {{ case $1 in {cases} *) return 1 ;; esac; }}; env() {{ echo 4; }}; core_count"
