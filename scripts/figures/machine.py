@@ -21,7 +21,7 @@ import needs_packages  # noqa: F401 (before any package)
 from fabseq_tools.run.command_line import RunError, run_script
 
 from built import THINNER, gains_of, gains_with_thinner_layers, parse_cases, parser_of_cases, print_line, rounds_of
-from fabseq_tools.study.compare_families import FIRST, add_scan, check_scan
+from fabseq_tools.study.compare_families import FIRST, add_scan
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.figures import COLUMNS, cells, headings
 
@@ -31,7 +31,6 @@ def main():
     add_scan(parser)
     parser.add_argument("--thinner", action="store_true", help="the table of thinner layers")
     arguments, cases = parse_cases(parser)
-    check_scan(arguments)
     head = ["part", "gain", *THINNER] if arguments.thinner else ["part", FIRST[1], *headings(COLUMNS)]
     print_line(head)
     print_line(["---"] * len(head))

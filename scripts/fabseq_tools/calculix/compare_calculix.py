@@ -22,7 +22,7 @@ import numpy as np
 from fabseq_tools.calculix.layer_model import LayerModel
 from fabseq_tools.geometry.grid import nodes_of
 from fabseq_tools.geometry.rigid_motions import without_rigid_motion
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.command_line import RunError, parser_of, positive
 from fabseq_tools.run.words import number
 
 COMMAND = "compare-calculix"
@@ -32,7 +32,7 @@ def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("directory", metavar="RUN_DIR")
     parser.add_argument("file", metavar="FILE.dat")
-    parser.add_argument("--tolerance", type=float, default=1e-5, help="of the ratio (default: %(default)g)")
+    parser.add_argument("--tolerance", type=positive, default=1e-5, help="of the ratio (default: %(default)g)")
     arguments = parser.parse_args(words)
     nodes, largest, difference = compare(arguments.directory, arguments.file)
     ratio = difference / largest

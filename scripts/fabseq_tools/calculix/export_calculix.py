@@ -29,7 +29,7 @@ from fabseq_tools.calculix.layer_model import LayerModel
 from fabseq_tools.geometry.grid import nodes_of
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.rigid_motions import rigid_motions
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.command_line import RunError, count, parser_of
 
 COMMAND = "calculix"
 
@@ -37,7 +37,7 @@ COMMAND = "calculix"
 def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("directory", metavar="RUN_DIR")
-    parser.add_argument("--layer", type=int, metavar="j", help="layer whose step is written, from 1 (default: the last)")
+    parser.add_argument("--layer", type=count, metavar="j", help="layer whose step is written, from 1 (default: the last)")
     parser.add_argument("--output", metavar="DIR", help="(default: RUN_DIR/calculix)")
     arguments = parser.parse_args(words)
     for path in export(arguments.directory, arguments.layer, arguments.output or os.path.join(arguments.directory, "calculix")):

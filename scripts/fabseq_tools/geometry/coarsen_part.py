@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 from scipy import ndimage
 
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.command_line import RunError, count, number, parser_of
 
 COMMAND = "coarsen"
 
@@ -54,14 +54,10 @@ def parse_arguments(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("input", help="HDF5 file of the fine part")
     parser.add_argument("output", help="HDF5 file to write")
-    parser.add_argument("factor", type=int, help="voxels an edge of a block; divides every axis")
-    parser.add_argument("threshold", type=float, help="least mean density of a filled block, 0 to 1")
+    parser.add_argument("factor", type=count, help="voxels an edge of a block; divides every axis")
+    parser.add_argument("threshold", type=number("above 0, up to 1", lambda value: 0 < value <= 1), help="least mean density of a filled block, 0 to 1")
     parser.add_argument("--dataset", help="dataset to read (default: density_grey, else density)")
     arguments = parser.parse_args(words)
-    if arguments.factor < 1:
-        parser.error(f"factor must be at least 1, not {arguments.factor}")
-    if not 0.0 < arguments.threshold <= 1.0:
-        parser.error(f"threshold must lie in (0, 1], not {arguments.threshold}")
     return arguments
 
 

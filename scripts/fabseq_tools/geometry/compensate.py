@@ -30,57 +30,47 @@ from fabseq_tools.geometry.moved_part import MovedPart
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.rigid_motions import rigid_motions
 from fabseq_tools.geometry.surface_files import surface_of, write_surface
-from fabseq_tools.run.command_line import RunError, parse, parser_of, run_program, write_json, write_rows
+from fabseq_tools.run.command_line import RunError, count, number, parse, parser_of, positive, run_program, write_json, write_rows
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_fields
 
 COMMAND = "compensate"
 
 FILLED = 0.5  # share of an element
+FACTOR = number("above 0, up to 2", lambda value: 0 < value <= 2)  # what --factor takes
+FILL = number("a share above 0, up to 1, or grey", lambda value: 0 < value <= 1)
 KEPT = "name", "domain", "build_plate", "substrate", "clamps", "material", "process", "layers", "solver"
+
+
+def fill(text):
+    return text if text == "grey" else FILL(text)
 
 
 def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("run")
-    parser.add_argument("--factor", type=float, default=1.0, help="share of what remains to move against (default: %(default)s)")
-    parser.add_argument("--iterations", type=int, default=3, metavar="ROUNDS", help="default: %(default)s")
+    parser.add_argument("--factor", type=FACTOR, default=1.0, help="share of what remains to move against (default: %(default)s)")
+    parser.add_argument("--iterations", type=count, default=3, metavar="ROUNDS", help="default: %(default)s")
     state = parser.add_mutually_exclusive_group()
     state.add_argument("--released", action="store_true", default=None, help="displacement after the release "
                        "(default: if the first distortion of the objective is measured so)")
     state.add_argument("--as-built", dest="released", action="store_false", help="on the plate or in the clamps")
-    parser.add_argument("--tolerance", type=float, metavar="LENGTH", help="end once the largest that remains is below it")
-    parser.add_argument("--fill", help="part.mesh.fill of all rounds (default: that of the run, or 0.5)")
+    parser.add_argument("--tolerance", type=positive, metavar="LENGTH", help="end once the largest that remains is below it")
+    parser.add_argument("--fill", type=fill, help="part.mesh.fill of all rounds (default: that of the run, or 0.5)")
     parser.add_argument("--finer-check", action="store_true",
                         help="simulate the first and the best round with half the edge, too")
     parser.add_argument("--output", help="directory (default: RUN/compensated)")
-    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--ranks", type=count, default=1)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
-    check(arguments)
+    if shutil.which(arguments.program) is None:
+        raise RunError(f"{arguments.program}: no such program")
     part = MovedPart(arguments.run, arguments.factor)
     if arguments.released is None:
         arguments.released = bool(measured_released(part.config))
     arguments.output = arguments.output or os.path.join(arguments.run, "compensated")
     os.makedirs(arguments.output, exist_ok=True)
     compensate(arguments, part)
-
-
-def check(arguments):
-    if shutil.which(arguments.program) is None:
-        raise RunError(f"{arguments.program}: no such program")
-    for name, value, allowed, valid in (
-            ("factor", arguments.factor, "above 0, up to 2", 0 < arguments.factor <= 2),
-            ("iterations", arguments.iterations, "1 or more", arguments.iterations >= 1),
-            ("ranks", arguments.ranks, "1 or more", arguments.ranks >= 1),
-            ("tolerance", arguments.tolerance, "above 0", arguments.tolerance is None or arguments.tolerance > 0)):
-        if not valid:
-            raise RunError(f"--{name}: found {value:g}; allowed: {allowed}")
-    if arguments.fill not in (None, "grey"):
-        try:
-            arguments.fill = float(arguments.fill)
-        except ValueError:
-            raise RunError(f"--fill: found {arguments.fill}; allowed: a share, or grey") from None
 
 
 def measured_released(config):
@@ -151,9 +141,9 @@ def round_config(arguments, part, mesh, finer):
     config = {key: part.config[key] for key in KEPT if key in part.config}
     config["domain"] = config["domain"] | {"elements": [finer * n for n in config["domain"]["elements"]]}
     given = part.config["part"].get("mesh", {})
-    fill = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)
+    filled = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)
     own = {key: value for key, value in part.config["part"].items() if key in ("keep", "sampling")}
-    config["part"] = own | {"mesh": {"file": mesh, "place": "as_is", "fill": fill, "least_elements": 0}}
+    config["part"] = own | {"mesh": {"file": mesh, "place": "as_is", "fill": filled, "least_elements": 0}}
     return config | {"sequence": {"type": "planar"}, "projection": {"binary": True}, "objective": []}
 
 

@@ -24,7 +24,7 @@ from fabseq_tools.geometry.layer_bodies import GROUPS, LayeredPart
 from fabseq_tools.geometry.part_body import drawn_surface
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.surface_files import boundary, surface_of, write_surface
-from fabseq_tools.run.command_line import RunError, parser_of, write_json
+from fabseq_tools.run.command_line import parser_of, whole_number, write_json
 from fabseq_tools.run.progress import SILENT, Progress
 
 COMMAND = "layers"
@@ -38,10 +38,8 @@ def main(words):
     parser.add_argument("--output", help="directory (default: RUN/layers)")
     parser.add_argument("--of", choices=list(GROUPS), default="optimized", help="whose layers (default: %(default)s)")
     parser.add_argument("--format", choices=["stl", "vtp", "both"], default="both", help="default: %(default)s")
-    parser.add_argument("--finer", type=int, help="cells per edge of an element")
+    parser.add_argument("--finer", type=whole_number(1, 8), help="cells per edge of an element")
     arguments = parser.parse_args(words)
-    if arguments.finer is not None and not 1 <= arguments.finer <= 8:
-        raise RunError(f"--finer: found {arguments.finer}; allowed: 1 to 8")
     output = arguments.output or os.path.join(arguments.run, "layers")
     formats = ["stl", "vtp"] if arguments.format == "both" else [arguments.format]
     with Progress(COMMAND) as progress:

@@ -26,22 +26,23 @@ from vtkmodules.vtkFiltersCore import vtkContourFilter, vtkThreshold
 from fabseq_tools.geometry.nearest_surface import Surface
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time
 from fabseq_tools.geometry.vtk_data import DOUBLE, corners_of, filtered, points_of
-from fabseq_tools.run.command_line import RunError, parser_of, write_json
+from fabseq_tools.run.command_line import RunError, parser_of, positive, whole_number, write_json
 from fabseq_tools.run.read_run import check_grid, read_json
 
 COMMAND = "thickness"
 
 FARTHEST = 1.3  # of the target
 MOST_DRAWS = 50  # rounds of drawing again; a layer that then has too few points is reported with those
+MOST_POINTS = 1_000_000
 END = 1e-3  # of a layer's time: how far from the part's end its isosurface is taken
 
 
 def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("directory", metavar="RUN_DIR")
-    parser.add_argument("--target", type=float, help="target thickness (default: the config's)")
-    parser.add_argument("--points", type=int, default=1000, help="points per layer (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="of the random numbers (default: %(default)s)")
+    parser.add_argument("--target", type=positive, help="target thickness (default: the config's)")
+    parser.add_argument("--points", type=whole_number(1, MOST_POINTS), default=1000, help="points per layer (default: %(default)s)")
+    parser.add_argument("--seed", type=whole_number(0), default=1, help="of the random numbers (default: %(default)s)")
     arguments = parser.parse_args(words)
     print(table(write_record(arguments.directory, arguments.target, arguments.points, arguments.seed)))
 

@@ -41,7 +41,7 @@ from fabseq_tools.orientation import orient_results
 from fabseq_tools.orientation.turned_config import TurnedConfig, box_of_mesh, counts_of, with_absolute_files
 from fabseq_tools.orientation.turned_shapes import Motion
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.command_line import RunError, parse, parser_of, run_program, write_json
+from fabseq_tools.run.command_line import RunError, count, parse, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_config, read_fields, read_json
 
@@ -57,7 +57,7 @@ def main(words):
     parser.add_argument("config")
     parser.add_argument("--output", required=True)
     parser.add_argument("--turn", action="append", metavar='"AXIS DEGREES..."', help="an orientation to look at")
-    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--ranks", type=count, default=1)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
     if shutil.which(arguments.program) is None:

@@ -26,7 +26,7 @@ from fabseq_tools.geometry.grid import node_positions
 from fabseq_tools.geometry.vtk_data import poly_data
 from fabseq_tools.plot.colour_bar import BAR_SHARE, with_bar
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.command_line import RunError, parser_of
+from fabseq_tools.run.command_line import RunError, non_negative, parser_of, whole_number
 from fabseq_tools.run.read_run import lacking, read_json
 
 COMMAND = "render"
@@ -267,8 +267,8 @@ def main(words):
     parser.add_argument("picture")
     parser.add_argument("--colour", choices=["layer", "time", "density", "displacement", TEMPERATURE], default="layer")
     parser.add_argument("--planar", action="store_true", help="the planar baseline instead of the optimized sequence")
-    parser.add_argument("--exaggeration", type=float, default=0.0, help="draw the displacement, this many times larger")
-    parser.add_argument("--pixels", type=int, default=1400)
+    parser.add_argument("--exaggeration", type=non_negative, default=0.0, help="draw the displacement, this many times larger")
+    parser.add_argument("--pixels", type=whole_number(100, 10_000), default=1400)
     arguments = parser.parse_args(words)
     ensure_display()
     config = read_json(os.path.dirname(os.path.abspath(arguments.result)), "config.json")

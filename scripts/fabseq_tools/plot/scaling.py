@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
 from fabseq_tools.plot.drawing import INK, SOFT_INK, save, tidy
-from fabseq_tools.run.command_line import RunError, parser_of, write_rows
+from fabseq_tools.run.command_line import RunError, parser_of, whole_number, write_rows
 from fabseq_tools.run.read_run import read_history, read_json
 from fabseq_tools.run.settings import NOT_COMPARED
 
@@ -79,7 +79,7 @@ def main(words):
     parser.add_argument("directories", nargs="+", metavar="OUTPUT_DIRECTORY")
     parser.add_argument("--table", default="scaling.csv", help="table to write (default: %(default)s)")
     parser.add_argument("--picture", default="scaling.png", help="picture to write (default: %(default)s)")
-    parser.add_argument("--warm_up", type=int, default=2, metavar="N",
+    parser.add_argument("--warm_up", type=whole_number(0), default=2, metavar="N",
                         help="iterations left out (default: %(default)s)")
     arguments = parser.parse_args(words)
     runs = [measure(directory, arguments.warm_up) for directory in arguments.directories]

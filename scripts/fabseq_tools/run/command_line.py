@@ -4,6 +4,7 @@
 import argparse
 import csv
 import json
+import math
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from fabseq_tools.run.places import ENVIRONMENT, NAME
 
 BAD_INPUT = 2  # the exit status, as of the program
 INTERRUPTED = 130
+VALUE_OF = "argument "  # begins what argparse says of the value of an option
 TRACEBACK = "FABSEQ_TRACEBACK"  # the variable with which errors of Python show where they come from
 
 
@@ -19,11 +21,53 @@ class RunError(Exception):
     """What a script cannot go on with, and why."""
 
 
+class Parser(argparse.ArgumentParser):
+    """Says in one line which option has a value that is not allowed; of other mistakes also the usage."""
+
+    def error(self, message):
+        if message.startswith(VALUE_OF):
+            self.exit(BAD_INPUT, f"{self.prog}: {message.removeprefix(VALUE_OF)}\n")
+        super().error(message)
+
+
 def parser_of(text, command=None, **more):
     """A parser of the words behind a command, or of a script's, which prints a docstring as it stands."""
     if command:
         more["prog"] = f"{NAME} {command}"
-    return argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+    return Parser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+
+
+def number(allowed, holds=lambda value: True, kind=float):
+    """The type of an option: a finite number for which `holds` is true; `allowed`: which these are, in
+    words."""
+    def read(text):
+        try:
+            value = kind(text)
+            if math.isfinite(value) and holds(value):
+                return value
+        except (ValueError, OverflowError):
+            pass
+        raise argparse.ArgumentTypeError(f"found {text}; allowed: {allowed}")
+
+    return read
+
+
+def whole_number(least, most=None):
+    """The type of an option that is an integer from `least` on, up to `most`."""
+    allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
+    return number(allowed, lambda value: least <= value and (most is None or value <= most), int)
+
+
+def between(least, most):
+    """The type of an option that is a number between two."""
+    return number(f"a number from {least:g} to {most:g}", lambda value: least <= value <= most)
+
+
+finite = number("a finite number")
+positive = number("a number > 0", lambda value: value > 0)
+non_negative = number("a number >= 0", lambda value: value >= 0)
+share = between(0, 1)
+count = whole_number(1)
 
 
 def parse(parser, words=None):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a config for a mesh needs, chosen from what the program says of the part (-task check)."""
 
-import argparse
 import dataclasses
 import math
 import os
@@ -25,16 +24,6 @@ MOST_LOOKS = 8           # for one choice
 BEYOND_ANY_PART = 1e12   # an element of this edge is filled by no mesh
 PROGRAM_ALONE = 0.06     # GB of a run without elements
 MOST_HANGING = 0.05      # of the elements, off the plate: what is left out unless told otherwise
-
-
-def positive(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}; allowed: a number > 0")
-    return value
 
 
 def known_materials():

@@ -34,10 +34,10 @@ import shutil
 import tempfile
 
 from fabseq_tools.geometry.placement import millimetres_of
-from fabseq_tools.run.command_line import RunError, parser_of, warn
+from fabseq_tools.run.command_line import RunError, count, parser_of, positive, warn
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
-from fabseq_tools.start.choices import Look, choose, known_materials, positive
+from fabseq_tools.start.choices import Look, choose, known_materials
 from fabseq_tools.start.config_text import config_text
 
 COMMAND = "new"
@@ -96,14 +96,12 @@ def parsed(words):
     bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
     bound.add_argument("--memory", type=positive, metavar="GB", help="of a run on one rank, at most")
     parser.add_argument("--material", metavar="NAME", help=f"{', '.join(known_materials())} (default: ER70S-6)")
-    parser.add_argument("--iterations", type=int, default=120, metavar="N", help="default: %(default)s")
+    parser.add_argument("--iterations", type=count, default=120, metavar="N", help="default: %(default)s")
     parser.add_argument("--program", default=PROGRAM)
     arguments = parser.parse_args(words)
     arguments.ranks, arguments.rest = 1, []
     arguments.sequence = arguments.sequence or ("guided" if (arguments.max_tilt or ANY_TILT) < UPRIGHT else "heat")
     arguments.millimetres = millimetres_of(arguments.unit)
-    if arguments.iterations < 1:
-        raise RunError(f"--iterations: found {arguments.iterations}; allowed: an integer >= 1")
     return arguments
 
 

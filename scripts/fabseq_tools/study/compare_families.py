@@ -27,7 +27,7 @@ that is done is not repeated, and one that was interrupted goes on.
 
 import os
 
-from fabseq_tools.run.command_line import RunError, parse
+from fabseq_tools.run.command_line import RunError, between, parse, whole_number
 from fabseq_tools.study import figures
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.families_picture import draw
@@ -40,11 +40,10 @@ STEPS = 1.0, 90.0           # degrees, of the scan
 
 def main(words):
     parser = parser_of_rounds(__doc__, COMMAND, "PART.json", None)
-    parser.add_argument("--subparts", type=int, nargs="*", default=[2, 3, 4], metavar="N", help="default: 2 3 4")
+    parser.add_argument("--subparts", type=whole_number(1, 100), nargs="*", default=[2, 3, 4], metavar="N", help="default: 2 3 4")
     add_scan(parser)
     arguments = parse(parser, words)
     arguments.output = arguments.output or figures.folder_of(arguments.config, "families")
-    check_scan(arguments, *(("subparts", count) for count in arguments.subparts))
     rounds = Rounds(arguments)
     comparison = Comparison(rounds, say=lambda words: print(words, flush=True))
     rows = list(comparison.rows(arguments.subparts, arguments.step, arguments.azimuths))
@@ -59,14 +58,7 @@ def main(words):
 
 def add_scan(parser):
     """The words on the scan of tilted planar layers."""
-    parser.add_argument("--step", type=float, default=20.0, metavar="DEGREES", help="of the scan (default: %(default)s)")
-    parser.add_argument("--azimuths", type=int, default=4, metavar="N", help="sides of the scan in 3D (default: %(default)s)")
-
-
-def check_scan(arguments, *counts):
-    """And other counts, by their names."""
-    if not STEPS[0] <= arguments.step <= STEPS[1]:
-        raise RunError(f"--step: found {arguments.step:g}; allowed: {STEPS[0]:g} to {STEPS[1]:g}")
-    for name, found in [("azimuths", arguments.azimuths), *counts]:
-        if not 1 <= found <= 100:
-            raise RunError(f"--{name}: found {found}; allowed: 1 to 100")
+    parser.add_argument("--step", type=between(*STEPS), default=20.0, metavar="DEGREES",
+                        help="of the scan (default: %(default)s)")
+    parser.add_argument("--azimuths", type=whole_number(1, 100), default=4, metavar="N",
+                        help="sides of the scan in 3D (default: %(default)s)")

@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 
-from fabseq_tools.run.command_line import RunError, parser_of, run_program, write_json
+from fabseq_tools.run.command_line import RunError, count, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import Run, read_config, read_json
 from fabseq_tools.run.settings import put
@@ -21,7 +21,7 @@ def parser_of_rounds(text, command, config, default_output):
     parser = parser_of(text, command)
     parser.add_argument("config", metavar=config)
     parser.add_argument("--output", default=default_output, metavar="DIR", help="folder of it all (default: %(default)s)")
-    parser.add_argument("--ranks", type=int, default=2, metavar="N", help="of the program (default: %(default)s)")
+    parser.add_argument("--ranks", type=count, default=2, metavar="N", help="of the program (default: %(default)s)")
     parser.add_argument("--program", default=PROGRAM)
     return parser
 
@@ -36,8 +36,6 @@ class Rounds:
         for path, value in (settings or {}).items():
             put(self.config, path, copy.deepcopy(value), arguments.config)
         self.arguments = argparse.Namespace(**vars(arguments) | {"rest": [*settings_of(settings or {}), *arguments.rest]})
-        if arguments.ranks < 1:
-            raise RunError(f"--ranks: found {arguments.ranks}; allowed: 1 or more")
         if shutil.which(arguments.program) is None:
             raise RunError(f"{arguments.program}: no such program")
         for key, kind in PARTS.items():

@@ -22,9 +22,10 @@ verdict (summary.json): whether the machine can build these binary layers, by th
 every element, also those that a constraint lets pass.
 """
 
+import math
 import os
 
-from fabseq_tools.run.command_line import RunError, parse
+from fabseq_tools.run.command_line import RunError, count, parse, whole_number
 from fabseq_tools.study import figures
 from fabseq_tools.study.rounds import Rounds, parser_of_rounds, with_constraint
 from fabseq_tools.study.tradeoff_picture import draw
@@ -53,7 +54,7 @@ class Thickness:
     @staticmethod
     def read(word):
         low, high = map(float, word.split(","))
-        if not 0.0 < low <= 1.0 <= high or low == high:
+        if not 0.0 < low <= 1.0 <= high < math.inf or low == high:
             raise ValueError
         return [low, high]
 
@@ -115,9 +116,9 @@ def name_of(over):
 def main(words):
     parser = parser_of_rounds(__doc__, COMMAND, "CONFIG.json", None)
     parser.add_argument("--over", choices=list(LIMITS), default="thickness", help="limit that varies (default: %(default)s)")
-    parser.add_argument("--points", type=int, default=6, help="number of runs (default: %(default)s)")
+    parser.add_argument("--points", type=whole_number(FEWEST, MOST), default=6, help="number of runs (default: %(default)s)")
     parser.add_argument("--values", nargs="+", metavar="V", help="limits themselves")
-    parser.add_argument("--iterations", type=int, metavar="N", help="of each run but the first (default: half of its own)")
+    parser.add_argument("--iterations", type=count, metavar="N", help="of each run but the first (default: half of its own)")
     arguments = parse(parser, words)
     arguments.output = arguments.output or figures.folder_of(arguments.config, COMMAND)
     limit, rounds = LIMITS[arguments.over], Rounds(arguments)
@@ -144,8 +145,6 @@ def main(words):
 def values_of(arguments, limit, config):
     """The limits, strictest first."""
     if not arguments.values:
-        if not FEWEST <= arguments.points <= MOST:
-            raise RunError(f"--points: found {arguments.points}; allowed: {FEWEST} to {MOST}")
         return limit.values(config, arguments.points)
     try:
         values = sorted((limit.read(word) for word in arguments.values), key=limit.place)
