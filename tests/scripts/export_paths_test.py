@@ -270,7 +270,8 @@ class PathsTest(unittest.TestCase):
     def test_refusals(self):
         self.box()
         for options, words in ((["--bead-width", "0.001"], "--bead-width: found 0.001; allowed: 0.0125 to 2"),
-                               (["--bead-width", "0.1", "--outlines", "0"], "--outlines: found 0; allowed: 1 to 100")):
+                               (["--bead-width", "0.1", "--outlines", "0"],
+                                "--outlines: found 0; allowed: an integer from 1 to 100")):
             done = self.call("paths", self.run_directory, "--no-picture", *options)
             self.assertEqual((done.returncode, words in done.stderr), (2, True), done.stderr)
         table = Path(self.run_directory) / "table.csv"

@@ -55,7 +55,8 @@ def parse_arguments(words):
     parser.add_argument("input", help="HDF5 file of the fine part")
     parser.add_argument("output", help="HDF5 file to write")
     parser.add_argument("factor", type=count, help="voxels an edge of a block; divides every axis")
-    parser.add_argument("threshold", type=number("above 0, up to 1", lambda value: 0 < value <= 1), help="least mean density of a filled block, 0 to 1")
+    parser.add_argument("threshold", type=number("above 0, up to 1", lambda value: 0 < value <= 1),
+                        help="least mean density of a filled block, 0 to 1")
     parser.add_argument("--dataset", help="dataset to read (default: density_grey, else density)")
     arguments = parser.parse_args(words)
     return arguments

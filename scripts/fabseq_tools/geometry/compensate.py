@@ -30,15 +30,16 @@ from fabseq_tools.geometry.moved_part import MovedPart
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.rigid_motions import rigid_motions
 from fabseq_tools.geometry.surface_files import surface_of, write_surface
-from fabseq_tools.run.command_line import RunError, count, number, parse, parser_of, positive, run_program, write_json, write_rows
+from fabseq_tools.run.command_line import (RunError, count, number as number_type, parse, parser_of, positive, run_program,
+                                           write_json, write_rows)
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_fields
 
 COMMAND = "compensate"
 
 FILLED = 0.5  # share of an element
-FACTOR = number("above 0, up to 2", lambda value: 0 < value <= 2)  # what --factor takes
-FILL = number("a share above 0, up to 1, or grey", lambda value: 0 < value <= 1)
+FACTOR = number_type("above 0, up to 2", lambda value: 0 < value <= 2)  # what --factor takes
+FILL = number_type("a share above 0, up to 1, or grey", lambda value: 0 < value <= 1)
 KEPT = "name", "domain", "build_plate", "substrate", "clamps", "material", "process", "layers", "solver"
 
 

@@ -13,14 +13,15 @@ RUN is the output directory of an optimization or a simulation in 3D. DIR (defau
 The points of VTP files have the arrays layer, time, thickness (local, of the layer) and direction (in which
 material is added, a unit vector). All is in the part's own coordinates and unit: those of its mesh file or
 else of the config. --finer: cells per edge of an element, which decide how fine the triangles are (default: 2
-for parts from a mesh, 1 for others).
+for parts from a mesh, 1 for others). Pieces of a layer's body that no element of the layer stands for become
+part of a neighbour. The first line is the run's verdict.
 """
 
 import os
 
 import numpy as np
 
-from fabseq_tools.geometry.layer_bodies import GROUPS, LayeredPart
+from fabseq_tools.geometry.layer_bodies import GROUPS, LayeredPart, joined_words
 from fabseq_tools.geometry.part_body import drawn_surface
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.surface_files import boundary, surface_of, write_surface
@@ -46,6 +47,9 @@ def main(words):
         part = LayeredPart(arguments.run, arguments.of, arguments.finer, progress)
         record = {"name": part.name, "of": arguments.of, **export(part, output, formats, progress)}
     write_json(os.path.join(output, "layers.json"), record)
+    print(part.judged.words())
+    for words in joined_words(record):
+        print(words)
     print(table(record))
     print(f"in {output}")
 
@@ -69,7 +73,8 @@ def export(part, output, formats, progress=SILENT):
     return {**placement.facts(), "cut_off_at": part.source, "time": part.origin,
             "volume": float(volumes.sum()), "volume_of_elements": part.elements_volume * placement.scale**3,
             "distance_from_mesh": distance_from_mesh(part, faces[other == -1], placement),
-            "layers": rows, "interfaces": interfaces}
+            "verdict": part.judged.verdict or None, "joined": part.joined_rows(placement.scale), "layers": rows,
+            "interfaces": interfaces}
 
 
 def span(layer, placement):

@@ -41,7 +41,8 @@ def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("directory", metavar="RUN_DIR")
     parser.add_argument("--target", type=positive, help="target thickness (default: the config's)")
-    parser.add_argument("--points", type=whole_number(1, MOST_POINTS), default=1000, help="points per layer (default: %(default)s)")
+    parser.add_argument("--points", type=whole_number(1, MOST_POINTS), default=1000,
+                        help="points per layer (default: %(default)s)")
     parser.add_argument("--seed", type=whole_number(0), default=1, help="of the random numbers (default: %(default)s)")
     arguments = parser.parse_args(words)
     print(table(write_record(arguments.directory, arguments.target, arguments.points, arguments.seed)))

@@ -7,11 +7,14 @@ import os
 
 import h5py
 import numpy as np
+from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges
+from fabseq_tools.geometry.grid import element_edges, nodes_of, origin_of
+from fabseq_tools.geometry.judged import Judged
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_nodes
-from fabseq_tools.geometry.part_body import body_of
+from fabseq_tools.geometry.part_body import at_points, body_of, continued
 from fabseq_tools.geometry.slopes import node_slopes
+from fabseq_tools.geometry.slivers import join_slivers, join_thin_ends
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import SILENT
 from fabseq_tools.run.read_run import Run, check_grid
@@ -41,8 +44,9 @@ class Layer:
 
 class LayeredPart:
     """`body`: Tetrahedra whose labels are numbers of layers, from 1, in the config's coordinates; `layers`:
-    those that are not empty, by number; `source`: what the body is cut off at; `origin`: where times come
-    from."""
+    those that hold an element, by number; `source`: what the body is cut off at; `origin`: where times come
+    from; `judged`: what the run's check says; `joined`: volume of the slivers of each layer that became part
+    of another; `up`: unit normal of the plate."""
 
     def __init__(self, directory, of="optimized", finer=None, progress=SILENT):
         self.progress = progress
@@ -59,21 +63,28 @@ class LayeredPart:
         try:
             with h5py.File(path, "r") as file:
                 check_grid(path, file, self.config)
-                self.read(file, GROUPS[of], len(blocks[0]["layers"]), finer)
+                self.judged = Judged(run, file, GROUPS[of], of)
+                self.read(file, GROUPS[of], finer)
                 self.label(self.planes(file, blocks[0]["layers"]) if multi_planar else
                            [Layer(number, lower, upper) for number, (lower, upper) in
                             enumerate(itertools.pairwise(layer_times(file, len(blocks[0]["layers"]), GROUPS[of])), start=1)])
         except (OSError, KeyError) as error:
             raise RunError(f"{path} cannot be read: {error}") from error
 
-    def read(self, file, group, count, finer):
+    def read(self, file, group, finer):
         self.progress.say("reading the part")
         density = file[group + "density"][()] if group + "density" in file else file["density"][()]
         time, self.origin = nodal_time(file, self.config, group)
         slopes = node_slopes(time, element_edges(self.config)[::-1])
         slope = np.stack([times_of_nodes(component, density > 0) for component in slopes[::-1]], axis=-1)
         self.body, self.source = body_of(self.config, density, {"time": time, "slope": slope}, finer)
-        self.body.fields["place"] = self.body.points - self.config["domain"].get("origin", np.zeros(3))
+        self.body.fields["place"] = self.body.points - origin_of(self.config)
+        edges = element_edges(self.config)
+        self.node_axes = [low + edge * np.arange(n + 1)
+                          for low, edge, n in zip(origin_of(self.config), edges, density.shape[::-1])]
+        self.node_time = continued(time, nodes_of(density > 0).reshape(time.shape))
+        plate = self.config.get("build_plate", "z-")
+        self.up = np.eye(3)["xyz".index(plate[0])] * (1.0 if plate[1] == "-" else -1.0)
         self.elements_volume = density.sum() * np.prod(element_edges(self.config))
 
     def planes(self, file, table):
@@ -101,6 +112,8 @@ class LayeredPart:
             for before, layer in self.progress.steps(itertools.pairwise(rows), "cutting off layer"):
                 self.cut(layer, layer.values(body) - before.upper, SNAPPED * (layer.upper - layer.lower),
                          body.label == before.number)
+        self.times = np.array([0.0, *(layer.upper - layer.lower for layer in layers)])
+        self.joined = join_slivers(body, self.judged)
         self.layers = {layer.number: layer for layer in layers if (body.label == layer.number).any()}
 
     def cut(self, layer, values, snapped, chosen):
@@ -113,8 +126,51 @@ class LayeredPart:
         self.body.label[beyond] = layer.number
 
     def thickness(self, layer, points):
-        """Local thickness of a layer and its build direction at points of the body."""
+        """Local thickness of a layer and its build direction at points of the body. The thickness stays
+        between those that the check has for the layer's elements."""
         slope = layer.slope(self.body, points)
         length = np.linalg.norm(slope, axis=1)
         safe = np.where(length > 0, length, 1.0)
-        return np.where(length > 0, (layer.upper - layer.lower) / safe, np.nan), slope / safe[:, None]
+        thickness = np.where(length > 0, (layer.upper - layer.lower) / safe, np.nan)
+        judged = self.judged.range(layer.number)
+        return thickness if judged is None else np.clip(thickness, *judged), slope / safe[:, None]
+
+    def levels(self, layer, points):
+        """Where points lie in a layer: 0 at its lower side, 1 at its upper."""
+        if layer.direction is None:
+            values = at_points(self.node_time, self.node_axes, points)
+        else:
+            values = (points - origin_of(self.config)) @ layer.direction
+        return (values - layer.lower) / (layer.upper - layer.lower)
+
+    def judged_beads(self, layer, points):
+        """Axes and heights of beads of a layer at points, as the check has judged the elements around; None
+        where it has not."""
+        if self.judged.range(layer.number) is None:
+            return None
+        slopes = self.judged.slopes(points, self.times)
+        padded = np.concatenate([slopes[:1], slopes, slopes[-1:]])
+        slopes = (padded[:-2] + 2.0 * padded[1:-1] + padded[2:]) / 4.0
+        length = np.linalg.norm(slopes, axis=1)
+        near = self.body.fields["slope"][KDTree(self.body.points).query(points)[1]] if (length < 1e-300).any() else slopes
+        axes = np.where(length[:, None] > 1e-300, slopes, near)
+        heights = self.times[layer.number] / np.maximum(length, 1e-300)
+        return axes / np.linalg.norm(axes, axis=1)[:, None], np.clip(heights, *self.judged.range())
+
+    def join_thin_ends(self):
+        for number, volume in join_thin_ends(self.body, self.judged, self.layers).items():
+            self.joined[number] = self.joined.get(number, 0.0) + volume
+
+    def joined_rows(self, scale):
+        """Of the slivers that became part of other layers, for records; `scale`: of lengths."""
+        return [{"layer": int(number), "volume": volume * scale**3} for number, volume in sorted(self.joined.items())]
+
+
+def joined_words(record):
+    """Lines of text on them."""
+    if not record["joined"]:
+        return []
+    named = ", ".join(f"{row['layer']} ({row['volume']:.4g})" for row in record["joined"])
+    total = sum(row["volume"] for row in record["joined"])
+    return [f"slivers that no element of their layer stands for are part of a neighbour; by layer, with their volume: {named}; "
+            f"{100 * total / record['volume']:.2g} % of the part"]

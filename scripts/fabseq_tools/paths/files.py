@@ -5,9 +5,11 @@ import json
 
 import numpy as np
 
+from fabseq_tools.paths.frames import across_travel, euler_angles
 from fabseq_tools.run.command_line import write_rows
 
-COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed")
+COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed",
+           "level")
 RAPID = -1.0  # velocity of a way without deposition, for IRBCAM
 
 
@@ -15,9 +17,9 @@ def rows_of(passes, nominal):
     """A row of COLUMNS per waypoint. `nominal`: area of a bead's section for which the feed is 1."""
     rows = []
     for number, one in enumerate(passes, start=1):
-        for kind, point, axis, height, spacing in zip(one.kinds, one.points, one.axes, one.heights, one.spacings):
-            rows.append((len(rows) + 1, one.layer, number, str(kind), *map(float, (*point, *axis)), float(height),
-                         float(spacing), float(height * spacing / nominal)))
+        feeds = one.heights * one.spacings / nominal
+        for kind, *values in zip(one.kinds, *one.points.T, *one.axes.T, one.heights, one.spacings, feeds, one.levels):
+            rows.append((len(rows) + 1, one.layer, number, str(kind), *map(float, values)))
     return rows
 
 
@@ -41,36 +43,39 @@ def compas_points(passes, rows, facts):
     no others, so that each point has the `facts` of its coordinates."""
     result, rows = {}, iter(rows)
     for one in passes:
-        along = np.gradient(one.points, axis=0)
-        across = np.cross(one.axes, along)
-        across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
-        first = np.cross(one.axes, across)
+        across, y_axes = across_travel(one), np.cross(-one.axes, one.x_axes)
         for number, row in zip(range(len(one.points)), rows):
-            point = rounded(one.points[number])
+            point, row = rounded(one.points[number]), dict(zip(COLUMNS, row))
             result[str(len(result))] = {
                 "point": point, "layer_height": round(float(one.heights[number]), 7), "mesh_normal": rounded(across[number]),
                 "up_vector": rounded(one.axes[number]),
-                "frame": {"point": point, "xaxis": rounded(first[number]), "yaxis": rounded(across[number])},
+                "frame": {"point": point, "xaxis": rounded(one.x_axes[number]), "yaxis": rounded(y_axes[number])},
                 "extruder_toggle": number + 1 < len(one.points), "velocity": None, "wait_time": None, "blend_radius": None,
                 "closest_support_pt": None, "distance_to_support": None, "is_feasible": True,
-                "attributes": {"layer": row[1], "pass": row[2], "kind": row[3], "feed": round(row[-1], 7), **facts}}
+                "attributes": {**{name: row[name] for name in ("layer", "pass", "kind")},
+                               **{name: round(row[name], 7) for name in ("spacing", "feed", "level")}, **facts}}
     return result
 
 
-def irbcam_targets(passes, millimetres, speed, retract):
-    """Position in millimetres, angles rz1, ry, rz2 in radians and velocity of each target, (n, 7). The torch
-    points against the axis; between passes it moves to `retract` beyond the end and the next start.
-    `millimetres`: length of the unit that the passes and `retract` are in."""
-    targets = []
-    for one in passes:
-        points = np.concatenate([one.points[:1] + retract * one.axes[:1], one.points, one.points[-1:] + retract * one.axes[-1:]])
-        tool = -np.concatenate([one.axes[:1], one.axes, one.axes[-1:]])
-        level = np.hypot(tool[:, 0], tool[:, 1])
-        first = np.where(level > 1e-9, np.arctan2(tool[:, 1], tool[:, 0]), 0.0)
-        velocity = np.full(len(points), float(speed))
-        velocity[[0, -1]] = RAPID
-        targets.append(np.column_stack([millimetres * points, first, np.arctan2(level, tool[:, 2]), -first, velocity]))
-    return np.concatenate(targets)
+def irbcam_targets(passes, ways, millimetres, speed, retract):
+    """Position in millimetres, angles rz1, ry, rz2 in radians and velocity of each target, and of the
+    waypoint next to it layer, height, spacing and level, (n, 11). The torch points against the axis; it comes
+    to the first start and leaves the last end by `retract`, and moves along `ways`, a list of points after
+    each pass but the last, in between. `millimetres`: length of the unit that the passes, ways and `retract`
+    are in."""
+    first, last = passes[0], passes[-1]
+    before = [first.points[:1] + retract * first.axes[:1], *(way[len(way) // 2:] for way in ways)]
+    after = [*(way[:len(way) // 2] for way in ways), last.points[-1:] + retract * last.axes[-1:]]
+    parts = []
+    for one, coming, leaving in zip(passes, before, after):
+        count = len(one.points)
+        points = np.concatenate([coming, one.points, leaving])
+        next_to = np.clip(np.arange(len(points)) - len(coming), 0, count - 1)  # the waypoint of each target
+        velocity = np.repeat([RAPID, float(speed), RAPID], [len(coming), count, len(leaving)])
+        own = np.column_stack([np.full(count, one.layer), millimetres * one.heights, millimetres * one.spacings, one.levels])
+        parts.append((millimetres * points, one.x_axes[next_to], -one.axes[next_to], velocity, own[next_to]))
+    points, x_axes, tool, velocity, own = map(np.concatenate, zip(*parts))
+    return np.column_stack([points, euler_angles(x_axes, tool), velocity, own])
 
 
 def write_irbcam(path, targets, facts):
@@ -78,7 +83,7 @@ def write_irbcam(path, targets, facts):
     coordinates, for the JSON file."""
     with open(path + ".csv", "w", encoding="utf-8") as file:
         file.write("x,y,z,rz1,ry,rz2,motion_type,velocity,tool_number,spindle_speed\n")
-        for x, y, z, *angles, velocity in targets:
+        for x, y, z, *angles, velocity in targets[:, :7]:
             numbers = [f"{value:.6f}" for value in (x, y, z, *np.degrees(angles))]
             file.write(",".join([*numbers, "0", f"{velocity:g}", "1", "0"]) + "\n")
     changes = np.flatnonzero(np.append(True, np.diff(targets[:, 6]) != 0))
@@ -86,4 +91,6 @@ def write_irbcam(path, targets, facts):
     write_compact(path + ".json", {
         "targets": {**{name: rounded(targets[:, k]) for k, name in enumerate(names)}, "type": [0] * len(targets)},
         "velocity": {"i": changes.tolist(), "value": targets[changes, 6].tolist()},
-        "tool": {"i": [0], "value": [1]}, "spindle": {"i": [0], "value": [0.0]}, **facts})
+        "tool": {"i": [0], "value": [1]}, "spindle": {"i": [0], "value": [0.0]},
+        "waypoints_of_targets": {"layer": targets[:, 7].astype(int).tolist(), "height": rounded(targets[:, 8]),
+                                 "spacing": rounded(targets[:, 9]), "level": rounded(targets[:, 10])}, **facts})

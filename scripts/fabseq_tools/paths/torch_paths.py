@@ -22,8 +22,10 @@ WINDOW = 5          # waypoints over which axes, heights and spacings are averag
 @dataclasses.dataclass
 class Pass:
     """What is deposited from a start to a stop. Arrays have a row per waypoint: `points` and unit `axes` (n,
-    3), local `heights` and `spacings` of the bead, `kinds` (outline, hatch or link). Of its whole layer:
-    `missed`, the share of the area that is farther than a bead from all paths, and `farthest`, how far."""
+    3), local `heights` and `spacings` of the bead, `kinds` (outline, hatch or link), `levels` in the layer
+    (0 at its lower side, 1 at its upper), and unit `x_axes` of the tool's frames (frames.py). Of its whole
+    layer: `missed`, the share of the area that is farther than a bead from all paths, and `farthest`, how
+    far."""
 
     layer: int
     points: np.ndarray
@@ -31,6 +33,8 @@ class Pass:
     axes: np.ndarray = None
     heights: np.ndarray = None
     spacings: np.ndarray = None
+    levels: np.ndarray = None
+    x_axes: np.ndarray = None
     missed: float = 0.0
     farthest: float = 0.0
 
@@ -42,7 +46,9 @@ class Pass:
 
 def all_passes(part, width, outlines, angle, turn, at, progress=SILENT):
     """Passes of all layers, in order; a layer smaller than a bead has none. `angle`: of the hatch, `turn`:
-    what is added to it in each layer, `at`: height of the waypoints in the layer, from 0 to 1."""
+    what is added to it in each layer, `at`: height of the waypoints in the layer, from 0 to 1. The thin ends
+    of layers become part of their neighbours."""
+    part.join_thin_ends()
     result, position = [], None
     for count, layer in enumerate(progress.steps(part.layers.values(), "paths of layer")):
         surface = PathSurface(part, layer, width)
@@ -51,7 +57,7 @@ def all_passes(part, width, outlines, angle, turn, at, progress=SILENT):
                  passes(lines, LONGEST_LINK * width, lambda a, b, s=surface: on_surface(s, a, b))]
         found = [one for one in found if one.lengths().sum() > SHORTEST * width]
         if found:
-            complete(surface, found, at)
+            complete(part, surface, found, at)
             position = found[-1].points[-1]
         result += found
     if not result:
@@ -87,10 +93,11 @@ def resampled(points, step):
     return np.stack([np.interp(places, along, points[:, k]) for k in range(3)], axis=1)
 
 
-def complete(surface, found, at):
-    """Axes of the passes' waypoints from the surface. Height: the volume of the layer that is nearer to a
-    waypoint than to others over the area that is; spacing: that volume over the height and the length that
-    the waypoint stands for. Moves the waypoints to the share `at` of the height."""
+def complete(part, surface, found, at):
+    """Axes of the passes' waypoints from the surface, heights from what the check has judged (judged.py). The
+    layer's extent at a waypoint: the volume that is nearer to it than to others over the area that is.
+    Spacing: that volume over the height and the length that the waypoint stands for. Moves the waypoints to
+    the share `at` of the extent, which is less than the height where the layer ends at the part's surface."""
     points = np.concatenate([one.points for one in found])
     near = KDTree(surface.points).query(points)[1]
     axes, below = surface.directions()[near], surface.below()[near]
@@ -108,9 +115,15 @@ def complete(surface, found, at):
         area, volume = moving_sum(areas[own]), moving_sum(volumes[own])
         axis = np.stack([moving_sum(component) for component in axes[own].T], axis=1)
         one.axes = axis / np.linalg.norm(axis, axis=1)[:, None]
-        one.heights = volume / np.maximum(area, 1e-3 * area.max())
-        shift = moving_sum(at * one.heights - below[own]) / WINDOW
+        one.heights = extents = volume / np.maximum(area, 1e-3 * area.max())
+        judged = part.judged_beads(surface.layer, points[own])
+        if judged:
+            one.axes, one.heights = judged
+        shift = moving_sum(at * np.minimum(extents, one.heights) - below[own]) / WINDOW
         one.points = one.points + shift[:, None] * one.axes
+        if judged:  # there, where the waypoints lie now
+            one.axes, one.heights = part.judged_beads(surface.layer, one.points)
+        one.levels = part.levels(surface.layer, one.points)
         section = volume / np.maximum(moving_sum(one.lengths()), 1e-12 * surface.width)
         one.spacings = section / np.where(one.heights > 0, one.heights, 1.0)
 

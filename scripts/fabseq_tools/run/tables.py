@@ -3,6 +3,7 @@
 semicolon or tab, decimals after a point or, unless commas part the cells, a comma; UTF-8 or UTF-16, or the
 encoding of Windows; units in the first line, such as "x [mm]"."""
 
+import copy
 import csv
 import re
 
@@ -30,12 +31,23 @@ class Table:
                 self.units[name] = found[2]
             self.header.append(name)
 
-    def column(self, name, may_be_empty=False):
-        """Its numbers; with `may_be_empty` NaN for an empty cell."""
+    def texts(self, name):
+        """The cells of a column as they stand there."""
         if self.header.count(name) != 1:
             raise RunError(f"{self.path}: the first line names {self.header.count(name) or 'no'} columns {name}; allowed: one")
         index = self.header.index(name)
-        cells = [row[index] if index < len(row) else "" for row in self.rows]
+        return [row[index] if index < len(row) else "" for row in self.rows]
+
+    def taken(self, kept):
+        """The table with some of its rows."""
+        chosen = np.flatnonzero(kept)
+        result = copy.copy(self)
+        result.rows, result.places = [self.rows[k] for k in chosen], [self.places[k] for k in chosen]
+        return result
+
+    def column(self, name, may_be_empty=False):
+        """Its numbers; with `may_be_empty` NaN for an empty cell."""
+        cells = self.texts(name)
         return np.array([np.nan if may_be_empty and not cell else self.number(name, cell, place)
                          for cell, place in zip(cells, self.places)])
 
