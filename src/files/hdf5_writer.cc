@@ -88,9 +88,10 @@ class Hdf5Writer::File {
     write_values<float>(name, first, rounded, checksum);
   }
 
-  void attach_checksum(const std::string& name, std::uint64_t value) const {
+  /// Writes an attribute of a dataset.
+  void attach(const std::string& name, const char* attribute, const Json& value) const {
     const Hdf5Dataset dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
-    require(dataset && fabseq::write_attribute(dataset, "checksum", value));
+    require(dataset && fabseq::write_attribute(dataset, attribute, value));
   }
 
   void finish(bool sealed) {
@@ -195,7 +196,10 @@ void Hdf5Writer::write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>
   run_on_first(file_->comm(),
                [&] { file_->create_dataset(field.name, slabs.shape(), type_of(field.single_precision)); });
   const std::uint64_t checksum = write_slabs(slabs, field.name, 0, field.single_precision);
-  run_on_first(file_->comm(), [&] { file_->attach_checksum(field.name, checksum); });
+  run_on_first(file_->comm(), [&] {
+    file_->attach(field.name, "checksum", checksum);
+    if (!field.description.empty()) file_->attach(field.name, "description", field.description);
+  });
 }
 
 template <int Dim>
@@ -224,7 +228,7 @@ void Hdf5Writer::write_array(const std::string& name, std::span<const double> va
         columns == 0 ? std::vector<hsize_t>{values.size()} : std::vector<hsize_t>{values.size() / row, row},
         type_of(false));
     file_->write_values(name, 0, values, checksum);
-    file_->attach_checksum(name, checksum.value());
+    file_->attach(name, "checksum", checksum.value());
   });
 }
 
@@ -246,7 +250,7 @@ void Hdf5Writer::write_node_numbers(const Grid<Dim>& grid, const std::string& na
     file_->write_values<std::int64_t>(name, written, numbers, checksum);
     written += static_cast<std::int64_t>(numbers.size());
   });
-  run_on_first(file_->comm(), [&] { file_->attach_checksum(name, checksum.value()); });
+  run_on_first(file_->comm(), [&] { file_->attach(name, "checksum", checksum.value()); });
 }
 
 void Hdf5Writer::write_attribute(const std::string& name, const Json& value) {

@@ -180,6 +180,7 @@ FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipel
   add_scaled(displacement, 1.0, release);
   result.released = deviation_of(model, displacement);
   result.release = pipeline.process().model().at_nodes(release);
+  result.released_displacement = pipeline.process().model().at_nodes(displacement);
   return result;
 }
 

@@ -94,9 +94,15 @@ void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const Seq
 
 template <int Dim>
 void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix) {
-  fields.add_nodes(prefix + "displacement", report.displacement, Dim, &report.nodes);
-  if (report.finished && report.finished->released)
-    fields.add_nodes(prefix + "release_displacement", report.finished->release, Dim, &report.nodes);
+  const auto add = [&](const char* name, const std::vector<double>& values, const char* description) {
+    fields.add_nodes(prefix + name, values, Dim, &report.nodes, description);
+  };
+  add("displacement", report.displacement, "u: displacement after the last layer, before the release");
+  if (!report.finished || !report.finished->released) return;
+  add("release_displacement", report.finished->release,
+      "v: increment that the release adds to displacement; no displacement of the released part itself");
+  add("released_displacement", report.finished->released_displacement,
+      "u + v: displacement of the part after its release, the sum of displacement and release_displacement");
 }
 
 template <int Dim>

@@ -217,6 +217,7 @@ class PartErrorsTest(BadInputTest):
         self.assertIn("2 pieces", run.messages()[0])
         with h5py.File(run.path("result.h5"), "r") as file:
             self.assertNotIn("release_displacement", file)
+            self.assertNotIn("released_displacement", file)
 
     def test_strain_that_turns_with_a_time_from_a_file(self):
         config = plate_2d()

@@ -97,6 +97,7 @@ class SolverTest(FailureTest):
                     self.assertGreater(np.abs(file["displacement"][()]).max(), 0.0)
                     self.assertIn("residual_stress", file)
                     self.assertNotIn("release_displacement", file)
+                    self.assertNotIn("released_displacement", file)
 
     def test_heat(self):
         for ranks in distinct(3, 1):

@@ -105,7 +105,8 @@ class OutputsOfOneRankTest(FabseqTest):
                        prefix + "tilt": elements, prefix + "build_direction": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes
         for prefix in ("", "binary/", "planar/", "start/", "even/"):
-            shapes[prefix + "displacement"] = shapes[prefix + "release_displacement"] = nodes + (2,)
+            shapes |= dict.fromkeys((prefix + "displacement", prefix + "release_displacement", prefix + "released_displacement"),
+                                    nodes + (2,))
         shapes |= {"model/stiffness": elements, "model/strain_factor": elements, "model/strain": (3,),
                    "model/unbuilt_stiffness": (1,), "model/node_sets/top": (21,), "model/supports": (21,)}
         run = RUNS[self.ranks]
@@ -126,6 +127,18 @@ class OutputsOfOneRankTest(FabseqTest):
             self.assertTrue(np.all(data[name][0] == 0), "the plate does not move")
             self.assertTrue(np.all(data[name][~TOUCHED] == 0), "nothing outside the part moves")
         self.assertTrue(np.all((data["temperature"] > 0) & (data["temperature"] <= 1 + 1e-9)))
+        for prefix in ("", "binary/", "planar/", "start/", "even/"):
+            self.assertGreater(np.abs(data[prefix + "release_displacement"]).max(), 0)
+            np.testing.assert_allclose(data[prefix + "released_displacement"],
+                                       data[prefix + "displacement"] + data[prefix + "release_displacement"], atol=1e-15)
+
+    def test_which_displacement_is_the_increment_of_the_release(self):
+        with h5py.File(RUNS[self.ranks].path("result.h5"), "r") as file:
+            for prefix in ("", "binary/", "planar/", "start/", "even/"):
+                for name, words in (("displacement", "before the release"), ("release_displacement", "increment"),
+                                    ("released_displacement", "the sum of displacement and release_displacement")):
+                    self.assertIn(words, file[prefix + name].attrs["description"])
+            self.assertNotIn("description", file["time"].attrs)
 
     def test_summary_agrees_with_the_fields(self):
         run = RUNS[self.ranks]

@@ -142,6 +142,7 @@ def add_checks(directory, unit="mm"):
             file[prefix + "hanging"] = hanging
             file[prefix + "local_thickness"] = np.where(part, 0.1, 0.0)
             file[prefix + "release_displacement"] = -0.5 * file[prefix + "displacement"][:]
+            file[prefix + "released_displacement"] = 0.5 * file[prefix + "displacement"][:]
 
     def edit(summary):
         for k, block in enumerate(name for name in PREFIXES if name in summary):

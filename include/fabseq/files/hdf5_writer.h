@@ -33,7 +33,7 @@ class Hdf5Writer {
   Hdf5Writer(Hdf5Writer&&) = delete;
 
   /// Writes a field with axes [z][y][x] (2D [y][x]), followed by [component] if it has several. Groups in its
-  /// name ("a/b") are created.
+  /// name ("a/b") are created. A description becomes the dataset's attribute of that name.
   template <int Dim>
   void write_field(const Grid<Dim>& grid, const typename FieldSet<Dim>::Field& field);
   /// Writes all fields of a set.

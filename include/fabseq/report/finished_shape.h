@@ -45,7 +45,8 @@ struct FinishedShape {
     return after_release && released ? *released : as_built;
   }
   std::vector<double> release;  ///< what the release adds, [ElasticModel::nodes][component]; empty: none
-  std::string failure;          ///< why the solve for the release failed; empty: it did not
+  std::vector<double> released_displacement;  ///< displacement with the release, likewise
+  std::string failure;                        ///< why the solve for the release failed; empty: it did not
 };
 
 /// The finished part of a pipeline's last run, with one solve for the release. Collective.

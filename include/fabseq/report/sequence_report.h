@@ -80,7 +80,7 @@ struct SequenceReport : SequenceNumbers {
 template <int Dim>
 void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const SequenceReport& report,
                          const std::string& prefix);
-/// Adds the displacement and, where there is any, that of the release.
+/// Adds the displacement and, where there is a release, what it adds and the sum of both.
 template <int Dim>
 void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, const std::string& prefix);
 
