@@ -10,6 +10,7 @@
 #include <petscsys.h>
 
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace fabseq {
@@ -31,6 +32,9 @@ Json config_record(const Config& config, Json effective, const CommandLine& comm
                                 {"hdf5", H5_VERS_INFO},
                                 {"ranks", size_of(comm)}});
   if (config.part.mesh) record["run"]["mesh_placement"] = config.part.mesh->placement();
+  std::error_code error;
+  if (command_line.design_file)
+    record["run"]["design"] = std::filesystem::absolute(*command_line.design_file, error).string();
   return record;
 }
 

@@ -1,20 +1,28 @@
 # SPDX-License-Identifier: MIT
 """Fits material.strain_scale of a config to a measured part, by least squares.
 
-    fabseq-tools calibrate CONFIG.json MEASURED [CONFIG.json MEASURED]... --output DIR [--released] [--rigid]
-                       [--isotropic] [--vanishing] [--tolerance LENGTH] [--program build/release/fabseq]
-                       [--ranks N] [-- OPTIONS OF THE PROGRAM]
+    fabseq-tools calibrate BUILT MEASURED [BUILT MEASURED]... --output DIR [--released] [--rigid]
+                       [--isotropic] [--vanishing] [--tolerance LENGTH] [--unit UNIT]
+                       [--program build/release/fabseq] [--ranks N] [-- OPTIONS OF THE PROGRAM]
+
+BUILT is what was built: the folder of a run (-task optimize, simulate or evaluate), of which the binary
+layers are simulated; or a config, of which its own sequence is, the start design where it has one.
 
 MEASURED is in the config's coordinates and its unit of length, and one of two:
 
 - Displacements: a table (CSV) whose first line names its columns: x, y, z, the points in the part as drawn or
-  in the substrate, and ux, uy, uz, their displacements (2D without z and uz). A displacement that was not
-  measured is left empty, lines that begin with # do not count. Points outside of the elements are moved to
-  the nearest place on their surface.
-- A scan: such a table with x, y, z only, or a cloud of points (PLY). Each is a point of the surface of the
-  finished part. What counts is how far it is from the surface as drawn, along its normal: from the mesh of
-  part.mesh, in its place, or else, and with 3MF files, from the boundary of the elements. Slanted and round
-  surfaces of these are stairs, so that a scan wants a mesh.
+  in the substrate, and ux, uy, uz, their displacements (2D without z and uz). Other usual names are known,
+  too: dx, U1, disp_x, dev x; x_nominal beside x_actual. A displacement that was not measured is left empty,
+  lines that begin with # do not count. Points outside of the elements are moved to the nearest place on their
+  surface.
+- A scan: such a table with x, y, z only (CSV, TXT, XYZ, ASC), a cloud of points (PLY) or a mesh (PLY, OBJ,
+  STL). Each is a point of the surface of the finished part. What counts is how far it is from the surface as
+  drawn, along its normal: from the mesh of part.mesh, in its place, or else, and with 3MF files, from the
+  boundary of the elements. Slanted and round surfaces of these are stairs, so that a scan wants a mesh.
+
+Points that are no numbers, or all of whose numbers are 0, are left out, equal ones count once; their number
+is printed. Points whose unit or axes seem to be others than the part's are refused; --unit names that of a
+file without units.
 
 A point farther from that surface than --tolerance (default: the longest edge of an element for displacements,
 three of them for a scan) is a mistake: all such points are named before the process is simulated. --rigid is
@@ -23,8 +31,12 @@ the rest of the motion is found together with the factors.
 
 The model is made with a single layer first, to see where its elements are. Then the process is simulated
 (-task simulate) with a few scales; displacements are linear in the strain, so any other scale follows from
-these. Into DIR go the simulations, calibration.json (factors, what is left of the differences) and
-config.json, the effective config with the factors found.
+these. Into DIR go the simulations, calibration.json (factors, what is left of the differences),
+calibration.png (measured against simulated points) and config.json, the effective config, or the run's, with
+the factors found.
+
+Factors outside 0.05 to 5, or that leave more than a fifth of the measurement, are warned of; where they are 0
+the command ends with status 2 and leaves nothing.
 
 Several parts of one material, each with its config, get common factors; in DIR each has a folder, part_1,
 part_2, ..., with its simulations and its config.json. --vanishing fits thermal.vanishing beside the factors,
@@ -35,13 +47,17 @@ standard deviations.
 Factors that the points say nothing about stay 1, with a warning. The method: docs/formulation.md 4.5.
 """
 
+import contextlib
 import functools
 import os
+import shutil
 
 import numpy as np
 
+from fabseq_tools.calibration.column_names import AXES
+from fabseq_tools.calibration.fit_checks import FitChecks, rms
 from fabseq_tools.calibration.measured_part import MeasuredPart
-from fabseq_tools.calibration.measured_points import AXES
+from fabseq_tools.calibration.picture import draw_calibration
 from fabseq_tools.calibration.strain_factors import fit_factors
 from fabseq_tools.calibration.vanishing import CONSTANT, VanishingSearch
 from fabseq_tools.run.command_line import RunError, parse, parser_of, warn, write_json
@@ -53,16 +69,20 @@ WANTED_DIFFERENCE = 200.0  # degrees C, between the hottest layers of the parts;
 
 def read_parts(arguments):
     """Refuses what cannot be calibrated, before anything is written."""
-    words = [arguments.config, arguments.measured, *arguments.more]
+    words = [arguments.built, arguments.measured, *arguments.more]
+    if arguments.ranks < 1:
+        raise RunError(f"--ranks: found {arguments.ranks}; allowed: 1 and more")
+    if arguments.tolerance is not None and not 0.0 < arguments.tolerance < np.inf:
+        raise RunError(f"--tolerance: found {arguments.tolerance:g}; allowed: a finite length above 0")
     pairs = list(zip(words[::2], words[1::2]))
     if len(words) % 2:
-        raise RunError(f"{words[-1]}: found a config without a measurement; allowed: pairs of CONFIG and MEASURED")
+        raise RunError(f"{words[-1]}: found a config without a measurement; allowed: pairs of BUILT and MEASURED")
     if arguments.vanishing and len(pairs) == 1:
         raise RunError("--vanishing: found one part, which cannot tell a small strain from a hot part; allowed: two or more, "
                        "built with different pauses")
     folders = [arguments.output] if len(pairs) == 1 else [os.path.join(arguments.output, f"part_{number}")
                                                           for number in range(1, len(pairs) + 1)]
-    parts = [MeasuredPart(arguments, *pair, folder) for pair, folder in zip(pairs, folders)]
+    parts = [MeasuredPart(arguments, *pair, folder, functools.partial(warn, COMMAND)) for pair, folder in zip(pairs, folders)]
     for part in parts:
         if part.dimension != parts[0].dimension:
             raise RunError(f"{part.path}: found {part.dimension}D beside {parts[0].dimension}D; allowed: parts of one dimension")
@@ -86,9 +106,27 @@ def refuse_other_materials(parts):
 
 def calibrate(arguments):
     parts = read_parts(arguments)
+    before = os.path.isdir(arguments.output)
+    try:
+        fit_parts(arguments, parts)
+    except RunError:
+        for folder in [path for part in parts for path in part.simulations]:
+            shutil.rmtree(folder, ignore_errors=True)
+        for folder in [*(part.output for part in parts), *([] if before else [arguments.output])]:
+            remove_if_empty(folder)
+        raise
+
+
+def remove_if_empty(folder):
+    with contextlib.suppress(OSError):
+        os.rmdir(folder)
+
+
+def fit_parts(arguments, parts):
+    """Simulates the parts, and writes what is found."""
     for part in parts:
         os.makedirs(part.output, exist_ok=True)
-        part.make_model(functools.partial(warn, COMMAND))
+        part.make_model()
     refuse_other_materials(parts)
     factors = np.ones((parts[0].dimension, 1)) if arguments.isotropic else np.eye(parts[0].dimension)
     if arguments.vanishing:
@@ -98,11 +136,13 @@ def calibrate(arguments):
     else:
         fit = fit_factors([part.measurement for part in parts], [part.simulate_all(factors) for part in parts], arguments.rigid)
         record = {}
+    checks = FitChecks(parts, fit, factors @ fit.factors, (factors @ fit.determined).astype(bool), arguments)
+    checks.refuse_nothing()
     records = [part_record(part, rest, equations.values) for part, rest, equations in zip(parts, fit.rests, fit.equations)]
     if arguments.vanishing:
         for number, part in enumerate(parts):
             records[number] |= heat_record(part, search.own_factors(number), factors)
-    write_result(arguments.output, parts, fit, factors, record, records)
+    write_result(arguments.output, parts, fit, checks, record, records)
 
 
 def differences(rest, values):
@@ -110,12 +150,8 @@ def differences(rest, values):
             "largest_difference": float(np.abs(rest).max())}
 
 
-def rms(values):
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def part_record(part, rest, values):
-    return {"measured": part.measurement.name, "points": len(part.points), **differences(rest, values)}
+    return {"measured": part.measurement.name, "points": len(part.read.points), **differences(rest, values)}
 
 
 def vanishing_record(found):
@@ -128,9 +164,11 @@ def heat_record(part, own, factors):
     return {"highest_interpass": max(part.interpass), "own_strain_scale": None if own is None else (factors @ own).tolist()}
 
 
-def write_result(output, parts, fit, factors, record, records):
-    scale, determined = factors @ fit.factors, (factors @ fit.determined).astype(bool)
-    common = {"strain_scale": scale.tolist(), "determined": determined.tolist(), **record}
+def write_result(output, parts, fit, checks, record, records):
+    scale, determined = checks.scale, checks.determined
+    warnings = [text for part in parts if (text := part.warning())] + checks.warnings()
+    common = {"strain_scale": scale.tolist(), "determined": determined.tolist(), "left_of_measurement": fit.left(),
+              "warnings": warnings, **record}
     for part in parts:
         part.config.pop("run", None)
         part.config["material"]["strain_scale"] = scale.tolist()
@@ -140,15 +178,18 @@ def write_result(output, parts, fit, factors, record, records):
     whole = records[0] if len(parts) == 1 else differences(fit.rest, fit.values)
     named = [{"config": part.path, "file": part.measured, **its} for part, its in zip(parts, records)]
     write_json(os.path.join(output, "calibration.json"), common | whole | ({"parts": named} if len(parts) > 1 else {}))
-    for axis in np.flatnonzero(~determined):
-        warn(COMMAND, f"the points say nothing about the factor along {AXES[axis]}, which stays 1")
     print(f"strain_scale {rounded(scale)}")
     if "vanishing" in record:
         print_vanishing(record, whole["rms_difference"], records)
-    print("rms of " + words_of(whole))
+    print(f"rms of {words_of(whole)}; {100 * fit.left():.3g} % of the measurement is left")
     for number, its in enumerate(records if len(parts) > 1 else [], start=1):
         print(f"part {number}: rms of {words_of(its)}")
-    print(f"config with these factors: {', '.join(os.path.join(part.output, 'config.json') for part in parts)}")
+    draw_calibration(parts, fit, os.path.join(output, "calibration.png"))
+    print(f"config with these factors: {', '.join(os.path.join(part.output, 'config.json') for part in parts)}", flush=True)
+    for axis in np.flatnonzero(~determined):
+        warn(COMMAND, f"the points say nothing about the factor along {AXES[axis]}, which stays 1")
+    for text in warnings:
+        warn(COMMAND, text)
 
 
 def rounded(scale):
@@ -178,9 +219,9 @@ def print_vanishing(record, difference, records):
 
 def main(words):
     parser = parser_of(__doc__, COMMAND)
-    parser.add_argument("config")
-    parser.add_argument("measured", help="displacements of points (CSV), or points of a scan (CSV, PLY)")
-    parser.add_argument("more", nargs="*", metavar="CONFIG MEASURED", help="further parts of the same material")
+    parser.add_argument("built", help="the folder of a run, or a config")
+    parser.add_argument("measured", help="displacements of points (CSV), or points of a scan (CSV, TXT, XYZ, ASC, PLY, OBJ, STL)")
+    parser.add_argument("more", nargs="*", metavar="BUILT MEASURED", help="further parts of the same material")
     parser.add_argument("--output", required=True)
     parser.add_argument("--released", action="store_true",
                         help="what was measured is the part after its release from plate or clamps")
@@ -191,6 +232,7 @@ def main(words):
                         help="also fit thermal.vanishing, to two or more parts built with different pauses")
     parser.add_argument("--tolerance", type=float, metavar="LENGTH",
                         help="how far from part or drawing a point may lie (default: one element, of a scan three)")
+    parser.add_argument("--unit", help="of lengths in MEASURED that name none (default: the config's)")
     parser.add_argument("--program", default=PROGRAM)
     parser.add_argument("--ranks", type=int, default=1)
     calibrate(parse(parser, words))

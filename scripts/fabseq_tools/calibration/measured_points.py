@@ -1,43 +1,111 @@
 # SPDX-License-Identifier: MIT
-"""Points that were measured on a part: from a table (CSV), with or without displacements, or a cloud of
-points (PLY)."""
+"""Points that were measured on a part, with or without displacements: from a table, a cloud of points or a
+mesh."""
+
+import os
 
 import numpy as np
 
-from fabseq_tools.geometry.length_columns import lengths
-from fabseq_tools.geometry.nearest_surface import READERS, read_poly_data
-from fabseq_tools.geometry.placement import millimetres_of
-from fabseq_tools.geometry.vtk_data import points_of
+from fabseq_tools.calibration.column_names import AXES, Roles
+from fabseq_tools.calibration.point_columns import read_point_table
+from fabseq_tools.calibration.point_files import read_obj, read_ply, read_stl
+from fabseq_tools.geometry.placement import MILLIMETRES, millimetres_of
 from fabseq_tools.run.command_line import RunError
-from fabseq_tools.run.tables import read_table
 
-AXES = "xyz"
+FILES = {".ply": read_ply, ".obj": read_obj, ".stl": read_stl}
 MOST_NAMED = 20  # points in one message
+TINY = 1e-12     # of the largest coordinate: what rounding leaves of 0
 
 
-def read_measurement(path, dimension, unit):
-    """Positions (n, axis) and displacements (n, axis), NaN where nothing was measured; None in place of them
-    for a scan, which has positions only. `unit`: the config's, to which columns of another one are
-    converted."""
-    if path.lower().endswith(".ply"):
-        data = read_poly_data(READERS[".ply"], path)
-        if data.GetNumberOfPoints() == 0:
-            raise RunError(f"{path}: holds no points")
-        return points_of(data)[:, :dimension], None
-    table = read_table(path)
-    measured = ["u" + axis for axis in AXES[:dimension]]
-    is_scan = not any(name in table.header for name in measured)
-    columns = [*AXES[:dimension], *([] if is_scan else measured)]
-    values = lengths(table, columns, millimetres_of(unit), may_be_empty=measured)
-    return values[:, :dimension], None if is_scan else values[:, dimension:]
+class Measurement:
+    """`points` (n, axis); `displacements` (n, axis), NaN where nothing was measured, or None of a scan;
+    `numbers` (n): of the points in the file, from 1. `has_units`: whether the file, or the user, names the
+    unit of the points. `remarks`: what was left out or not used, in words."""
+
+    def __init__(self, path, points, displacements, has_units=False):
+        self.path, self.points, self.displacements, self.has_units = path, points, displacements, has_units
+        self.numbers, self.remarks = np.arange(1, len(points) + 1), []
+
+    def keep(self, keep, words):
+        """Leaves out the other points; `words` say why."""
+        left_out = np.count_nonzero(~keep)
+        if left_out == 0:
+            return
+        if not keep.any():
+            raise RunError(f"{self.path}: none of its {len(keep)} points can be used: {words}")
+        self.remarks.append(f"{self.path}: {left_out} of {len(keep)} points left out: {words}")
+        self.points, self.numbers = self.points[keep], self.numbers[keep]
+        if self.displacements is not None:
+            self.displacements = self.displacements[keep]
+
+    def leave_out(self):
+        """Leaves out what is no measurement of its own."""
+        self.keep(np.isfinite(self.points).all(1), "their positions are no numbers")
+        if self.displacements is not None:
+            self.displacements = np.where(np.isfinite(self.displacements), self.displacements, np.nan)
+            self.keep(np.isfinite(self.displacements).any(1), "their displacements are no numbers")
+        rows = self.points if self.displacements is None else np.hstack([self.points, np.nan_to_num(self.displacements)])
+        zeros = (np.abs(rows) <= TINY * np.abs(rows).max()).all(1)
+        if np.count_nonzero(zeros) > 1:
+            self.keep(~zeros, "all of their numbers are 0, as of points that were not found")
+        rows = self.points if self.displacements is None else np.hstack([self.points, self.displacements])
+        rows = np.ascontiguousarray(np.where(np.isnan(rows), np.nan, rows + 0.0))  # one 0 and one NaN
+        first = np.zeros(len(rows), bool)
+        first[np.unique(rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel(), return_index=True)[1]] = True
+        self.keep(first, "equal to others, which count once")
 
 
-def refuse_far_points(points, distances, tolerance, place):
+def read_measurement(path, dimension, unit, own_unit=None):
+    """The Measurement in a file. `unit`: the config's, to which lengths of another one are converted;
+    `own_unit`: that of lengths whose unit the file does not name, by default the config's."""
+    reader = FILES.get(os.path.splitext(path)[1].lower())
+    if reader:
+        columns = reader(path)
+    else:
+        columns = read_point_table(path, lambda header, of: Roles(of, header, dimension).all(), AXES)
+    roles = Roles(path, columns.names, dimension)
+    of_config, units = millimetres_of(unit), roles.units | columns.units
+
+    def positions(names):
+        return None if names is None else np.stack(
+            [columns.values[:, columns.names.index(name)] * factor_of(path, name, units, own_unit, of_config)
+             for name in names], axis=1)
+
+    points, actual, displacements = map(positions, (roles.points, roles.actual, roles.displacements))
+    if len(columns.values) == 0:
+        raise RunError(f"{path}: holds no points")
+    with np.errstate(invalid="ignore"):  # inf - inf
+        if points is None:
+            points = actual - displacements
+        elif actual is not None:
+            displacements = actual - points
+    has_units = own_unit is not None or all(name in units for name in roles.points or roles.actual)
+    result = Measurement(path, points, displacements, has_units)
+    result.leave_out()
+    return result
+
+
+def factor_of(path, name, units, own_unit, of_config):
+    """From the unit of a column to the config's, which is so many millimetres."""
+    unit = units.get(name, own_unit)
+    if unit is None:
+        return 1.0
+    place = f"{path}: column {name}" if name in units else "--unit"
+    own = millimetres_of(unit)
+    if own is None:
+        raise RunError(f"{place}: found the unit '{unit}'; allowed: {', '.join(MILLIMETRES)}")
+    if of_config is None:
+        raise RunError(f"{place}: found the unit '{unit}'; allowed: none, as the config's is not known")
+    return own / of_config
+
+
+def refuse_far_points(measurement, distances, tolerance, place):
     """Raises a RunError that names all points farther than the tolerance from `place`."""
-    far = np.flatnonzero(distances > tolerance)
+    points, numbers = measurement.points, measurement.numbers
+    far = np.flatnonzero(~(distances <= tolerance))
     if len(far) == 0:
         return
-    named = [f"point {i + 1} at [{','.join(f'{x:g}' for x in points[i])}], {distances[i]:.4g} away"
+    named = [f"point {numbers[i]} at [{','.join(f'{x:g}' for x in points[i])}], {distances[i]:.4g} away"
              for i in far[:MOST_NAMED]]
     if len(far) > MOST_NAMED:
         named.append(f"and {len(far) - MOST_NAMED} more, up to {distances[far].max():.4g} away")

@@ -37,6 +37,7 @@ class Equations:
 
     def __init__(self, model, fields, points, directions, values, rigid):
         self.displacements = model.interpolate(fields, model.moved_in(points)[0])
+        self.points, self.directions = points, directions
         self.forms, self.values = np.einsum("abnx,nx->abn", self.displacements, directions), values
         self.motions = rigid_motions(points - points.mean(0)) if rigid else np.zeros((0, *points.shape))
         self.along = np.einsum("mnx,nx->nm", self.motions, directions)
@@ -79,6 +80,11 @@ class Fit:
         self.rests = [e.rest(self.factors) for e in equations]
         self.rest, self.values = np.concatenate(self.rests), np.concatenate([e.values for e in equations])
         self.unknowns = int(self.determined.sum()) + sum(e.basis.shape[1] for e in equations)
+
+    def left(self):
+        """The rms of what is left over that of what was measured, both without rigid motions."""
+        sizes = [np.linalg.norm(values) for values in (self.rest, self.strained)]
+        return float(sizes[0] / sizes[1]) if sizes[1] > 0.0 else float(sizes[0] > 0.0)
 
 
 def fit_factors(measurements, fields, rigid):

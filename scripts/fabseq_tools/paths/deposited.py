@@ -23,7 +23,7 @@ def deposited(table):
     for name in table.header:
         if re.sub(r"[\s-]+", "_", name.strip()) not in COLUMNS or table.header.count(name) > 1:
             continue
-        cells = table.texts(name)
+        cells = table.cells(name)
         off = np.array([is_off(cell) for cell in cells]) != (name == "off")
         if not off.any():
             continue

@@ -14,6 +14,7 @@ from fabseq_tools.run.places import ENVIRONMENT, NAME
 BAD_INPUT = 2  # the exit status, as of the program
 INTERRUPTED = 130
 VALUE_OF = "argument "  # begins what argparse says of the value of an option
+WARNING = "warning: "  # begins the program's own
 TRACEBACK = "FABSEQ_TRACEBACK"  # the variable with which errors of Python show where they come from
 
 
@@ -122,14 +123,20 @@ def run_command(command, capture=True, statuses=(0,), **more):
     return result
 
 
-def run_program(arguments, path, task, *options):
-    """What the program prints of a task, with the ranks of the script and the options behind its --. Raises
-    RunError with the program's own line if it refuses or fails."""
+def run_program(arguments, path, task, *options, rest=None, warn_of=None):
+    """What the program prints of a task, with the ranks of the script and the options behind its --, or
+    `rest` in place of these. `warn_of`: is called with each of the program's warnings. Raises RunError with
+    the program's own line if it refuses or fails."""
     ranks = ["mpirun", "-np", arguments.ranks] if arguments.ranks > 1 else []
+    words = arguments.rest if rest is None else rest
     try:
-        return run_command([*ranks, arguments.program, "-config", path, "-task", task, *arguments.rest, *options]).stdout
+        result = run_command([*ranks, arguments.program, "-config", path, "-task", task, *words, *options])
     except RunError as error:
         raise RunError(reason_of(error)) from error
+    for line in result.stderr.splitlines() if warn_of else ():
+        if line.startswith(WARNING):
+            warn_of(line.removeprefix(WARNING))
+    return result.stdout
 
 
 def reason_of(error):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Tables of numbers (CSV) with named columns, as programs and spreadsheets write them: cells apart by comma,
-semicolon or tab, decimals after a point or, unless commas part the cells, a comma; UTF-8 or UTF-16, or the
-encoding of Windows; units in the first line, such as "x [mm]"."""
+semicolon, tab or blanks, decimals after a point or, unless commas part the cells, a comma; UTF-8 or UTF-16,
+or the encoding of Windows; units in the first line, such as "x [mm]". The first line may begin with // or,
+before numbers, with #."""
 
 import copy
 import csv
@@ -14,6 +15,7 @@ from fabseq_tools.run.command_line import RunError
 ALLOWED = "a table (CSV) whose first line names the columns, as UTF-8 or UTF-16"
 NO_TEXT = re.compile("[\x00-\x08\x0b\x0e-\x1f]")
 UNIT = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")  # of a column: x [mm]
+BLANKS = " "  # any number of them
 DECIMAL_COMMA = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?")
 
 
@@ -31,8 +33,8 @@ class Table:
                 self.units[name] = found[2]
             self.header.append(name)
 
-    def texts(self, name):
-        """The cells of a column as they stand there."""
+    def cells(self, name):
+        """The texts of a column."""
         if self.header.count(name) != 1:
             raise RunError(f"{self.path}: the first line names {self.header.count(name) or 'no'} columns {name}; allowed: one")
         index = self.header.index(name)
@@ -47,9 +49,8 @@ class Table:
 
     def column(self, name, may_be_empty=False):
         """Its numbers; with `may_be_empty` NaN for an empty cell."""
-        cells = self.texts(name)
         return np.array([np.nan if may_be_empty and not cell else self.number(name, cell, place)
-                         for cell, place in zip(cells, self.places)])
+                         for cell, place in zip(self.cells(name), self.places)])
 
     def number(self, name, cell, place):
         try:
@@ -80,35 +81,77 @@ class Table:
         return values
 
 
-def read_table(path):
+def read_table(path, unnamed=()):
+    """The table in a file. `unnamed`: names of the columns where the first line has as many numbers
+    instead."""
     lines = [(number, line) for number, line in enumerate(re.split("\r\n|\n|\r", text_of(path)), start=1)
-             if line.strip(" \t;,") and not line.startswith("#")]
+             if line.strip(" \t;,")]
+    if lines and lines[0][1].startswith("//"):  # the names of CloudCompare
+        lines[0] = lines[0][0], lines[0][1].lstrip("/ ")
+    begin = next((i for i, (_, line) in enumerate(lines) if not is_remark(line)), len(lines))
+    remarks, lines = lines[:begin], [one for one in lines[begin:] if not is_remark(one[1])]
     given = re.fullmatch(r"sep=(.)", lines[0][1].strip("\r\n ")) if lines else None  # a spreadsheet's own line
     lines = lines[1:] if given else lines
-    if len(lines) < 2:
+    if not lines:
         raise RunError(f"{path}: holds no points; allowed: {ALLOWED}")
     separator = given[1] if given else separator_of(lines[0][1])
-    header, *rows = [cells_of(line, separator, f"{path}, line {number}") for number, line in lines]
+    rows = [cells_of(line, separator, f"{path}, line {number}") for number, line in lines]
+    places = [f"line {number}" for number, _ in lines]
+    header = names_above(rows[0], [line for _, line in remarks], unnamed) if all(map(is_number, rows[0])) else None
+    if header is None:
+        header, rows, places = rows[0], rows[1:], places[1:]
     while header and not header[-1]:
         header.pop()
-    for row, (number, _) in zip(rows, lines[1:]):
+    if rows and rows[0] == [str(len(rows) - 1)] and len(header) > 1:  # how many points follow
+        rows, places = rows[1:], places[1:]
+    if not rows:
+        raise RunError(f"{path}: holds no points; allowed: {ALLOWED}")
+    for row, place in zip(rows, places):
         while len(row) > len(header) and not row[-1]:
             row.pop()
-        if len(row) > len(header):
-            raise RunError(f"{path}, line {number}: found {len(row)} cells; allowed: {len(header)}, as many as the first line has"
+        if len(row) > len(header) or (separator == BLANKS and len(row) < len(header)):
+            raise RunError(f"{path}, {place}: found {len(row)} cells; allowed: {len(header)}, as many as the first line has"
                            f"{' (decimal commas need semicolons or tabs between cells)' * (separator == ',')}")
-    return Table(path, header, rows, [f"line {number}" for number, _ in lines[1:]])
+    return Table(path, header, rows, places)
+
+
+def is_remark(line):
+    return line.startswith(("#", "//"))
+
+
+def names_above(numbers, remarks, unnamed):
+    """Names of the columns of a table that begins with a line of numbers: those in the last remark that has
+    as many and names x, or else `unnamed`; None where there are none."""
+    for remark in reversed(remarks):
+        text = remark.strip("#/ \t")
+        names = cells_of(text, separator_of(text), "") if '"' not in text else []
+        if len(names) == len(numbers) and any(re.search(r"\bx(\b|_)", name.replace("_", " ").lower()) for name in names):
+            return names
+    return list(unnamed) if len(numbers) == len(unnamed) else None
+
+
+def is_number(cell):
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def separator_of(header):
-    return next((one for one in ";\t" if one in header), ",")
+    return next((one for one in ";\t," if one in header), BLANKS)
 
 
 def cells_of(line, separator, place):
+    if separator == BLANKS:
+        line = re.sub(r"\s+(?=[\[(])", "", line.strip())  # "x [mm]" is one cell
     try:
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True), [])]
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True,
+                                                          skipinitialspace=separator == BLANKS), [])]
     except csv.Error as error:
         raise RunError(f"{place}: found {error}; allowed: quotes around a whole cell") from error
+    if separator == BLANKS:
+        cells = [cell for cell in cells if cell]
     if separator == ",":
         return cells
     return [cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in cells]
