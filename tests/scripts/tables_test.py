@@ -40,6 +40,9 @@ class ReadTest(Folder):
                         "sep=;\n" + semicolon, b"\xfe\xff" + semicolon.encode("utf-16-be"), semicolon.replace(";", "\t"),
                         semicolon.replace("\r\n", "\r"), "x,y,z,layer\n1.5,-.25,25,3\n1,2,3,4\n",
                         'x,"y",z,layer,\n"1.5",-.25,25,3,\n1,2,3,4,\n',
+                        "x y z layer\n1.5 -.25  25 3\n 1 2 3 4 \n", "  X [mm]  y (mm) z layer\n1,5 -,25 2,5e1 3\n1 2 3 4\n",
+                        "//X Y Z Layer\n1.5 -.25 25 3\n1 2 3 4\n", "//X,Y,Z,Layer\n// remark\n1.5,-.25,25,3\n1,2,3,4\n",
+                        "//x y z layer\n2\n1.5 -.25 25 3\n1 2 3 4\n", "# made up\n# x y z layer\n1.5 -.25 25 3\n1 2 3 4\n",
                         semicolon.replace("(mm)", "(µm)").encode("cp1252")):
             table = read_table(self.write(content))
             np.testing.assert_array_equal(table.numbers(["x", "y", "z", "layer"]), [[1.5, -0.25, 25, 3], [1, 2, 3, 4]])
@@ -54,6 +57,9 @@ class ReadTest(Folder):
                                ("x;y\n1;1.234,5\n", "line 2, column y: found '1.234,5'; allowed: a finite number"),
                                ("x;y\n1\n", "line 2, column y: found ''"), ("x,y\n1,inf\n", "found 'inf'"),
                                ("x,x,y\n1,2,3\n", "names 2 columns x; allowed: one"),
+                               ("x y\n1 2\n1 2 3\n", "line 3: found 3 cells; allowed: 2"),
+                               ("x y\n1 2\n1\n", "line 3: found 1 cells; allowed: 2"), ("//X Y\n", "holds no points"),
+                               ("x y\n1 zwei\n", "line 2, column y: found 'zwei'"), ("1 2\n3 4\n", "names no column x, y"),
                                ("x,z\n1,2\n", "names no column y; needed: x, y"),
                                ('x,y\n1,"2\n', "line 2: found unexpected end of data; allowed: quotes")):
             with self.assertRaisesRegex(RunError, f"^{self.folder}/table.csv.*{words.replace('(', '.')}"):
@@ -61,9 +67,9 @@ class ReadTest(Folder):
 
     def test_units_of_measurements(self):
         path = self.write("x [cm];y [cm];ux [µm];uy\n1;2;300;0,5\n1;2;;0,5\n")
-        points, displacements = read_measurement(path, 2, "mm")
-        np.testing.assert_allclose(points, [[10, 20]] * 2)
-        np.testing.assert_allclose(displacements, [[0.3, 0.5], [np.nan, 0.5]])
+        measured = read_measurement(path, 2, "mm")
+        np.testing.assert_allclose(measured.points, [[10, 20]] * 2)
+        np.testing.assert_allclose(measured.displacements, [[0.3, 0.5], [np.nan, 0.5]])
         with self.assertRaisesRegex(RunError, "column x: found the unit 'cm'; allowed: none, as the config's is not known"):
             read_measurement(path, 2, "furlong")
         with self.assertRaisesRegex(RunError, "column x: found the unit 'parsec'; allowed: mm, "):

@@ -60,10 +60,16 @@ def read_measurement(path, dimension, unit, own_unit=None):
     `own_unit`: that of lengths whose unit the file does not name, by default the config's."""
     reader = FILES.get(os.path.splitext(path)[1].lower())
     if reader:
-        columns = reader(path)
+        with open(path, "rb") as file:
+            columns = reader(path, file.read())
     else:
         columns = read_point_table(path, lambda header, of: Roles(of, header, dimension).all(), AXES)
-    roles = Roles(path, columns.names, dimension)
+    return measurement_of(columns, dimension, unit, own_unit)
+
+
+def measurement_of(columns, dimension, unit, own_unit=None):
+    """The Measurement that columns hold, as of read_measurement()."""
+    path, roles = columns.path, Roles(columns.path, columns.names, dimension)
     of_config, units = millimetres_of(unit), roles.units | columns.units
 
     def positions(names):

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 
-from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.tables import read_table
 
 NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf(inity)?|1\.#\w+)|#?n/?a!?|null|none|nil|-+|\*+|\?+|", re.IGNORECASE)
@@ -46,9 +45,3 @@ def read_point_table(path, wanted, unnamed):
             raise table.refusal(name, cells[row], table.places[row], "a number, or nothing where none was measured")
         columns.append(numbers)
     return PointColumns(path, names, np.array(columns, float).reshape(len(names), -1).T, table.units)
-
-
-def refuse_no_points(columns):
-    if len(columns.values) == 0:
-        raise RunError(f"{columns.path}: holds no points")
-    return columns

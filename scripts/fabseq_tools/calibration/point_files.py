@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Points of meshes and clouds: the vertices of PLY, OBJ and STL files. Values are taken as they stand, also
-those that are no numbers."""
+those that are no numbers. `content`: the bytes of the file at a path, which is for messages."""
 
 import re
 
@@ -53,10 +53,8 @@ class PlyHeader:
             self.elements[-1][2].append((words[2], TYPES[words[1]]))
 
 
-def read_ply(path):
+def read_ply(path, content):
     """The properties of the vertices."""
-    with open(path, "rb") as file:
-        content = file.read()
     header = PlyHeader(path, content)
     before = []
     for name, count, properties in header.elements:
@@ -117,25 +115,22 @@ def behind(path, content, order, position, count, properties):
     return position
 
 
-def read_obj(path):
+def read_obj(path, content):
     """The lines v."""
     rows = []
-    with open(path, encoding="latin-1") as file:
-        for number, line in enumerate(file, start=1):
-            words = line.split()
-            if words[:1] != ["v"]:
-                continue
-            row = list(map(number_of, words[1:4]))
-            if len(row) < 3 or None in row:
-                raise damaged(path, "OBJ", f"'{line.strip()[:60]}' in line {number}", "v and three numbers")
-            rows.append(row)
+    for number, line in enumerate(content.decode("latin-1").splitlines(), start=1):
+        words = line.split()
+        if words[:1] != ["v"]:
+            continue
+        row = list(map(number_of, words[1:4]))
+        if len(row) < 3 or None in row:
+            raise damaged(path, "OBJ", f"'{line.strip()[:60]}' in line {number}", "v and three numbers")
+        rows.append(row)
     return PointColumns(path, XYZ, np.array(rows, float).reshape(-1, 3))
 
 
-def read_stl(path):
+def read_stl(path, content):
     """The corners of the triangles."""
-    with open(path, "rb") as file:
-        content = file.read()
     count = int.from_bytes(content[80:84], "little") if len(content) >= STL_HEADER else -1
     if len(content) == STL_HEADER + count * STL_TRIANGLE.itemsize:
         triangles = np.frombuffer(content, STL_TRIANGLE, count, STL_HEADER)

@@ -116,7 +116,7 @@ def read_table(path, unnamed=()):
 
 
 def is_remark(line):
-    return line.startswith(("#", "//"))
+    return line.startswith(("#", "//")) and not line.lower().startswith("#n/a")  # a cell of spreadsheets
 
 
 def names_above(numbers, remarks, unnamed):
