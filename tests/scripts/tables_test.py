@@ -129,6 +129,14 @@ class ImportTest(Folder):
         self.run_of(1030.0)  # drawn in metres, 3 % larger than built
         self.assertEqual(self.run_import(self.table(0.5, 1 / 1.03, "x [mm],y [mm],z [mm],layer"))[0], 1.0)
 
+    def test_blanks_between_cells(self):
+        self.run_of()
+        path = self.table(0.5)
+        with open(path, encoding="utf-8") as file:
+            text = file.read().replace(",", "  ")
+        for header in ("x  y  z  layer", "//X Y Z Layer"):
+            self.assertEqual(self.run_import(self.write(text.replace("x  y  z  layer", header), "way points.csv"))[0], 1.0)
+
     def test_half_a_layer(self):
         self.run_of()
         with self.assertRaisesRegex(RunError, "line 3, column layer: found '1.5'; allowed: a whole number"):
