@@ -37,8 +37,8 @@ Options:
   -help, -version        print and end; -help_markdown: the keys as tables for the manual
 All other options are PETSc's. Own options apply in the order given.
 
-SIGUSR1, SIGUSR2, SIGTERM, SIGINT and a file "stop" in the output directory end a run with a checkpoint; a file
-"output_now" makes the next iteration write fields and a checkpoint.
+SIGUSR1, SIGUSR2, SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGPIPE and a file "stop" in the output directory end a run with
+a checkpoint; a file "output_now" makes the next iteration write fields and a checkpoint.
 
 Exit status: 0 done, 2 bad input, 3 numerical failure, 4 stopped, 5 output could not be written.
 )";
