@@ -24,6 +24,7 @@ class SurfaceBuilder {
   /// Adds a polygon of the surface. Throws InputError if a corner is no index of a vertex, if a coordinate is
   /// beyond largest_mesh_coordinate, or if there are more than 2^31 - 1 triangles.
   void add_polygon(std::span<const std::int64_t> corners);
+  bool empty() const { return mesh_.triangles.empty(); }
   /// What was added. Throws InputError if there is no triangle.
   TriangleMesh take();
 

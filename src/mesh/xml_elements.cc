@@ -49,6 +49,12 @@ std::string_view XmlAttributes::operator[](std::string_view name) const {
   return {};
 }
 
+std::string_view XmlAttributes::exactly(std::string_view name) const {
+  for (const char* const* pair = pairs_; *pair != nullptr; pair += 2)
+    if (pair[0] == name) return pair[1];
+  return {};
+}
+
 void for_each_xml_element(std::string_view text,
                           const std::function<void(std::string_view, const XmlAttributes&)>& f) {
   const std::unique_ptr<XML_ParserStruct, Free> parser(XML_ParserCreate(nullptr));

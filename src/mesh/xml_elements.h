@@ -14,6 +14,8 @@ class XmlAttributes {
 
   /// The value of the attribute with this name, whatever its prefix; empty if there is none.
   std::string_view operator[](std::string_view name) const;
+  /// The value of the attribute that has this name with its prefix, such as "xmlns:p".
+  std::string_view exactly(std::string_view name) const;
 
  private:
   const char* const* pairs_;

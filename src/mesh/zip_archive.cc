@@ -73,10 +73,10 @@ std::string ZipArchive::read(const std::string& name) const {
   return content;
 }
 
-std::string ZipArchive::with_file(const std::string& name, const std::string& content) const {
-  std::vector<std::pair<std::string, std::string>> files = {{name, content}};  // libzip reads them at the end
-  for (const std::string& other : names_)
-    if (other != name) files.emplace_back(other, read(other));
+std::string ZipArchive::with_files(const std::map<std::string, std::string>& changed) const {
+  std::map<std::string, std::string> files = changed;  // libzip reads them at the end
+  for (const std::string& name : names_)
+    if (!changed.contains(name)) files[name] = read(name);
   zip_error_t error;
   zip_error_init(&error);
   const std::unique_ptr<zip_source, Free> memory(zip_source_buffer_create(nullptr, 0, 0, &error));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -24,8 +25,9 @@ class ZipArchive {
   bool has(const std::string& name) const;
   /// The bytes of one of its files.
   std::string read(const std::string& name) const;
-  /// An archive that has one more file, or another content of it. Its files are not compressed.
-  std::string with_file(const std::string& name, const std::string& content) const;
+  /// An archive that has these files, content by name, too, or another content of them. Its files are not
+  /// compressed.
+  std::string with_files(const std::map<std::string, std::string>& changed) const;
   /// The archive's bytes. It ends with that.
   std::string take() && {
     archive_.reset();

@@ -91,6 +91,169 @@ TEST_F(ReadThreeMfTest, ObjectsInOtherFiles) {
                        "names the file \"3D/Objects/half.model\", which is not in its archive"));
 }
 
+/// What PrusaSlicer says of an object with these types of volumes, of 12 triangles each.
+std::string prusa_config(const std::vector<std::string>& types) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<config><object id=\"1\">";
+  for (std::size_t i = 0; i < types.size(); ++i)
+    text += "<volume firstid=\"" + std::to_string(12 * i) + "\" lastid=\"" + std::to_string(12 * i + 11) +
+            "\"><metadata type=\"volume\" key=\"name\" value=\"a.stl\"/><metadata type=\"volume\" " +
+            types[i] + "/></volume>";
+  return text + "</object></config>";
+}
+
+std::string of_type(const std::string& type) { return "key=\"volume_type\" value=\"" + type + "\""; }
+
+const TriangleMesh block = box_mesh({0, 0, 0}, {6, 4, 2}), through = box_mesh({2, 1, -1}, {4, 3, 5}),
+                   beside = box_mesh({7, 0, 0}, {8, 4, 9});
+
+/// An object made of these meshes, one after the other.
+std::string object_of(const std::vector<TriangleMesh>& meshes) {
+  TriangleMesh all;
+  for (const TriangleMesh& mesh : meshes) test::append(all, mesh);
+  return three_mf_object(1, all);
+}
+
+TEST_F(ReadThreeMfTest, VolumesOfPrusaSlicer) {
+  const std::vector<std::string> types = {of_type("ModelPart"), of_type("NegativeVolume"),
+                                          of_type("SupportBlocker"), of_type("SupportEnforcer"),
+                                          of_type("ParameterModifier")};
+  const std::string objects = object_of({block, through, beside, beside, beside});
+  for (const char* name : {"Metadata/Slic3r_PE_model.config", "Metadata/SuperSlicer_model.config",
+                           "Metadata/Slic3r_model.config"}) {
+    const TriangleMesh found = read(three_mf(objects, three_mf_item(1), {{name, prusa_config(types)}}));
+    EXPECT_TRUE(is_closed(found));
+    EXPECT_NEAR(signed_volume(found), 48 - 8, 1e-9);
+    EXPECT_EQ(bounds(found).high, (Point<3>{6, 4, 2}));
+    EXPECT_EQ(notes_,
+              (std::vector<std::string>{
+                  "1 negative volume cut out of the part", "1 modifier left out of the part",
+                  "1 support blocker left out of the part", "1 support enforcer left out of the part"}));
+  }
+}
+
+/// As PrusaSlicer 2.5 slices them.
+TEST_F(ReadThreeMfTest, NegativeVolumesCutWhatComesBeforeThem) {
+  const auto volume_of = [&](const std::vector<TriangleMesh>& meshes, const std::vector<std::string>& types) {
+    return signed_volume(read(three_mf(object_of(meshes), three_mf_item(1),
+                                       {{"Metadata/Slic3r_PE_model.config", prusa_config(types)}})));
+  };
+  const std::string part = of_type("ModelPart"), negative = of_type("NegativeVolume");
+  EXPECT_NEAR(volume_of({through, block}, {negative, part}), 48, 1e-9);
+  EXPECT_EQ(notes_.front(), "1 negative volume cuts nothing, as in the slicer: no body comes before it");
+  const TriangleMesh pin = box_mesh({2.5, 1.5, 0}, {3.5, 2.5, 2});
+  EXPECT_NEAR(volume_of({block, through, pin}, {part, negative, part}), 48 - 8 + 2, 1e-9);
+  EXPECT_NEAR(volume_of({block, pin, through}, {part, part, negative}), 48 - 8, 1e-9);
+}
+
+TEST_F(ReadThreeMfTest, OlderAndLaterTypesOfVolumes) {
+  const auto notes_for = [&](const std::string& type) {
+    (void)read(three_mf(object_of({block, beside}), three_mf_item(1),
+                        {{"Metadata/Slic3r_PE_model.config", prusa_config({of_type("ModelPart"), type})}}));
+    return notes_;
+  };
+  EXPECT_EQ(notes_for("key=\"modifier\" value=\"1\""),
+            (std::vector<std::string>{"1 modifier left out of the part"}));
+  EXPECT_EQ(notes_for(of_type("SeamPosition")),
+            (std::vector<std::string>{"1 volume of type \"SeamPosition\" left out of the part"}));
+  EXPECT_EQ(notes_for("key=\"extruder\" value=\"1\""), std::vector<std::string>{});
+}
+
+TEST_F(ReadThreeMfTest, VolumesThatAreNotThere) {
+  const std::string config = prusa_config({of_type("ModelPart"), of_type("SupportBlocker")});
+  EXPECT_TRUE(contains(refusal_of(three_mf(object_of({block}), three_mf_item(1),
+                                           {{"Metadata/Slic3r_PE_model.config", config}})),
+                       "has a volume of the triangles 12 to 23 in object 1, which has 12"));
+  const TriangleMesh found = read(three_mf(object_of({block, beside, beside}), three_mf_item(1),
+                                           {{"Metadata/Slic3r_PE_model.config", config}}));
+  EXPECT_EQ(found.triangles.size(), 12u);
+  EXPECT_EQ(notes_, (std::vector<std::string>{"1 support blocker left out of the part",
+                                              "12 triangles of no volume left out of the part"}));
+  std::string damaged = config;
+  damaged.replace(damaged.find("firstid=\"12\""), 12, "firstid=\"1x\"");
+  EXPECT_TRUE(contains(refusal_of(three_mf(object_of({block, beside}), three_mf_item(1),
+                                           {{"Metadata/Slic3r_PE_model.config", damaged}})),
+                       "has the number \"1x\" of a triangle, needs one from 0 on of "
+                       "\"Metadata/Slic3r_PE_model.config\" in its archive"));
+}
+
+/// Parts are components; each of a mesh in another file.
+TEST_F(ReadThreeMfTest, PartsOfOrcaSlicerAndBambuStudio) {
+  const std::string model = "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">";
+  const std::string meshes = model + "<resources>" + three_mf_object(1, block) + three_mf_object(2, through) +
+                             three_mf_object(3, beside) + "</resources><build/></model>";
+  std::string whole = "<object id=\"8\" type=\"model\"><components>";
+  for (const char* number : {"1", "2", "3"})
+    whole +=
+        "<component xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" "
+        "p:path=\"/3D/Objects/object_1.model\" objectid=\"" +
+        std::string(number) + "\" transform=\"1 0 0 0 1 0 0 0 1 10 0 0\"/>";
+  whole += "</components></object>";
+  const auto settings = [](const std::string& third) {
+    return "<config><object id=\"8\"><metadata key=\"name\" value=\"a\"/>"
+           "<part id=\"1\" subtype=\"normal_part\"><metadata key=\"name\" value=\"b\"/></part>"
+           "<part id=\"2\" subtype=\"negative_part\"/><part id=\"3\" subtype=\"" +
+           third +
+           "\"/></object><plate><metadata key=\"volume_type\" value=\"NegativeVolume\"/></plate></config>";
+  };
+  const auto file = [&](const std::string& third) {
+    return three_mf(
+        whole, three_mf_item(8) + three_mf_item(8, "1 0 0 0 1 0 0 0 1 0 20 0"),
+        {{"3D/Objects/object_1.model", meshes}, {"Metadata/model_settings.config", settings(third)}});
+  };
+  for (const char* third : {"modifier_part", "support_blocker", "support_enforcer"}) {
+    const TriangleMesh found = read(file(third));
+    EXPECT_NEAR(signed_volume(found), 2 * (48 - 8), 1e-9);
+    EXPECT_EQ(bounds(found).low, (Point<3>{10, 0, 0}));
+    EXPECT_EQ(bounds(found).high, (Point<3>{16, 24, 2}));
+    EXPECT_EQ(notes_.size(), 3u);
+  }
+  EXPECT_NEAR(signed_volume(read(file("normal_part"))), 2 * (48 - 8 + 36), 1e-9);
+}
+
+TEST_F(ReadThreeMfTest, TypesCountAtEveryLevel) {
+  for (const std::string type : {"other", "support", "solidsupport", "surface"}) {
+    const std::string objects =
+        three_mf_object(1, box) + three_mf_object(2, beside, type) + three_mf_components(3, {1, 2});
+    const TriangleMesh found = read(three_mf(objects, three_mf_item(3)));
+    EXPECT_EQ(found.triangles.size(), 12u);
+    EXPECT_EQ(notes_, (std::vector<std::string>{"1 object of type \"" + type + "\" left out of the part"}));
+    EXPECT_TRUE(contains(refusal_of(three_mf(objects, three_mf_item(2))),
+                         "has nothing but 1 object of type \"" + type + "\"; needs a body"));
+  }
+}
+
+TEST_F(ReadThreeMfTest, RequiredExtensions) {
+  const auto file = [](const std::string& required, const std::string& more = "") {
+    const std::string spaces =
+        " xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\""
+        " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\""
+        " xmlns:x=\"http://somewhere.else/2020";
+    return three_mf(three_mf_object(1, box) + more, three_mf_item(1), {}, false,
+                    "millimeter\" requiredextensions=\"" + required + "\"" + spaces);
+  };
+  EXPECT_EQ(read(file("")).triangles.size(), 12u);
+  EXPECT_EQ(read(file("m")).triangles.size(), 12u);
+  EXPECT_TRUE(contains(refusal_of(file(" m  b")),
+                       "requires the extension \"beamlattice\" of 3MF, which is not read"));
+  EXPECT_TRUE(contains(refusal_of(file("x")), "requires the extension \"http://somewhere.else/2020\""));
+  EXPECT_TRUE(contains(refusal_of(file("y")), "requires the extension \"y\""));
+  const std::string lattice =
+      "<b:beamlattice radius=\"1\" minlength=\"0.0001\"><b:beams/></b:beamlattice></mesh>";
+  std::string beams = three_mf_object(2, box);
+  beams.replace(beams.find("</mesh>"), 7, lattice);
+  EXPECT_EQ(read(file("", beams)).triangles.size(), 12u);
+  EXPECT_EQ(notes_, (std::vector<std::string>{"1 beam lattice, which is not read, left out of the part"}));
+  EXPECT_TRUE(contains(refusal_of(file("", "<object id=\"2\"><x:booleanshape objectid=\"1\"/></object>")),
+                       "has a \"booleanshape\" as object 2, which is not read"));
+}
+
+/// A slicer's command line names a picture and makes none.
+TEST_F(ReadThreeMfTest, RelationsToWhatIsNotThere) {
+  const TriangleMesh found =
+      read(three_mf(three_mf_object(1, box), three_mf_item(1), {{"Metadata/thumbnail.png", ""}}));
+  EXPECT_EQ(found.triangles.size(), 12u);
+}
+
 TEST_F(ReadThreeMfTest, Packed) {
   const std::string packed = three_mf(three_mf_object(1, box), three_mf_item(1), {}, true);
   EXPECT_EQ(read(packed).triangles.size(), 12u);

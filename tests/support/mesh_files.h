@@ -121,7 +121,8 @@ inline std::string three_mf_item(int object, const std::string& transform = "1 0
   return "<item objectid=\"" + std::to_string(object) + "\" transform=\"" + transform + "\"/>";
 }
 
-/// A 3MF file. `others` are further files in it, each with its relation to the package.
+/// A 3MF file. `others` are further files in it, each with its relation to the package; those without content
+/// are only named, and not there. `unit` may be followed by more attributes of the model.
 inline std::string three_mf(const std::string& resources, const std::string& items,
                             const std::vector<std::pair<std::string, std::string>>& others = {},
                             bool deflated = false, const std::string& unit = "millimeter") {
@@ -150,7 +151,8 @@ inline std::string three_mf(const std::string& resources, const std::string& ite
   std::vector<std::pair<std::string, std::string>> entries = {{"[Content_Types].xml", types},
                                                               {"_rels/.rels", relations + "</Relationships>"},
                                                               {"3D/3dmodel.model", model}};
-  entries.insert(entries.end(), others.begin(), others.end());
+  for (const auto& other : others)
+    if (!other.second.empty()) entries.push_back(other);
   return zip(entries, deflated);
 }
 
