@@ -61,6 +61,24 @@ TEST(CutOut, SlantedSurfaces) {
   EXPECT_NEAR(signed_volume(left), 0.5 * signed_volume(ball), 1e-2);
 }
 
+/// What one loses by the other, the other loses by it.
+TEST(CutOut, BothWays) {
+  for (int i = 0; i < 6; ++i) {
+    const double angle = 0.1 + 0.37 * i;
+    const TriangleMesh ball = turned(sphere_mesh(2.0 + 0.05 * i, 4 + i % 5), 0.2 * i, {3.1, 2.2, 0.4}),
+                       bar = turned(box_mesh({-3, -1, -1}, {4, 1, 1.2}), angle, {2.5, 2.0, 1.0});
+    for (const auto& [a, b] : {std::pair(block, ball), std::pair(ball, bar), std::pair(bar, block)}) {
+      const TriangleMesh left_of_a = cut_out(a, b), left_of_b = cut_out(b, a);
+      EXPECT_TRUE(is_closed(left_of_a)) << i;
+      EXPECT_TRUE(is_closed(left_of_b)) << i;
+      EXPECT_NEAR(signed_volume(a) - signed_volume(left_of_a), signed_volume(b) - signed_volume(left_of_b),
+                  1e-6)
+          << i;
+      EXPECT_LT(signed_volume(left_of_a), signed_volume(a) - 0.1) << i;
+    }
+  }
+}
+
 TEST(CutOut, BodiesAndHolesThatOverlap) {
   TriangleMesh bodies = block;
   append(bodies, box_mesh({3, 1, 1}, {9, 3, 5}));
