@@ -27,50 +27,76 @@ Point<3> unit_normal(const Triangle& t) {
   return normal;
 }
 
-/// The part of a segment inside a triangle in whose plane it lies; none where it is no longer than the
-/// tolerance.
-std::optional<Segment> clipped(const Segment& segment, const Triangle& triangle, const Point<3>& normal,
-                               double tolerance) {
-  double low = 0.0, high = 1.0;
-  for (int i = 0; i < 3; ++i) {
-    const Point<3>& corner = triangle[i];
-    const Point<3> edge = difference(triangle[(i + 1) % 3], corner);
-    Point<3> inward = cross(normal, edge);
-    const double length = norm(inward);
-    if (!(length > 0.0)) return std::nullopt;
-    const double start = dot(inward, difference(segment[0], corner)) / length,
-                 end = dot(inward, difference(segment[1], corner)) / length;
-    if (start < -tolerance && end < -tolerance) return std::nullopt;
-    if (start < -tolerance) low = std::max(low, start / (start - end));
-    if (end < -tolerance) high = std::min(high, start / (start - end));
+/// A triangle's plane, and how far a point lies above it: 0 within the tolerance.
+struct Plane {
+  Point<3> normal, origin;
+  double tolerance;
+
+  double height(const Point<3>& point) const {
+    const double result = dot(normal, difference(point, origin));
+    return std::abs(result) <= tolerance ? 0.0 : result;
   }
-  const double length = norm(difference(segment[1], segment[0]));
-  if (!((high - low) * length > tolerance)) return std::nullopt;
-  return Segment{between(segment[0], segment[1], low), between(segment[0], segment[1], high)};
+};
+
+/// Whether a point of a triangle's plane lies in the triangle.
+bool lies_in(const Point<3>& point, const Triangle& triangle, const Plane& plane) {
+  for (int i = 0; i < 3; ++i) {
+    const Point<3> inward = cross(plane.normal, difference(triangle[(i + 1) % 3], triangle[i]));
+    if (dot(inward, difference(point, triangle[i])) < -plane.tolerance * norm(inward)) return false;
+  }
+  return true;
 }
 
-/// Adds where two triangles meet to the segments of the first.
-void add_crossing(const Triangle& a, const Triangle& b, double tolerance, std::vector<Segment>& segments) {
-  const Point<3> normal = unit_normal(b);
-  if (normal == Point<3>{}) return;
-  std::array<double, 3> heights;
+/// Adds the points in which edges of a triangle meet another one. Both triangles at an edge get the same one.
+void add_points(const Triangle& triangle, const Triangle& other, const Plane& plane,
+                std::vector<Point<3>>& points) {
   for (int i = 0; i < 3; ++i) {
-    heights[i] = dot(normal, difference(a[i], b[0]));
-    if (std::abs(heights[i]) <= tolerance) heights[i] = 0.0;
+    const auto& [start, end] = std::minmax(triangle[i], triangle[(i + 1) % 3]);
+    const double from = plane.height(start), to = plane.height(end);
+    if ((from == 0.0) == (to == 0.0) && from * to >= 0.0) continue;
+    const Point<3> point = from == 0.0 ? start : to == 0.0 ? end : between(start, end, from / (from - to));
+    if (lies_in(point, other, plane)) points.push_back(point);
   }
-  if (std::all_of(heights.begin(), heights.end(), [](double x) { return x == 0.0; })) {
-    for (int i = 0; i < 3; ++i) segments.push_back({b[i], b[(i + 1) % 3]});
-    return;
+}
+
+/// Where two triangles cross that do not lie on each other: the farthest two of the points in which edges of
+/// one meet the other.
+std::optional<Segment> crossing_of(const Triangle& a, const Plane& plane_of_a, const Triangle& b,
+                                   const Plane& plane_of_b) {
+  std::vector<Point<3>> points;
+  add_points(a, b, plane_of_b, points);
+  add_points(b, a, plane_of_a, points);
+  Segment farthest{};
+  double longest = plane_of_a.tolerance;
+  for (const Point<3>& start : points)
+    for (const Point<3>& end : points)
+      if (const double length = norm(difference(end, start)); length > longest) {
+        longest = length;
+        farthest = {start, end};
+      }
+  if (longest == plane_of_a.tolerance) return std::nullopt;
+  return farthest;
+}
+
+bool lies_on(const Triangle& triangle, const Plane& plane) {
+  return std::all_of(triangle.begin(), triangle.end(),
+                     [&](const Point<3>& corner) { return plane.height(corner) == 0.0; });
+}
+
+/// Adds where two triangles meet to the segments of both.
+void add_crossing(const Triangle& a, const Triangle& b, double tolerance, std::vector<Segment>& of_a,
+                  std::vector<Segment>& of_b) {
+  const Plane plane_of_a{unit_normal(a), a[0], tolerance}, plane_of_b{unit_normal(b), b[0], tolerance};
+  if (plane_of_a.normal == Point<3>{} || plane_of_b.normal == Point<3>{}) return;
+  if (lies_on(a, plane_of_b) || lies_on(b, plane_of_a)) {
+    for (int i = 0; i < 3; ++i) {
+      of_a.push_back({b[i], b[(i + 1) % 3]});
+      of_b.push_back({a[i], a[(i + 1) % 3]});
+    }
+  } else if (const auto crossing = crossing_of(a, plane_of_a, b, plane_of_b)) {
+    of_a.push_back(*crossing);
+    of_b.push_back(*crossing);
   }
-  std::vector<Point<3>> ends;
-  for (int i = 0; i < 3; ++i) {
-    const int next = (i + 1) % 3;
-    if (heights[i] == 0.0) ends.push_back(a[i]);
-    if (heights[i] * heights[next] < 0.0)
-      ends.push_back(between(a[i], a[next], heights[i] / (heights[i] - heights[next])));
-  }
-  if (ends.size() != 2) return;
-  if (const auto found = clipped({ends[0], ends[1]}, b, normal, tolerance)) segments.push_back(*found);
 }
 
 struct BoxedTriangle {
@@ -127,9 +153,8 @@ CrossingLines find_crossing_lines(const TriangleMesh& first, const TriangleMesh&
         apart = apart || other.box.low[axis] > own.box.high[axis] + tolerance ||
                 other.box.high[axis] < own.box.low[axis] - tolerance;
       if (apart) continue;
-      const Triangle a = first.corners(own.number), b = second.corners(other.number);
-      add_crossing(a, b, tolerance, result.first[own.number]);
-      add_crossing(b, a, tolerance, result.second[other.number]);
+      add_crossing(first.corners(own.number), second.corners(other.number), tolerance,
+                   result.first[own.number], result.second[other.number]);
     }
   }
   return result;

@@ -17,8 +17,10 @@ namespace fabseq {
 
 namespace {
 
-constexpr double least_length = 1e-9;  ///< of the diagonal of the box around both
-constexpr double beside = 20.0;        ///< least lengths: how far beside a piece it is asked what is there
+constexpr double least_length = 1e-11;  ///< of the diagonal of the box around both
+constexpr double joined = 4.0;          ///< least lengths: so far apart, points are one
+constexpr double beside = 20.0;         ///< least lengths: how far beside a piece it is asked what is there
+constexpr double inside = 0.2;          ///< widths of the piece, if that is less: others may be so near
 constexpr int samples = 4000;
 constexpr double most_contradictions = 2e-3;  ///< share of the samples
 
@@ -26,6 +28,12 @@ double winding(const WindingNumber& number, const Point<3>& point) {
   double result = 0.0;
   number.at({&point, 1}, point, 0.0, {&result, 1});
   return result;
+}
+
+bool lies_in(const Point<3>& point, const Bounds& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (point[axis] < box.low[axis] || point[axis] > box.high[axis]) return false;
+  return true;
 }
 
 class Cut {
@@ -51,53 +59,90 @@ class Cut {
                [this](const Point<3>& behind, const Point<3>&) { return in_hole(behind) ? 0 : 1; });
     // Turned round where the hole is behind the piece. On a face of the body, what is outside it counts.
     add_pieces(hole_, lines.second, [this](const Point<3>& behind, const Point<3>& before) {
-      const bool hole_behind = in_hole(behind);
-      if (hole_behind == in_hole(before)) return 0;
       const int body = std::min(in_body(behind), in_body(before));
+      const bool hole_behind = body > 0 && in_hole(behind);
+      if (body == 0 || hole_behind == in_hole(before)) return 0;
       return hole_behind ? -body : body;
     });
-    TriangleMesh mesh = stitched(pieces_, tolerance_);
+    TriangleMesh mesh = stitched(pieces_, joined * tolerance_);
     refuse_contradictions(mesh);
     return mesh;
   }
 
  private:
-  /// Adds the pieces of a surface as often as count(behind, before) says, turned round where that is
-  /// negative.
+  /// Adds the pieces of a surface as often as count(point behind it, point before it) says, turned round
+  /// where that is negative.
   template <class Count>
   void add_pieces(const TriangleMesh& mesh, const std::vector<std::vector<Segment>>& lines,
                   const Count& count) {
+    TriangleMesh whole{mesh.points, {}};
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto corners = mesh.corners(t);
-      Point<3> step = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
-      const double length = norm(step);
-      if (!(length > 0.0)) continue;
-      for (double& x : step) x *= beside * tolerance_ / length;
+      if (lines[t].empty()) whole.triangles.push_back(mesh.triangles[t]);
+      if (lines[t].empty() || !has_area(corners)) continue;
       const std::vector<Polygon3> polygons = split_triangle(corners, lines[t], tolerance_);
-      for (const Polygon3& polygon : polygons) {
-        Point<3> behind{}, before{};
-        for (int axis = 0; axis < 3; ++axis) {
-          double middle = 0.0;
-          for (const Point<3>& corner : polygon) middle += corner[axis] / static_cast<double>(polygon.size());
-          behind[axis] = middle - step[axis];
-          before[axis] = middle + step[axis];
-        }
-        const int times = count(behind, before);
-        SurfacePiece piece{polygon, polygons.size() > 1};
-        if (times < 0) std::reverse(piece.polygon.begin(), piece.polygon.end());
-        pieces_.insert(pieces_.end(), static_cast<std::size_t>(std::abs(times)), piece);
+      for (const Polygon3& polygon : polygons)
+        add(polygon, polygons.size() > 1, times(polygon, corners, count));
+    }
+    // Those that hang together are all on one side of the other surface.
+    for (const MeshPiece& piece : find_mesh_pieces(whole)) {
+      const auto known = std::find_if(piece.triangles.begin(), piece.triangles.end(),
+                                      [&](std::int32_t t) { return has_area(whole.corners(t)); });
+      if (known == piece.triangles.end()) continue;
+      const auto first = whole.corners(*known);
+      const int number = times({first.begin(), first.end()}, first, count);
+      for (const std::int32_t t : piece.triangles) {
+        const auto corners = whole.corners(t);
+        add({corners.begin(), corners.end()}, false, number);
       }
     }
   }
 
+  /// About the radius of the largest circle in a convex polygon.
+  static double width_of(const Polygon3& polygon) {
+    Point<3> area{};
+    double around = 0.0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Point<3>&a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      around += norm(difference(b, a));
+      const Point<3> twice = cross(difference(a, polygon[0]), difference(b, polygon[0]));
+      for (int axis = 0; axis < 3; ++axis) area[axis] += twice[axis];
+    }
+    return around > 0.0 ? norm(area) / around : 0.0;
+  }
+
+  static bool has_area(const std::array<Point<3>, 3>& corners) {
+    return norm(cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))) > 0.0;
+  }
+
+  void add(Polygon3 polygon, bool divided, int times) {
+    if (times < 0) std::reverse(polygon.begin(), polygon.end());
+    pieces_.insert(pieces_.end(), static_cast<std::size_t>(std::abs(times)), {std::move(polygon), divided});
+  }
+
+  /// What count() says of a convex polygon in a triangle.
+  template <class Count>
+  int times(const Polygon3& polygon, const std::array<Point<3>, 3>& corners, const Count& count) const {
+    Point<3> step = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    const double length = norm(step), far = std::min(beside * tolerance_, inside * width_of(polygon));
+    for (double& x : step) x *= far / length;
+    Point<3> behind{}, before{};
+    for (int axis = 0; axis < 3; ++axis) {
+      double middle = 0.0;
+      for (const Point<3>& corner : polygon) middle += corner[axis] / static_cast<double>(polygon.size());
+      behind[axis] = middle - step[axis];
+      before[axis] = middle + step[axis];
+    }
+    return count(behind, before);
+  }
+
   /// How often the body winds around a point, and whether the hole does.
   int in_body(const Point<3>& point) const {
+    if (!lies_in(point, box_)) return 0;
     return static_cast<int>(std::lround(std::abs(winding(body_winding_, point))));
   }
   bool in_hole(const Point<3>& point) const {
-    for (int axis = 0; axis < 3; ++axis)
-      if (point[axis] < hole_box_.low[axis] || point[axis] > hole_box_.high[axis]) return false;
-    return std::abs(winding(hole_winding_, point)) >= 0.5;
+    return lies_in(point, hole_box_) && std::abs(winding(hole_winding_, point)) >= 0.5;
   }
 
   /// Asks points of the body's box, always the same ones.
@@ -127,45 +172,8 @@ class Cut {
   std::vector<SurfacePiece> pieces_;
 };
 
-TriangleMesh part_of(const TriangleMesh& mesh, const MeshPiece& piece) {
-  TriangleMesh result{mesh.points, {}};
-  for (const std::int32_t t : piece.triangles) result.triangles.push_back(mesh.triangles[t]);
-  return result;
-}
-
-bool overlap(const Bounds& a, const Bounds& b) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (a.low[axis] > b.high[axis] || a.high[axis] < b.low[axis]) return false;
-  return true;
-}
-
-/// Closed pieces that face outward, those whose boxes are apart together.
-struct Group {
-  std::vector<Bounds> boxes;
-  TriangleMesh mesh;
-
-  bool takes(const Bounds& box) const {
-    return std::none_of(boxes.begin(), boxes.end(), [&](const Bounds& other) { return overlap(other, box); });
-  }
-};
-
 }  // namespace
 
 TriangleMesh cut_out(const TriangleMesh& body, const TriangleMesh& hole) { return Cut(body, hole).result(); }
-
-TriangleMesh cut_out_piecewise(TriangleMesh body, const TriangleMesh& hole) {
-  std::vector<Group> groups;
-  for (const MeshPiece& piece : find_mesh_pieces(hole)) {
-    if (!piece.closed || signed_volume(part_of(hole, piece)) < 0.0) return cut_out(body, hole);  // a cavity
-    const Bounds box = bounds(hole, piece.triangles);
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.takes(box); });
-    if (group == groups.end()) group = groups.insert(group, {{}, {hole.points, {}}});
-    group->boxes.push_back(box);
-    for (const std::int32_t t : piece.triangles) group->mesh.triangles.push_back(hole.triangles[t]);
-  }
-  for (const Group& group : groups)
-    if (!body.triangles.empty()) body = cut_out(body, group.mesh);
-  return body;
-}
 
 }  // namespace fabseq

@@ -18,8 +18,4 @@ namespace fabseq {
 /// Throws InputError if samples of the result contradict the two surfaces, as for a hole that cuts itself.
 TriangleMesh cut_out(const TriangleMesh& body, const TriangleMesh& hole);
 
-/// The same for a hole that may have closed pieces that cut each other: those whose boxes overlap are cut out
-/// one after the other.
-TriangleMesh cut_out_piecewise(TriangleMesh body, const TriangleMesh& hole);
-
 }  // namespace fabseq

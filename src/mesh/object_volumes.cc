@@ -2,8 +2,10 @@
 #include "mesh/object_volumes.h"
 
 #include "mesh/cut_out.h"
+#include "mesh/hole_groups.h"
 #include "mesh/shells.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace fabseq {
@@ -55,12 +57,11 @@ TriangleMesh ObjectVolumes::cut(std::size_t bodies, const std::vector<TriangleMe
                                 std::vector<std::string>& notes) const {
   TriangleMesh body = meshes[bodies];
   for (std::string& note : turn_shells(body)) notes.push_back(std::move(note));
-  for (std::size_t i = bodies + 1; i < volumes_.size() && !body.triangles.empty(); ++i) {
-    if (!volumes_[i].negative || meshes[i].triangles.empty()) continue;
-    TriangleMesh hole = meshes[i];
-    turn_shells(hole);
-    body = cut_out_piecewise(std::move(body), hole);
-  }
+  std::vector<TriangleMesh> holes;
+  for (std::size_t i = bodies + 1; i < volumes_.size(); ++i)
+    if (volumes_[i].negative && !meshes[i].triangles.empty()) turn_shells(holes.emplace_back(meshes[i]));
+  for (const TriangleMesh& hole : hole_groups(holes))
+    if (!body.triangles.empty()) body = cut_out(body, hole);
   return body;
 }
 

@@ -79,8 +79,14 @@ std::pair<Piece, Piece> divided(const Piece& piece, const Line& line, double tol
   }
   for (const Segment& segment : piece.segments) {
     const double start = line.distance(segment[0]), end = line.distance(segment[1]);
-    if (std::max(start, end) > tolerance) left.segments.push_back(segment);
-    if (std::min(start, end) < -tolerance) right.segments.push_back(segment);
+    const bool on_left = std::max(start, end) > tolerance, on_right = std::min(start, end) < -tolerance;
+    if (on_left && on_right) {
+      const Point<3> point = crossing(segment[0], segment[1], start, end);
+      (start > 0.0 ? left : right).segments.push_back({segment[0], point});
+      (end > 0.0 ? left : right).segments.push_back({point, segment[1]});
+    } else if (on_left || on_right) {
+      (on_left ? left : right).segments.push_back(segment);
+    }
   }
   return result;
 }
@@ -95,19 +101,17 @@ std::vector<Polygon3> split_triangle(const std::array<Point<3>, 3>& triangle, st
   while (!pieces.empty()) {
     Piece piece = std::move(pieces.back());
     pieces.pop_back();
-    std::erase_if(piece.segments, [&](const Segment& segment) {
-      return !reaches(segment, piece.polygon, normal, tolerance);
-    });
     if (piece.segments.empty()) {
       done.push_back(std::move(piece.polygon));
       continue;
     }
     std::swap(piece.segments[piece.segments.size() / 2], piece.segments.back());
-    const Line line(piece.segments.back(), normal);
+    const Segment segment = piece.segments.back();
     piece.segments.pop_back();
+    const Line line(segment, normal);
     const std::vector<double> sides = line.distances(piece.polygon);
     const auto [low, high] = std::minmax_element(sides.begin(), sides.end());
-    if (*low >= -tolerance || *high <= tolerance) {
+    if (*low >= -tolerance || *high <= tolerance || !reaches(segment, piece.polygon, normal, tolerance)) {
       pieces.push_back(std::move(piece));
       continue;
     }

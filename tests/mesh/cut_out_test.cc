@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mesh/cut_out.h"
 
-#include "fabseq/base/error.h"
-#include "support/io_support.h"
+#include "mesh/hole_groups.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -84,14 +83,32 @@ TEST(CutOut, BodiesAndHolesThatOverlap) {
   append(bodies, box_mesh({3, 1, 1}, {9, 3, 5}));
   TriangleMesh holes = box_mesh({4, 1.5, -1}, {5, 2.5, 8});
   append(holes, box_mesh({4.5, 1.5, -1}, {5.5, 2.5, 8}));
-  const TriangleMesh left = cut_out_piecewise(bodies, holes);
+  const std::vector<TriangleMesh> groups = hole_groups({holes, box_mesh({0, 0, 0}, {1, 1, 1})});
+  ASSERT_EQ(groups.size(), 2u);  // the third is apart from the first
+  const TriangleMesh left = cut_out(cut_out(bodies, groups[0]), groups[1]);
   EXPECT_TRUE(is_closed(left));
   // What two bodies share counts twice, as it does before.
-  EXPECT_NEAR(signed_volume(left), 48 + 48 - 1.5 * (2 + 4), 1e-6);
+  EXPECT_NEAR(signed_volume(left), 48 + 48 - 1.5 * (2 + 4) - 1, 1e-6);
 }
 
 TEST(CutOut, HolesThatAreInsideOut) {
   expect_volume(block, test::inside_out(box_mesh({2, 1.5, 1}, {4, 2.5, 5})), 48 - 2, "a pocket");
+}
+
+TEST(CutOut, ManyPockets) {
+  std::vector<TriangleMesh> pockets;
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      pockets.push_back(box_mesh({4 * i + 0.5, 4 * j + 0.3, 9}, {4 * i + 3.0, 4 * j + 2.7, 11}));
+  const std::vector<TriangleMesh> groups = hole_groups(pockets);
+  ASSERT_EQ(groups.size(), 1u);
+  expect_volume(box_mesh({0, 0, 0}, {80, 80, 10}), groups[0], 64000 - 400 * 6, "pockets");
+}
+
+TEST(CutOut, FineSphere) {
+  const TriangleMesh left =
+      cut_out(box_mesh({-50, -50, 0}, {50, 50, 10}), turned(sphere_mesh(20, 100), 0.7, {3, 1, 10}));
+  EXPECT_TRUE(is_closed(left));
 }
 
 TEST(CutOut, NothingIsLeft) {
