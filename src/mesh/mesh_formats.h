@@ -29,11 +29,17 @@ TriangleMesh read_obj(std::string_view file);
 /// PLY, text or binary: polygons of the element `face` and strips of the element `tristrips`.
 TriangleMesh read_ply(std::string_view file);
 
+/// What of a 3MF file is wanted: the bodies that are to be built, or its objects of type surface as well.
+enum class ThreeMfObjects { bodies, surfaces_too };
+
 /// 3MF, through lib3mf, which has single precision: what the build's items name, where their transformations
 /// put it; sets the file's unit. A transformation that mirrors turns triangles round, so that they still face
-/// outward. What is not to be part of the product (of type support or other, not printable) is left out, with
-/// a note. Throws InputError, before it follows them, for components that contain themselves, or that come to
+/// outward. What is not to be part of the product is left out, with a note: what is not printable, objects
+/// and components of other types, and what slicers use as modifiers, support blockers or support enforcers.
+/// Their negative volumes are cut out (ObjectVolumes). Throws InputError for what is damaged or described by
+/// an extension of 3MF, and, before it follows them, for components that contain themselves, or that come to
 /// more than 10,000 bodies, 10 million triangles or 100 levels.
-TriangleMesh read_three_mf(std::string file, std::vector<std::string>& notes, std::string& unit);
+TriangleMesh read_three_mf(std::string file, ThreeMfObjects wanted, std::vector<std::string>& notes,
+                           std::string& unit);
 
 }  // namespace fabseq

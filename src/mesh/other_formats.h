@@ -10,4 +10,7 @@ namespace fabseq {
 /// unpack it first". "" for all others.
 std::string other_format(std::string_view file);
 
+/// The same by the ending of a file's name, in lower case, such as ".unv".
+std::string format_by_ending(std::string_view ending);
+
 }  // namespace fabseq

@@ -69,10 +69,11 @@ void note_lost_digits(const TriangleMesh& mesh, std::vector<std::string>& notes)
 }
 
 /// Reads the file on this rank. Errors say what was found and what is needed, not which file it is.
-TriangleMesh read_format(const std::string& path, std::vector<std::string>& notes, std::string& unit) {
+TriangleMesh read_format(const std::string& path, ThreeMfObjects wanted, std::vector<std::string>& notes,
+                         std::string& unit) {
   std::string bytes = bytes_of(path);
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  if (bytes.starts_with("PK\3\4")) return read_three_mf(std::move(bytes), notes, unit);
+  if (bytes.starts_with("PK\3\4")) return read_three_mf(std::move(bytes), wanted, notes, unit);
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return read_ply(bytes);
   const std::string needs = "needs an intact STL, OBJ, PLY or 3MF file";
   if (extension == ".obj" && looks_like_obj(bytes)) return read_obj(bytes);
@@ -81,7 +82,8 @@ TriangleMesh read_format(const std::string& path, std::vector<std::string>& note
   if (!other.empty()) throw InputError("is " + other + "; " + needs);
   if (looks_like_stl(bytes, extension == ".stl")) return read_stl(bytes, notes);
   if (extension == ".obj" || looks_like_obj(bytes)) return read_obj(bytes);
-  throw InputError("is no surface that can be read, " + needs);
+  const std::string named = format_by_ending(extension);
+  throw InputError(named.empty() ? "is no surface that can be read, " + needs : "is " + named + "; " + needs);
 }
 
 /// The factor from the unit of a file, if its format names one, to that of the config.
@@ -100,11 +102,12 @@ double unit_factor(const std::string& stated, const std::string& wanted, std::ve
 }
 
 /// Reads the file on this rank, with lengths in `unit`.
-ReadMesh read_alone(const std::string& path, const std::string& unit, std::vector<std::string>& notes) {
+ReadMesh read_alone(const std::string& path, ThreeMfObjects wanted, const std::string& unit,
+                    std::vector<std::string>& notes) {
   require_regular_file(path);
   std::string unit_of_file;
   ReadMesh result;
-  result.mesh = read_format(path, notes, unit_of_file);
+  result.mesh = read_format(path, wanted, notes, unit_of_file);
   note_lost_digits(result.mesh, notes);
   result.unit_factor = unit_factor(unit_of_file, unit, notes);
   if (result.unit_factor != 1.0)
@@ -127,13 +130,13 @@ void broadcast_entries(MPI_Comm comm, std::vector<T>& entries) {
 /// read_mesh(), where rank 0 calls prepare(mesh, notes) before the other ranks get the mesh.
 template <class Prepare>
 ReadMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::string& key,
-                          const std::string& unit, const Prepare& prepare) {
+                          const std::string& unit, ThreeMfObjects wanted, const Prepare& prepare) {
   ReadMesh result;
   run_on_first(comm, [&] {
     const std::string file = key + ": '" + path + "': ";
     try {
       std::vector<std::string> notes;
-      result = read_alone(path, unit, notes);
+      result = read_alone(path, wanted, unit, notes);
       prepare(result.mesh, notes);
       for (const std::string& note : notes) warn(MPI_COMM_SELF, file + note);
     } catch (const InputError& error) {
@@ -149,14 +152,16 @@ ReadMesh read_and_prepare(MPI_Comm comm, const std::string& path, const std::str
 }  // namespace
 
 ReadMesh read_mesh(MPI_Comm comm, const std::string& path, const std::string& key, const std::string& unit) {
-  return read_and_prepare(comm, path, key, unit, [](TriangleMesh&, std::vector<std::string>&) {});
+  return read_and_prepare(comm, path, key, unit, ThreeMfObjects::surfaces_too,
+                          [](TriangleMesh&, std::vector<std::string>&) {});
 }
 
 ReadMesh read_body(MPI_Comm comm, const std::string& path, const std::string& key, const std::string& unit) {
-  return read_and_prepare(comm, path, key, unit, [](TriangleMesh& mesh, std::vector<std::string>& notes) {
+  const auto prepare = [](TriangleMesh& mesh, std::vector<std::string>& notes) {
     for (const auto& step : {remove_stray_triangles, turn_shells})
       for (std::string& note : step(mesh)) notes.push_back(std::move(note));
-  });
+  };
+  return read_and_prepare(comm, path, key, unit, ThreeMfObjects::bodies, prepare);
 }
 
 }  // namespace fabseq

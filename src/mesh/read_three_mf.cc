@@ -70,8 +70,9 @@ class LeftOut {
 /// Follows the items of a build to their meshes.
 class PartOfBuild {
  public:
-  PartOfBuild(const ThreeMfPackage& package, const ThreeMfModel& model, std::vector<std::string>& notes)
-      : package_(package), model_(model), notes_(notes) {}
+  PartOfBuild(const ThreeMfPackage& package, const ThreeMfModel& model, ThreeMfObjects wanted,
+              std::vector<std::string>& notes)
+      : package_(package), model_(model), wanted_(wanted), notes_(notes) {}
 
   TriangleMesh mesh() {
     for (std::size_t i = 0; i < model_.items.size(); ++i) {
@@ -119,7 +120,7 @@ class PartOfBuild {
   void add(const Instance& instance, const ThreeMfName& name, const VolumeUse& use, ObjectVolumes& volumes) {
     const auto facts = package_.contents.objects.find(name);
     const std::string type = facts != package_.contents.objects.end() ? facts->second.type : "model";
-    if (type != "model")
+    if (type != "model" && !(type == "surface" && wanted_ == ThreeMfObjects::surfaces_too))
       return left_out_.add("object of type \"" + type + '"', "objects of type \"" + type + '"');
     const ThreeMfModel::Object& object = model_.objects[instance.object];
     if (use.kind == VolumeUse::helper) return left_out_.add(use.name, use.several);
@@ -180,6 +181,7 @@ class PartOfBuild {
 
   const ThreeMfPackage& package_;
   const ThreeMfModel& model_;
+  ThreeMfObjects wanted_;
   std::vector<std::string>& notes_;
   SurfaceBuilder surface_;
   LeftOut left_out_;
@@ -187,11 +189,12 @@ class PartOfBuild {
 
 }  // namespace
 
-TriangleMesh read_three_mf(std::string file, std::vector<std::string>& notes, std::string& unit) {
+TriangleMesh read_three_mf(std::string file, ThreeMfObjects wanted, std::vector<std::string>& notes,
+                           std::string& unit) {
   ThreeMfPackage package = prepare_three_mf(std::move(file));
   const ThreeMfModel model = read_three_mf_model(package.bytes);
   unit = model.unit;
-  return PartOfBuild(package, model, notes).mesh();
+  return PartOfBuild(package, model, wanted, notes).mesh();
 }
 
 }  // namespace fabseq

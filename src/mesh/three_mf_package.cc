@@ -3,6 +3,7 @@
 
 #include "fabseq/base/error.h"
 #include "mesh/archived_xml.h"
+#include "mesh/text_values.h"
 #include "mesh/zip_archive.h"
 
 #include <map>
@@ -64,6 +65,18 @@ std::string relations_text(const std::vector<Relation>& relations) {
   return text + "</Relationships>";
 }
 
+/// What an archive is that is no 3MF file.
+std::string archive_without_model(const ZipArchive& archive) {
+  if (archive.has("Document.xml"))
+    return "a FreeCAD file, which has no triangles: export STL or 3MF from the CAD program";
+  for (const std::string& name : archive.names())
+    for (const char* ending : {".stl", ".obj", ".ply", ".3mf", ".amf"})
+      if (lower_case(name).ends_with(ending))
+        return "a ZIP archive with \"" + name +
+               "\" in it: unpack it first, needs an STL, OBJ, PLY or 3MF file";
+  return "a ZIP archive without a model, needs an intact 3MF file";
+}
+
 /// Without relations to what is not there, such as the picture that a slicer's command line names and does
 /// not make. Those to models stay.
 std::vector<Relation> without_missing(const std::vector<Relation>& relations, const ZipArchive& archive) {
@@ -103,7 +116,7 @@ std::string repaired(ZipArchive&& archive, const std::string& root, const std::s
 ThreeMfPackage prepare_three_mf(std::string bytes) {
   ZipArchive archive(std::move(bytes));
   const std::string root = root_model(archive);
-  if (!archive.has(root)) throw InputError("is a ZIP archive without a model, needs an intact 3MF file");
+  if (!archive.has(root)) throw InputError("is " + archive_without_model(archive));
   ThreeMfPackage result;
   result.contents = read_three_mf_contents(archive, root);
   result.root = root;

@@ -156,11 +156,28 @@ TEST_F(ReadMeshTest, NamesOtherFormats) {
       {"ISO-10303-21;\nHEADER;\n", "a STEP file, which has no triangles"},
       {iges, "an IGES file, which has no triangles"},
       {"%PDF-1.4", "a PDF document"},
+      {"# corners\nOFF\n8 12 0\n0 0 0\n", "an OFF file: export its surface as STL, OBJ, PLY or 3MF; needs"},
+      {"COFF 8 12 0\n", "an OFF file"},
+      {"    -1\n  2411\n         1         1\n", "an I-DEAS file (UNV): export its surface"},
+      {"$ from a mesher\nSOL 101\nCEND\nBEGIN BULK\n", "a Nastran file (BDF)"},
+      {"GRID           1          0.00    0.00    0.00\n", "a Nastran file (BDF)"},
+      {"** from a mesher\n*Heading\n*NODE\n1, 0., 0., 0.\n", "an Abaqus or CalculiX file (INP)"},
+      {"# vtk DataFile Version 3.0\n", "a VTK file"},
+      {"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">", "a VTK file: export its surface"},
+      {"<?xml version=\"1.0\"?><amf unit=\"mm\">", "an AMF file"},
+      {"<?xml version=\"1.0\"?><cats/>", "an XML file outside a ZIP archive: no format that is known; needs"},
+      {"3D Geometry File Format        5", "a Rhino file (3DM), which has no triangles"},
+      {"$MeshFormat\n4.1 0 8\n", "a Gmsh file (MSH)"},
       {"", "is empty"},
       {" \n", "is empty"},
       {"no surface", "no surface that can be read"}};
   for (const auto& [content, words] : files)
     EXPECT_TRUE(contains(refusal_of("part.stl", content), words)) << words;
+  EXPECT_TRUE(contains(refusal_of("part.SAT", "400 0 1 0\n"), "an ACIS file (SAT), which has no triangles"));
+  EXPECT_TRUE(contains(refusal_of("part.unv", "no surface"), "an I-DEAS file (UNV)"));
+  EXPECT_TRUE(contains(refusal_of("part.zip", test::zip({{"a/b.STL", "solid"}})),
+                       "a ZIP archive with \"a/b.STL\" in it: unpack it first"));
+  EXPECT_TRUE(contains(refusal_of("part.FCStd", test::zip({{"Document.xml", "<x/>"}})), "a FreeCAD file"));
 }
 
 /// 3MF names its unit.

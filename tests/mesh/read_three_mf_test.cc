@@ -20,9 +20,9 @@ const TriangleMesh box = box_mesh({1, 2, 3}, {2, 4, 7});
 
 class ReadThreeMfTest : public testing::Test {
  protected:
-  TriangleMesh read(const std::string& content) {
+  TriangleMesh read(const std::string& content, ThreeMfObjects wanted = ThreeMfObjects::bodies) {
     notes_.clear();
-    return read_three_mf(content, notes_, unit_);
+    return read_three_mf(content, wanted, notes_, unit_);
   }
   std::string refusal_of(const std::string& content) {
     return test::error_text<InputError>([&] { (void)read(content); });
@@ -219,6 +219,8 @@ TEST_F(ReadThreeMfTest, TypesCountAtEveryLevel) {
     EXPECT_EQ(notes_, (std::vector<std::string>{"1 object of type \"" + type + "\" left out of the part"}));
     EXPECT_TRUE(contains(refusal_of(three_mf(objects, three_mf_item(2))),
                          "has nothing but 1 object of type \"" + type + "\"; needs a body"));
+    const TriangleMesh all = read(three_mf(objects, three_mf_item(3)), ThreeMfObjects::surfaces_too);
+    EXPECT_EQ(all.triangles.size(), type == "surface" ? 24u : 12u);
   }
 }
 
