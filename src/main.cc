@@ -103,7 +103,9 @@ void run_task(const CommandLine& command_line, const Config& config) {
     case Task::check:
       run_check(setup);
       if (command_line.picture) write_check_picture(setup, command_line);
-      setup.require_walls();  // last: the picture shows where they are thin
+      return setup.require_walls();  // last: the picture shows where they are thin
+    case Task::surface:
+      break;  // needs no setup
   }
 }
 
@@ -128,6 +130,7 @@ int main(int argc, char** argv) {
     if (command_line.help) return print(help_text());
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
+    if (command_line.task == Task::surface) return write_surface(PETSC_COMM_WORLD, command_line);
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
     stop_if_signalled(PETSC_COMM_WORLD);
     return config.dimension() == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);

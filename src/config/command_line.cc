@@ -16,7 +16,8 @@ namespace fabseq {
 namespace {
 
 /// Names of the tasks, in the order of Task.
-constexpr std::string_view task_names = "optimize simulate sensitivity evaluate check_gradients check";
+constexpr std::string_view task_names =
+    "optimize simulate sensitivity evaluate check_gradients check surface";
 
 /// Whether a word is an option ("-name"), not a negative number or a lone '-'; PETSc tells options from
 /// values in the same way.

@@ -37,6 +37,16 @@ std::string config_text(const std::string& file) {
   return read_file_if_there(file);
 }
 
+/// What a config file holds, and the absolute directory that its paths refer to. Collective.
+std::pair<Json, std::string> read_document(MPI_Comm comm, const std::string& file) {
+  std::string text;
+  run_on_first(comm, [&] { text = config_text(file); });
+  std::error_code error;
+  const std::string directory =
+      broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
+  return {parse_json(broadcast(comm, text), file), directory};
+}
+
 /// Checks that the files that a config names can be read.
 void check_files(const Config& config) {
   constexpr const char* allowed = "a readable HDF5 file";
@@ -109,13 +119,16 @@ void apply_override(Json& document, const std::string& path, const std::string& 
 }
 
 Config read_config(MPI_Comm comm, const CommandLine& command_line) {
-  const std::string& file = command_line.config_file;
-  std::string text;
-  run_on_first(comm, [&] { text = config_text(file); });
-  std::error_code error;
-  const std::string directory =
-      broadcast(comm, std::filesystem::absolute(file, error).parent_path().string());
-  return read_config(comm, parse_json(broadcast(comm, text), file), directory, command_line);
+  auto [document, directory] = read_document(comm, command_line.config_file);
+  return read_config(comm, std::move(document), directory, command_line);
+}
+
+NamedSurface read_surface(MPI_Comm comm, const CommandLine& command_line) {
+  auto [document, directory] = read_document(comm, command_line.config_file);
+  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+  const Json* name = find_member(document, "name");
+  return {name != nullptr && name->is_string() ? name->get<std::string>() : Config().name,
+          surface_of_config(comm, document, directory)};
 }
 
 Config read_config(MPI_Comm comm, Json document, const std::string& directory,

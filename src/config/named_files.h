@@ -24,4 +24,7 @@ void merge_material_file(MPI_Comm comm, Json& document, const std::string& direc
 /// follow from the mesh; domain.element and domain.margin are gone then.
 std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, const std::string& directory);
 
+/// The surface of that mesh in its place. Looks at no other keys than part.mesh, build_plate and domain.unit.
+PlacedSurface surface_of_config(MPI_Comm comm, const Json& document, const std::string& directory);
+
 }  // namespace fabseq

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "config/config_keys.h"
 #include "config/named_files.h"
+#include "fabseq/base/error.h"
 #include "fabseq/part/part_settings.h"
 
 #include <cmath>
+#include <optional>
 
 namespace fabseq {
 
@@ -113,20 +115,40 @@ BuildPlate plate_of(const Json& document) {
   return make_plate(named ? face->get<std::string>() : "z-");
 }
 
+/// The mesh that is the part of a document, and where it is to stand.
+struct MeshOfConfig {
+  MeshFile description;
+  BuildPlate plate;
+  std::string unit;
+};
+
+std::optional<MeshOfConfig> mesh_of(const Json& document, const std::string& directory) {
+  const Json* mesh = find_member(document, "part", "mesh");
+  if (mesh == nullptr) return std::nullopt;
+  MeshOfConfig result;
+  const Json complete = complete_section(*mesh, "/part/mesh", "part.mesh", 3, directory);
+  mesh_keys().read(result.description, complete, {"/part/mesh", 3});
+  result.plate = plate_of(document);
+  const Json* unit = find_member(document, "domain", "unit");
+  if (unit != nullptr && unit->is_string()) result.unit = unit->get<std::string>();
+  return result;
+}
+
 }  // namespace
 
 std::shared_ptr<const PlacedMesh> place_mesh(MPI_Comm comm, Json& document, const std::string& directory) {
-  const Json* mesh = find_member(document, "part", "mesh");
-  if (mesh == nullptr) return nullptr;
-  MeshFile description;
-  const Json complete = complete_section(*mesh, "/part/mesh", "part.mesh", 3, directory);
-  mesh_keys().read(description, complete, {"/part/mesh", 3});
-  const BuildPlate plate = plate_of(document);
-  const Json* unit = find_member(document, "domain", "unit");
-  const std::string named = unit != nullptr && unit->is_string() ? unit->get<std::string>() : "";
-  auto placed = std::make_shared<const PlacedMesh>(comm, description, plate, named);
-  complete_domain(comm, *placed, description, plate, document);
+  const auto mesh = mesh_of(document, directory);
+  if (!mesh) return nullptr;
+  auto placed = std::make_shared<const PlacedMesh>(comm, mesh->description, mesh->plate, mesh->unit);
+  complete_domain(comm, *placed, mesh->description, mesh->plate, document);
   return placed;
+}
+
+PlacedSurface surface_of_config(MPI_Comm comm, const Json& document, const std::string& directory) {
+  const auto mesh = mesh_of(document, directory);
+  if (!mesh)
+    throw InputError("/part/mesh: missing; allowed with -task surface: a part that comes from a mesh file");
+  return read_placed_surface(comm, mesh->description, mesh->plate, mesh->unit);
 }
 
 }  // namespace fabseq

@@ -81,23 +81,31 @@ IndexBox<3> own_planes(MPI_Comm comm, const Index<3>& elements) {
 
 }  // namespace
 
-PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
-                       const std::string& unit)
-    : unit_(unit) {
-  matrix_ = scaled_rotation(description);
-  const auto [read, unit_factor] = read_body(comm, description.file, "/part/mesh/file", unit);
-  unit_factor_ = unit_factor;
+PlacedSurface read_placed_surface(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
+                                  const std::string& unit) {
+  PlacedSurface result;
+  result.matrix = scaled_rotation(description);
+  ReadMesh read = read_body(comm, description.file, "/part/mesh/file", unit);
+  result.unit_factor = read.unit_factor;
   if (!description.as_is) {
-    const Bounds turned = bounds(placed(read));
-    shift_[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];
+    const Bounds turned = bounds(transformed(read.mesh, result.matrix, {}));
+    result.shift[plate.axis] = -(plate.upper ? turned.high : turned.low)[plate.axis];
   }
-  mesh_ = placed(read);
-  bounds_ = bounds(mesh_);
+  result.mesh = transformed(std::move(read.mesh), result.matrix, result.shift);
+  const auto [low, high] = bounds(result.mesh);
   for (int axis = 0; axis < 3; ++axis)
-    if (!(std::max(-lower()[axis], upper()[axis]) <= largest_mesh_coordinate))
+    if (!(std::max(-low[axis], high[axis]) <= largest_mesh_coordinate))
       refuse("/part/mesh/scale", formatted("%g", description.scale),
              formatted("one that leaves the mesh's coordinates below %g", largest_mesh_coordinate));
-  interior_.emplace(mesh_);
+  return result;
+}
+
+PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
+                       const std::string& unit)
+    : surface_(read_placed_surface(comm, description, plate, unit)),
+      bounds_(bounds(surface_.mesh)),
+      unit_(unit) {
+  interior_.emplace(surface_.mesh);
   const double volume_of_box = volume_between(lower(), upper());
   if (volume_of_box > 0.0) volume_ = measured_volume(comm);
   if (!(volume_of_box > 0.0) || (interior_->closed() && volume_ < least_share_of_box * volume_of_box))
@@ -107,14 +115,14 @@ PlacedMesh::PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPl
 }
 
 TriangleMesh PlacedMesh::placed(TriangleMesh mesh) const {
-  return transformed(std::move(mesh), matrix_, shift_);
+  return transformed(std::move(mesh), surface_.matrix, surface_.shift);
 }
 
 std::array<std::array<double, 4>, 3> PlacedMesh::placement() const {
   std::array<std::array<double, 4>, 3> result;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) result[i][k] = matrix_[i][k] * unit_factor_;
-    result[i][3] = shift_[i];
+    for (int k = 0; k < 3; ++k) result[i][k] = surface_.matrix[i][k] * surface_.unit_factor;
+    result[i][3] = surface_.shift[i];
   }
   return result;
 }
@@ -145,7 +153,8 @@ double PlacedMesh::sampled_share(MPI_Comm comm, const Point<3>& low, const Point
 
 double PlacedMesh::measured_volume(MPI_Comm comm) const {
   const double share = sampled_share(comm, lower(), upper());
-  const double sampled = share * volume_between(lower(), upper()), enclosed = std::abs(signed_volume(mesh_));
+  const double sampled = share * volume_between(lower(), upper()),
+               enclosed = std::abs(signed_volume(surface_.mesh));
   const bool trusted = share < least_share ||
                        (interior_->closed() && std::abs(enclosed - sampled) <= sampled_accuracy * enclosed);
   return trusted ? enclosed : sampled;

@@ -22,6 +22,7 @@ from fabseq_tools.geometry.layer_bodies import LayeredPart
 
 from fake_results import element_centres, node_coordinates
 from layered_results import write_layers
+from small_meshes import write_box
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -240,7 +241,9 @@ class ExportLayersTest(unittest.TestCase):
         self.assertTrue(all(row["open_edges"] == 0 for row in record["layers"]))
         self.assertEqual([row["subpart"] for row in record["layers"]], [1] * 3 + [2] * 6)
         # In a drawing that is in metres, and lying: its x is up.
-        config |= {"domain": {"size": size, "elements": counts, "unit": "mm"}, "part": {"mesh": {"file": "part.3mf"}},
+        drawing = os.path.join(os.path.dirname(self.run_directory), "part.stl")
+        write_box(drawing, (1.2e-3, 1.2e-3, 0.6e-3))
+        config |= {"domain": {"size": size, "elements": counts, "unit": "mm"}, "part": {"mesh": {"file": drawing}},
                    "run": {"mesh_placement": [[0, 1000, 0, 0], [0, 0, 1000, 0], [1000, 0, 0, 0]]}}
         write_layers(self.run_directory, size, np.ones(counts[::-1], bool), table, time=z, config=config,
                      angles=[[math.pi / 2, 0.0], [0.0, 0.0]])

@@ -23,6 +23,8 @@ from fabseq_tools.run.command_line import RunError
 
 from fake_results import element_centres, node_coordinates
 from layered_results import write_layers
+from small_meshes import box_triangles
+from three_mf_files import mesh_text, write_three_mf
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -148,8 +150,11 @@ class PathsTest(unittest.TestCase):
         it is 40 x 20 x 8 and not at the origin."""
         matrix = np.column_stack([scale * np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]], float), [7.0, -30.0, 0.0]])
         counts, size = (20, 10, 8), (40.0, 20.0, 8.0)
+        drawing = os.path.join(os.path.dirname(self.run_directory), "box.3mf")
+        box = np.array(list(box_triangles((0, 0, 0), np.array([8.0, 40.0, 20.0]) / scale)))
+        write_three_mf(drawing, f'<object id="1">{mesh_text(box)}</object>', '<item objectid="1"/>')
         config = {"domain": {"size": size, "elements": counts, "origin": [7, -30, 0], **({"unit": unit} if unit else {})},
-                  "part": {"mesh": {"file": "/somewhere/box.3mf"}}, "run": {"mesh_placement": matrix.tolist()}}
+                  "part": {"mesh": {"file": drawing}}, "run": {"mesh_placement": matrix.tolist()}}
         height = node_coordinates(counts, size)[2] / size[2]
         number = np.ceil(element_centres(counts, size)[2] / size[2] * 2 - 1e-9)
         write_layers(self.run_directory, size, np.ones(counts[::-1], bool), 2, 1.0 - height, config=config, layer=number)

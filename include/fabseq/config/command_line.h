@@ -58,6 +58,16 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line);
 Config read_config(MPI_Comm comm, Json document, const std::string& directory,
                    const CommandLine& command_line);
 
+/// A config's name and its part's surface.
+struct NamedSurface {
+  std::string name;
+  PlacedSurface surface;
+};
+
+/// Reads what of the config file says where the mesh of its part stands, and the mesh. Throws InputError on
+/// all ranks, as for a part from no mesh. Collective on `comm`.
+NamedSurface read_surface(MPI_Comm comm, const CommandLine& command_line);
+
 /// Text of -help: usage, options, and the table of keys with unit, default, range and meaning.
 std::string help_text();
 /// List of all config keys in Markdown, as docs/reference.md holds it, without the final line break.

@@ -34,11 +34,24 @@ struct MeshFile {
   double least_elements = 3.0;  ///< fewer elements across a wall are refused
 };
 
+/// The surface of a mesh file where a config puts it.
+struct PlacedSurface {
+  TriangleMesh mesh;                 ///< in the config's coordinates
+  std::array<Point<3>, 3> matrix{};  ///< turns and scale, [row][column]
+  Point<3> shift{};
+  double unit_factor = 1.0;  ///< from the file's unit to the config's
+};
+
+/// Rank 0 reads, all ranks get the surface, in the config's unit of length. Collective on `comm`. Throws what
+/// read_body() throws, and InputError on all ranks for a scale with which coordinates become too large.
+PlacedSurface read_placed_surface(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
+                                  const std::string& unit);
+
 /// The mesh of a file in the coordinates of the config.
 class PlacedMesh {
  public:
-  /// Rank 0 reads, all ranks get the mesh, in the config's unit of length. Collective on `comm`. Throws what
-  /// read_body() throws, and InputError on all ranks for a mesh without volume.
+  /// Collective on `comm`. Throws what read_placed_surface() throws, and InputError on all ranks for a mesh
+  /// without volume.
   PlacedMesh(MPI_Comm comm, const MeshFile& description, const BuildPlate& plate,
              const std::string& unit = "");
   PlacedMesh(PlacedMesh&&) = delete;
@@ -46,7 +59,7 @@ class PlacedMesh {
   /// Corners of the bounding box, length unit.
   const Point<3>& lower() const { return bounds_.low; }
   const Point<3>& upper() const { return bounds_.high; }
-  std::size_t triangle_count() const { return mesh_.triangles.size(); }
+  std::size_t triangle_count() const { return surface_.mesh.triangles.size(); }
   /// The way from the file's coordinates x to the config's: [row][column] of A and b in A x + b.
   std::array<std::array<double, 4>, 3> placement() const;
   /// Name of the config's unit of length; empty: none.
@@ -71,14 +84,11 @@ class PlacedMesh {
   /// Share of a box that lies inside, from 128 samples along each axis.
   double sampled_share(MPI_Comm comm, const Point<3>& low, const Point<3>& high) const;
 
-  TriangleMesh mesh_;
-  std::array<Point<3>, 3> matrix_{};  ///< turns and scale, [row][column]
-  Point<3> shift_{};
+  PlacedSurface surface_;
   Bounds bounds_;
   double volume_ = 0.0;
-  std::optional<MeshInterior> interior_;  ///< refers to mesh_
+  std::optional<MeshInterior> interior_;  ///< refers to surface_
   std::string unit_;
-  double unit_factor_ = 1.0;  ///< from the file's unit to the config's
 };
 
 }  // namespace fabseq

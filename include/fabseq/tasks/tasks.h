@@ -7,6 +7,8 @@
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/setup.h"
 
+#include <mpi.h>
+
 #include <vector>
 
 namespace fabseq {
@@ -36,5 +38,9 @@ void run_check(const Setup<Dim>& setup);
 /// Throws OutputError.
 template <int Dim>
 void write_check_picture(const Setup<Dim>& setup, const CommandLine& command_line);
+
+/// -task surface: writes DIR/surface.ply, the part's mesh as it is read, in the config's coordinates. Needs
+/// of the config what says where the mesh stands. Collective. Throws OutputError.
+void write_surface(MPI_Comm world, const CommandLine& command_line);
 
 }  // namespace fabseq

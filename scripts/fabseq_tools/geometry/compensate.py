@@ -9,7 +9,7 @@ RUN is the output directory of an optimization or a simulation in 3D. Its binary
 more (round 0). In each further round, the mesh of the part is moved against what remains, filled with
 elements of the same grid again, and simulated with the pseudo-time that moves along. What remains is
 |x_c + u(x_c) - x|: how far a point x of the drawing, built at x_c, is from the drawing in the end. A part
-that came from no mesh (STL, OBJ, PLY) has a smoothed boundary of its elements in place of one.
+that came from no mesh has a smoothed boundary of its elements in place of one.
 
 DIR (default: RUN/compensated) gets
 - compensated.stl, .vtp: the mesh of the round with the least rms, in the part's own coordinates and unit:

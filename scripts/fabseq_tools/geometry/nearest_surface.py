@@ -2,20 +2,18 @@
 """The nearest points of a surface: of a mesh file, or of the boundary of voxels."""
 
 import itertools
-import os
 
 import numpy as np
 from vtkmodules.vtkCommonCore import reference, vtkObject
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
-from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkPolyDataNormals, vtkTriangleFilter
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkPolyDataNormals
 from vtkmodules.vtkFiltersModeling import vtkFillHolesFilter
-from vtkmodules.vtkIOGeometry import vtkOBJReader, vtkSTLReader
 from vtkmodules.vtkIOPLY import vtkPLYReader
 
+from fabseq_tools.geometry.read_mesh import read_mesh
 from fabseq_tools.geometry.vtk_data import corners_of, filtered, points_of, poly_data
-from fabseq_tools.run.command_line import RunError
 
-READERS = {".stl": vtkSTLReader, ".obj": vtkOBJReader, ".ply": vtkPLYReader}
+READERS = {".ply": vtkPLYReader}
 
 
 class Surface:
@@ -64,16 +62,9 @@ class Surface:
 
 
 def mesh_surface(path, placement):
-    """The surface in a mesh file, placed by a 3x4 matrix; None of a format that VTK does not read (3MF)."""
-    reader_type = READERS.get(os.path.splitext(path)[1].lower())
-    if reader_type is None:
-        return None
-    data = filtered(read_poly_data(reader_type, path), vtkTriangleFilter(), PassLines=False, PassVerts=False)
-    if data.GetNumberOfPolys() == 0:
-        raise RunError(f"{path}: holds no triangles")
-    corners = points_of(data)[corners_of(data.GetPolys(), 3)]
+    """The surface in a mesh file as the program reads it, placed by a 3x4 matrix."""
     placement = np.array(placement)
-    return Surface(corners @ placement[:, :3].T + placement[:, 3])
+    return Surface(read_mesh(path) @ placement[:, :3].T + placement[:, 3])
 
 
 def read_poly_data(reader_type, path):

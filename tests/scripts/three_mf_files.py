@@ -1,0 +1,1 @@
+../integration/three_mf_files.py
