@@ -2,6 +2,7 @@
 #include "fabseq/machine/local_thickness.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/sequence/sequence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +11,20 @@
 namespace fabseq {
 
 template <int Dim>
-std::vector<double> local_thickness(std::span<const double> gradient, const LayerDensities& layers,
-                                    std::span<const double> layer_index) {
+std::vector<double> local_thickness(std::span<const double> time, std::span<const double> gradient,
+                                    const LayerDensities& layers, std::span<const double> layer_index,
+                                    double most) {
   std::vector<double> result;
   if (gradient.empty() || layers.time_points.empty()) return result;
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const auto layer = static_cast<std::size_t>(layer_index[e]);
     double square = 0.0;
     for (int axis = 0; axis < Dim; ++axis) square += gradient[e * Dim + axis] * gradient[e * Dim + axis];
-    result.push_back((layers.time_points[layer] - layers.time_points[layer - 1]) / std::sqrt(square));
+    const double beyond =
+        std::max({0.0, time[e] - layers.time_points.back(), layers.time_points.front() - time[e]});
+    const double duration = layers.time_points[layer] - layers.time_points[layer - 1] + beyond;
+    const bool is_flat = std::isfinite(most) && square < gradient_regularization(most);
+    result.push_back(is_flat ? most : duration / std::sqrt(square));
   }
   return result;
 }
@@ -32,8 +38,9 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
   // A rank without part elements has no values whether they are defined or not.
   if (!any(comm, !thickness.empty())) return std::nullopt;
   double least = std::numeric_limits<double>::infinity(), largest = 0.0;
-  std::vector<double> outside;
+  std::vector<double> outside, without_end;
   for (const double value : thickness) {
+    without_end.push_back(value == part.longest_edge() ? 1.0 : 0.0);
     least = std::min(least, value);
     largest = std::max(largest, value);
     if (allowed) outside.push_back(std::max(value / (*allowed)[1], (*allowed)[0] / value) - 1.0);
@@ -47,6 +54,7 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
   for (std::size_t e = 0; e < thickness.size(); ++e)
     meeting |= thickness[e] == result.largest && meetings[e] != 0.0;
   result.largest_is_meeting = any(comm, meeting);
+  result.without_end = count_marked(part, without_end, layer_index, layers, MarkedPlace::earliest);
   if (!allowed) return result;
   result.outside = count_marked(part, outside, layer_index, layers, MarkedPlace::largest);
   result.worst =

@@ -68,6 +68,7 @@ Json checks_record(const BuildNumbers& numbers) {
                               {"largest", range->largest},
                               {"largest_at", range->largest_at},
                               {"largest_is_meeting", range->largest_is_meeting},
+                              {"without_end", range->without_end.elements},
                               {"share_outside", Json()}});
     if (const auto& outside = range->outside) {
       thickness["share_outside"] = outside->share;
@@ -84,6 +85,7 @@ Json checks_record(const BuildNumbers& numbers) {
                        {"blocked", blocked},
                        {"tilt", tilt},
                        {"local_thickness", thickness},
+                       {"late", numbers.late ? marks_record(*numbers.late) : Json()},
                        {"hanging", marks_record(numbers.hanging)},
                        {"interior_minima", marks_record(numbers.interior_minima)},
                        {"interior_maxima", marks_record(numbers.interior_maxima)}});

@@ -38,7 +38,8 @@ struct LocalThicknessSettings {
 
 /// Two components: the shares of the part that are thicker and thinner than tool.thickness less the margin,
 /// smoothly counted: mean of E(+-ln(d_e / end) / epsilon), with E the smooth excess and
-/// d_e = sum_j drho^j (T_j - T_{j-1}) / (rho M_e).
+/// d_e = (sum_j drho^j (T_j - T_{j-1}) / rho + b_e) / M_e, where b_e is how far t_e is before T_0 or after
+/// T_N.
 template <int Dim>
 class LocalThickness : public Response<Dim> {
  public:
@@ -53,7 +54,7 @@ class LocalThickness : public Response<Dim> {
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
-    const std::vector<double> duration = durations(state.layers);
+    const std::vector<double> duration = durations(state);
     std::vector<double> result(2);
     for (std::size_t e = 0; e < magnitude.size(); ++e)
       for (int side = 0; side < 2; ++side)
@@ -67,7 +68,7 @@ class LocalThickness : public Response<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override {
     weight *= context_.part.grid().element_volume() / context_.part.volume();
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
-    const std::vector<double> duration = durations(state.layers);
+    const std::vector<double> duration = durations(state);
     const std::vector<double>& density = context_.part.part_density();
     std::vector<double> d_magnitude(magnitude.size()), d_duration(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
@@ -81,6 +82,11 @@ class LocalThickness : public Response<Dim> {
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
     add_duration_derivative(state.layers, d_duration, adjoint.densities);
+    auto& d_time = DensityDerivatives::touch(adjoint.time.time, d_duration.size());
+    for (std::size_t e = 0; e < d_duration.size(); ++e) {
+      if (state.time.time[e] > state.layers.time_points.back()) d_time[e] += d_duration[e];
+      if (state.time.time[e] < state.layers.time_points.front()) d_time[e] -= d_duration[e];
+    }
   }
 
   std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
@@ -91,9 +97,13 @@ class LocalThickness : public Response<Dim> {
     return SmoothExcess(sign(side) * std::log(std::max(thickness, smallest_) / ends_[side]) / epsilon_);
   }
 
-  /// Pseudo-time that the layer of each element takes, sum_j drho^j (T_j - T_{j-1}) / rho.
-  std::vector<double> durations(const LayerDensities& layers) const {
+  /// Pseudo-time that the layer of each element takes up to it, if it is beyond all layers' time.
+  std::vector<double> durations(const PipelineState<Dim>& state) const {
+    const LayerDensities& layers = state.layers;
     std::vector<double> result(context_.part.part_density().size());
+    for (std::size_t e = 0; e < result.size(); ++e)
+      result[e] = std::max({0.0, state.time.time[e] - layers.time_points.back(),
+                            layers.time_points.front() - state.time.time[e]});
     for (int j = 0; j < layers.count(); ++j) {
       const double time = layers.time_points[j + 1] - layers.time_points[j];
       for (std::size_t e = 0; e < result.size(); ++e)

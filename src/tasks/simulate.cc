@@ -14,6 +14,7 @@
 #include "fabseq/output/task_directory.h"
 #include "fabseq/output/terminal.h"
 #include "fabseq/process/residual_stress.h"
+#include "fabseq/report/layer_doubts.h"
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
@@ -146,6 +147,7 @@ void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
   print(line);
   print_responses(simulation.report);
   print_beyond_yield(simulation.report, setup.config.material);
+  for (const std::string& line : doubts_about_layers(*simulation.report.build, setup.config.unit)) warn(line);
 }
 
 }  // namespace

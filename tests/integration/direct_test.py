@@ -32,6 +32,23 @@ def smoothed(location):
     return config
 
 
+class PlateauTest(FabseqTest):
+    def test_times_that_do_not_change(self):
+        """A start region of whole elements has no gradient: its layer counts as thick as the part is long,
+        all numbers of the files are finite, and the run says so."""
+        config = {"domain": {"size": [8, 6], "elements": [8, 6]},
+                  "part": {"union": [{"box": {"min": [0, 0], "max": [2, 6]}}, {"box": {"min": [0, 4], "max": [8, 6]}}]},
+                  "sequence": {"type": "direct", "location": "nodes", "start": {"box": {"min": [0, 0], "max": [2, 1]}}},
+                  "layers": {"count": 8}, "objective": [{"type": "distortion", "measure": "layerwise"}]}
+        run = self.run_config(2, config, "-task", "simulate", "-binary")
+        self.assert_done(run)
+        for name, values in read_result(run).items():
+            self.assertTrue(np.isfinite(values).all(), name)
+        thickness = run.json("summary.json")["checks"]["local_thickness"]
+        self.assertEqual((thickness["largest"], thickness["without_end"]), (8.0, 2))
+        self.assertIn("warning: local thickness: the pseudo-time hardly changes at 2 elements", run.stderr)
+
+
 class OutputsTest(FabseqTest):
     def check_result(self, run, location):
         entities = DENSITY > 0 if location == "elements" else TOUCHED.copy()

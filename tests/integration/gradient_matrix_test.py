@@ -170,6 +170,18 @@ class GradientMatrixTest(FabseqTest):
                     self.assertGreater(derivative, LEAST, f"zero against zero: {key} {dimension}D {void} {turning}")
         return found
 
+    def test_times_beyond_the_last_layer(self):
+        """Guided layers of a part that is taller than they are together; strains follow the temperature."""
+        for dimension in (2,) if SANITIZED else (2, 3):
+            config = problem(dimension, "tilts and stretch", "absent", turning=True)
+            config["sequence"]["characteristic_length"] = 0.8  # of 1.2
+            config["sequence"]["initial"] = "planar"
+            run = self.run_config(2, config, "-task", "check_gradients", timeout=900)
+            self.assert_done(run)
+            for entry in run.json("gradient_check.json")["components"]:
+                limit = NOISY if abs(entry["adjoint"]) < SMALL * abs(entry["value"]) else LIMIT
+                self.assertLess(entry["best"], limit, f"{label(config, entry)} {dimension}D: {entry}")
+
     def allowed(self, *setting):
         """The words that the program would take in place of "none", the value of a setting."""
         refusal = self.run_config(1, part(2), "-set", 'sequence={"type": "heat"}', "-layers", "4", *setting).messages()

@@ -46,6 +46,29 @@ class ThermalTest(FabseqTest):
             for name, gradient in before.items():
                 self.assertLess(np.abs(after[name] - gradient).max(), 1e-7 * np.abs(gradient).max(), name)
 
+    def test_a_part_that_is_taller_than_its_guided_layers(self):
+        """The last layer holds all that is later: masses and temperatures are those of layers that end there,
+        and solves need no help."""
+        config = warmed({"domain": {"size": [4, 20], "elements": [4, 20]}, "part": {"box": {"min": [0, 0], "max": [4, 20]}},
+                         "sequence": {"type": "guided", "initial": "planar", "characteristic_length": 10.0},
+                         "layers": {"count": 4}, "constraints": [{"type": "local_thickness"}],
+                         "objective": [{"type": "distortion", "measure": "layerwise"}]})
+        config["constraints"].append({"type": "layer_thickness", "target": 2.5})
+        for beta in (6, 16, 200):  # as printed, densities would leave [0, 1] with the first two
+            run = self.run_config(1, config, "-task", "simulate", "-set", f"projection.beta={beta}")
+            self.assert_done(run)
+            self.assertEqual(run.stderr.count("warning: "), 1, run.stderr)
+            self.assertIn("the last layer also holds what comes later, 40 elements", run.stderr)
+            summary = run.json("summary.json")
+            volumes = [layer["volume"] for layer in summary["layers"]]
+            self.assertAlmostEqual(sum(volumes), 80, places=9)
+            self.assertGreater(volumes[-1], 40)
+            self.assertTrue(all(60 <= value < 1e5 for value in interpass(summary)), interpass(summary))
+            # At its top the last layer begins at 7.5 and reaches to 19.5, the centre of the last element.
+            self.assertAlmostEqual(summary["checks"]["local_thickness"]["largest"], 12, places=6)
+            self.assertEqual(summary["checks"]["late"]["elements"], 40)
+        self.assertLess(abs(volumes[0] - 10), 0.05)
+
     def test_values_and_gradients_do_not_depend_on_ranks_groups_and_path(self):
         for make in distinct(hook_3d, post_on_substrate):
             config = warmed(make())

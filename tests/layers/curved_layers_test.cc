@@ -92,6 +92,29 @@ TEST(CurvedLayers, GrowFromStageToStageAndAreOlderNearThePlate) {
   }
 }
 
+/// Guided times are neither clamped nor normalized.
+TEST(CurvedLayers, HoldWhatIsBeyondTheEndsInTheFirstAndInTheLast) {
+  const std::vector<double> time = {-2.0, -0.1, -1e-9, 1.0 + 1e-9, 1.05, 1.3, 40.0};
+  const std::vector<double> density = {1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 1.0};
+  for (const double beta : {0.5, 10.0, 300.0})
+    for (const bool binary : {false, true}) {
+      const LayerDensities layers =
+          densities_of(CurvedLayers(density, uniform_time_points(count), beta, binary), time);
+      for (std::size_t e = 0; e < time.size(); ++e)
+        for (int j = 0; j < count; ++j) {
+          EXPECT_NEAR(layers.layer[j][e], j == (e < 3 ? 0 : count - 1) ? density[e] : 0.0, 1e-15) << time[e];
+          EXPECT_NEAR(layers.stage[j][e], e < 3 || j == count - 1 ? density[e] : 0.0, 1e-15) << time[e];
+        }
+      std::vector<double> d_time(time.size(), 0.0);
+      DensityDerivatives derivatives(count);
+      derivatives.stage[2].assign(time.size(), 1.0);
+      derivatives.layer[count - 1].assign(time.size(), 1.0);
+      CurvedLayers(density, uniform_time_points(count), beta, binary)
+          .pull_back(time, {}, derivatives, d_time, {});
+      EXPECT_EQ(test::largest(d_time), 0.0);
+    }
+}
+
 TEST(CurvedLayers, BinaryElementsOnATimePointBelongToTheEarlierLayer) {
   const std::vector<double> time = {0.0, 0.25, 0.25 + 0.9e-12, 0.25 + 1.1e-12, 0.5 - 1e-9, 0.75, 1.0};
   const std::vector<double> expected = {1, 1, 1, 2, 2, 3, 4};
@@ -155,7 +178,7 @@ TEST(CurvedLayers, DerivativeAgreesWithDifferences) {
     std::vector<double> derivative(elements, 3.0);  // added to what is there
     layers.pull_back(time, {}, functional.weights, derivative, {});
     const std::vector<double> ones(elements, 1.0);
-    for (int e = 0; e < elements; ++e) {
+    for (int e = 1; e + 1 < elements; ++e) {  // at both ends the step has a kink
       const auto value = [&](double step) {
         return functional(densities_of(layers, test::moved(time, step, ones)), e);
       };

@@ -32,7 +32,7 @@ TEST(SmoothStep, AgreesWithTheFormula) {
     for (const double point : {0.04, 0.5, 0.96}) {
       const SmoothStep step(point, beta);
       const double scale = 1.0 / (std::tanh(beta * point) + std::tanh(beta * (1.0 - point)));
-      for (int i = -10; i <= 1010; ++i) {
+      for (int i = 0; i <= 1000; ++i) {
         const double time = 1e-3 * i;
         const double x = beta * (time - point);
         const double slope = beta * scale / std::pow(std::cosh(std::clamp(x, -300.0, 300.0)), 2);
@@ -40,6 +40,24 @@ TEST(SmoothStep, AgreesWithTheFormula) {
         EXPECT_NEAR(step.derivative(time), -slope, 1e-12 * slope + 1e-250) << time << ' ' << beta;
       }
       EXPECT_TRUE(std::isnan(step.value(std::nan(""))));
+    }
+}
+
+/// However smooth it is: as printed, it would leave [0, 1] there.
+TEST(SmoothStep, BelongsToTheFirstOrTheLastLayerBeyondTheEnds) {
+  for (const double beta : {0.3, 10.0, 300.0})
+    for (const double point : {0.04, 0.5, 0.96}) {
+      const SmoothStep step(point, beta);
+      for (const double beyond : {1e-9, 0.02, 0.7, 50.0, 1e300}) {
+        EXPECT_EQ(step.value(-beyond), step.value(0.0));
+        EXPECT_EQ(step.value(1.0 + beyond), step.value(1.0));
+        for (const double time : {-beyond, 1.0 + beyond}) {
+          EXPECT_EQ(step.derivative(time), 0.0);
+          EXPECT_NEAR(step.time_point_derivative(time), 0.0, 1e-13 * beta);
+        }
+      }
+      EXPECT_NEAR(step.value(0.0), 1.0, 1e-15);
+      EXPECT_NEAR(step.value(1.0), 0.0, 1e-15);
     }
 }
 

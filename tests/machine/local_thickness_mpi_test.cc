@@ -23,7 +23,7 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   std::vector<double> layer;
   for (const double t : time.time) layer.push_back(t < 0.25 ? 1.0 : 2.0);
 
-  const std::vector<double> thickness = local_thickness<3>(time.gradient, layers, layer);
+  const std::vector<double> thickness = local_thickness<3>(time.time, time.gradient, layers, layer);
   const double height = planar_height<3>(part, {1.0, 0.0, 1.0});
   for (std::size_t e = 0; e < layer.size(); ++e)
     EXPECT_NEAR(thickness[e], (layer[e] == 1.0 ? 0.25 : 0.75) * height, 1e-12);
@@ -53,14 +53,43 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   const Part<2>& part = on_grid.part;
   PseudoTime<2> time = planar_time(part, {});
   const std::vector<double> layer(time.time.size(), 1.0);
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.gradient, LayerDensities{}, layer), {},
-                                  std::nullopt, layer, 1));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, LayerDensities{}, layer),
+                                  {}, std::nullopt, layer, 1));
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
-  EXPECT_FALSE(
-      thickness_range<2>(part, local_thickness<2>(time.gradient, layers, layer), {}, std::nullopt, layer, 1));
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, layers, layer), {},
+                                  std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time.gradient, layers, layer).empty());
+}
+
+/// The last layer holds what is later, however high that is, and no layer is thicker than the part.
+TEST(LocalThicknessTest, ReachesToElementsBeyondTheLayersAndHasAnEnd) {
+  const test::PartOnGrid<2> on_grid(test::odd_domain<2>(), test::block<2>());
+  const Part<2>& part = on_grid.part;
+  PseudoTime<2> time;
+  const std::size_t count = part.elements().size();
+  LayerDensities layers;
+  layers.time_points = {0.0, 0.5, 1.0};
+  const std::vector<double> times = {-0.25, 0.3, 1.0, 1.75}, layer_of = {1, 1, 2, 2},
+                            lengths = {0.75, 0.5, 0.5, 1.25};
+  std::vector<double> layer, expected;
+  std::int64_t flat = 0;
+  for (std::size_t e = 0; e < count; ++e) {
+    const bool has_gradient = e % 5 != 0;
+    time.time.push_back(times[e % 4]);
+    time.gradient.insert(time.gradient.end(), {has_gradient ? 3.0 : 0.0, has_gradient ? 4.0 : 1e-200});
+    layer.push_back(layer_of[e % 4]);
+    expected.push_back(has_gradient ? lengths[e % 4] / 5.0 : part.longest_edge());
+    flat += has_gradient ? 0 : 1;
+  }
+  const std::vector<double> thickness =
+      local_thickness<2>(time.time, time.gradient, layers, layer, part.longest_edge());
+  for (std::size_t e = 0; e < count; ++e) EXPECT_NEAR(thickness[e], expected[e], 1e-12) << time.time[e];
+  const auto range = thickness_range<2>(part, thickness, meeting_fronts<2>(part, time.time, time.gradient),
+                                        std::nullopt, layer, 2);
+  EXPECT_EQ(range->without_end.elements, sum(part.grid().comm(), flat));
+  EXPECT_EQ(range->largest, part.longest_edge());
 }
 
 TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
@@ -80,7 +109,7 @@ TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
   const std::vector<double> layer(time.time.size(), 1.0);
-  const std::vector<double> thickness = local_thickness<2>(time.gradient, layers, layer);
+  const std::vector<double> thickness = local_thickness<2>(time.time, time.gradient, layers, layer);
   const auto range = thickness_range<2>(part, thickness, middle, std::nullopt, layer, 1);
   EXPECT_TRUE(range->largest_is_meeting);
   EXPECT_NEAR(range->largest_at.at(0), 1.75, 1e-12);

@@ -107,6 +107,18 @@ class ExportLayersTest(unittest.TestCase):
         np.testing.assert_allclose(vtk_to_numpy(data.GetArray("direction")), np.tile((0, 0, 1), (data.GetNumberOfTuples(), 1)),
                                    atol=1e-12)
 
+    def test_the_last_layer_holds_what_is_later(self):
+        """Its thickness at a point reaches to there: 1.5 is the time at the top of the box."""
+        size, counts = (3.0, 2.0, 1.2), (6, 4, 10)
+        time = 1.5 * node_coordinates(counts, size)[2] / size[2]
+        write_layers(self.run_directory, size, np.ones(counts[::-1], bool), 4, 1.0 - time)
+        record = self.export("vtp")
+        np.testing.assert_allclose([row["volume"] for row in record["layers"]], [1.2] * 3 + [3.6])
+        data = self.file("layer_004.vtp").GetPointData()
+        times, thickness = (vtk_to_numpy(data.GetArray(name)) for name in ("time", "thickness"))
+        np.testing.assert_allclose(thickness, (np.maximum(times, 1.0) - 0.75) / 1.25)
+        self.assertAlmostEqual(times.max(), 1.5)
+
     def test_spherical_layers_of_a_cube(self):
         """Areas of spheres inside, their thickness and normals; bodies closed and oriented, also as STL."""
         counts, size = (20, 20, 20), (1.0, 1.0, 1.0)

@@ -69,6 +69,16 @@ class GeometricThicknessTest(unittest.TestCase):
                 self.assertAlmostEqual(row["mean"] / (size[2] / 6), 1.0, delta=2e-3, msg=row["place"])
             self.assertEqual([row["drawn_again"] for row in record["layers"]], [0] * 6)
 
+    def test_the_last_layer_reaches_to_the_end_of_the_part(self):
+        """Guided times go beyond 1 where a part is higher than its layers together."""
+        counts, size = (4, 4, 16), (1.0, 1.0, 4.0)
+        _, _, z = element_centres(counts, size)
+        nodes = node_coordinates(counts, size)[2] * 1.25 / size[2]
+        write_result(self.directory, size, np.ones(z.shape, bool), z * 1.25 / size[2], 5, nodes=nodes, nodes_as="nodal_time")
+        layers = self.measure()["layers"]
+        for row, height in zip(layers, [0.64] * 4 + [1.44]):
+            self.assertAlmostEqual(row["mean"] / height, 1.0, delta=2e-3, msg=row["place"])
+
     def test_layers_along_a_slanted_direction(self):
         """Linear times are continued to the surface exactly. Without a target, and points that face
         nothing."""

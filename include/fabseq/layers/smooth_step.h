@@ -3,6 +3,7 @@
 /// The smooth steps of curved and of multi-planar layers (docs/formulation.md 3.1, 3.2).
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -25,8 +26,9 @@ inline double exp_of_minus(double x) {
   return series * std::bit_cast<double>(exponent);
 }
 
-/// Step down from 1 before time point T to 0 after it, exactly 1 at t = 0 and 0 at t = 1:
-/// 1 - (tanh(beta T) + tanh(beta (t - T))) / (tanh(beta T) + tanh(beta (1 - T))).
+/// Step down from 1 before time point T to 0 after it, exactly 1 up to t = 0 and 0 from t = 1 on:
+/// 1 - (tanh(beta T) + tanh(beta (t - T))) / (tanh(beta T) + tanh(beta (1 - T))) in between. Beyond both ends
+/// that would leave [0, 1]: such times belong to the first and to the last layer alone.
 class SmoothStep {
  public:
   SmoothStep(double time_point, double beta)
@@ -37,23 +39,26 @@ class SmoothStep {
         scale_(1.0 / (start_ + end_)) {}
 
   double value(double time) const {
-    const double x = beta_ * (time - time_point_);
+    const double x = beta_ * (std::min(std::max(time, 0.0), 1.0) - time_point_);
     const double decay = exp_of_minus(2.0 * std::abs(x));
     return 1.0 - (start_ + std::copysign((1.0 - decay) / (1.0 + decay), x)) * scale_;
   }
-  /// With respect to the time.
-  double derivative(double time) const {
-    const double decay = exp_of_minus(2.0 * std::abs(beta_ * (time - time_point_)));
-    return -4.0 * beta_ * scale_ * decay / ((1.0 + decay) * (1.0 + decay));
-  }
+  /// With respect to the time; at both ends that of what lies between them.
+  double derivative(double time) const { return time < 0.0 || time > 1.0 ? 0.0 : slope(time); }
   /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and
   /// the end: beta scale (h - s + (1 - value) (s - e)).
   double time_point_derivative(double time) const {
     const double at_start = 1.0 - start_ * start_, at_end = 1.0 - end_ * end_;
-    return -derivative(time) + beta_ * scale_ * ((1.0 - value(time)) * (at_start - at_end) - at_start);
+    return -slope(std::min(std::max(time, 0.0), 1.0)) +
+           beta_ * scale_ * ((1.0 - value(time)) * (at_start - at_end) - at_start);
   }
 
  private:
+  double slope(double time) const {
+    const double decay = exp_of_minus(2.0 * std::abs(beta_ * (time - time_point_)));
+    return -4.0 * beta_ * scale_ * decay / ((1.0 + decay) * (1.0 + decay));
+  }
+
   double time_point_, beta_, start_, end_, scale_;
 };
 

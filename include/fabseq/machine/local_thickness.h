@@ -6,6 +6,7 @@
 #include "fabseq/part/part.h"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,19 +14,23 @@
 namespace fabseq {
 
 /// How thick a binary layer is at each of its elements, (T_j - T_{j-1}) / |grad t|, a part field, length unit
-/// (docs/formulation.md 13.1). Empty without a gradient or time points; infinite where the gradient
-/// vanishes. Local.
+/// (docs/formulation.md 13.1). Where the time of an element is beyond its layer's, before T_0 or after T_N,
+/// the layer reaches that far. Empty without a gradient or time points. Local.
+/// \param time         pseudo-time, a part field
 /// \param gradient     TimeGradient::values
 /// \param layer_index  the layer that builds each part element, from 1
+/// \param most         the thickness where the gradient vanishes but for its regularization
 template <int Dim>
-std::vector<double> local_thickness(std::span<const double> gradient, const LayerDensities& layers,
-                                    std::span<const double> layer_index);
+std::vector<double> local_thickness(std::span<const double> time, std::span<const double> gradient,
+                                    const LayerDensities& layers, std::span<const double> layer_index,
+                                    double most = std::numeric_limits<double>::infinity());
 
 /// What a local thickness is between, and the elements at which it lies outside of an allowed range.
 struct ThicknessRange {
   double least = 0.0, largest = 0.0;  ///< length unit
   std::vector<double> largest_at;     ///< centre of an element with the largest, [axis]
   bool largest_is_meeting = false;    ///< whether fronts meet there (meeting_fronts()): it is no thick layer
+  MarkedElements without_end;         ///< where the time hardly changes: as thick as the part is long
   std::optional<MarkedElements> outside;  ///< by what share of its end they miss it; none without a range
   double worst = 0.0;                     ///< that of the element that misses it by most, length unit
 };

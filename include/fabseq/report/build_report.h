@@ -27,12 +27,16 @@ struct TiltNumbers {
   MarkedElements beyond;  ///< by how much it is beyond tool.max_tilt
 };
 
+/// Elements whose time is beyond the last layer's by more than this, in layers, count as late.
+inline constexpr double late_from = 0.25;
+
 /// Figures of a sequence, the same on all ranks.
 struct BuildNumbers {
   GradientSource gradient = GradientSource::sequence;  ///< what direction and thickness are found from
   std::optional<MarkedElements> blocked;          ///< by how deep the torch is blocked; none without a torch
   std::optional<TiltNumbers> tilt;                ///< none where the torch's axis is not defined
   std::optional<ThicknessRange> local_thickness;  ///< none where it is not defined
+  std::optional<MarkedElements> late;             ///< by how many layers beyond late_from; curved layers
   MarkedElements hanging;                         ///< elements that begin in the air
   MarkedElements interior_minima, interior_maxima;
   std::optional<double> wire, hours;    ///< kg; build time. None without density and deposition rate

@@ -84,9 +84,9 @@ def measure_layers(time, time_points, farthest, points, seed):
     rows = []
     for j, (lower, upper) in enumerate(itertools.pairwise(time_points), start=1):
         if j == 1:
-            lower = max(lower, time.smallest) + END * (upper - lower)
+            lower = time.smallest + END * (upper - lower)
         if j == used:
-            upper = min(upper, time.largest) - END * (upper - lower)
+            upper = time.largest - END * (upper - lower)  # also where the part ends later than its last layer
         place = "empty" if j > used else "first" if j == 1 else "last" if j == used else "inner"
         distances, drawn_again = np.array([]), 0
         if place != "empty" and upper > lower:

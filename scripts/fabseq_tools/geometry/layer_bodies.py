@@ -126,12 +126,18 @@ class LayeredPart:
         self.body.label[beyond] = layer.number
 
     def thickness(self, layer, points):
-        """Local thickness of a layer and its build direction at points of the body. The thickness stays
-        between those that the check has for the layer's elements."""
+        """Local thickness of a layer and its build direction at points of the body. What is beyond the time of
+        all layers belongs to the first or the last, which reaches that far. The thickness stays between those
+        that the check has for the layer's elements."""
         slope = layer.slope(self.body, points)
+        values = layer.values(self.body)[points]
+        beyond = np.zeros(len(points))
+        if layer.direction is None:
+            later, earlier = np.maximum(values - layer.upper, 0.0), np.maximum(-values, 0.0)
+            beyond = later * (layer.upper == 1.0) + earlier * (layer.lower == 0.0)
         length = np.linalg.norm(slope, axis=1)
         safe = np.where(length > 0, length, 1.0)
-        thickness = np.where(length > 0, (layer.upper - layer.lower) / safe, np.nan)
+        thickness = np.where(length > 0, (layer.upper - layer.lower + beyond) / safe, np.nan)
         judged = self.judged.range(layer.number)
         return thickness if judged is None else np.clip(thickness, *judged), slope / safe[:, None]
 

@@ -123,7 +123,7 @@ def local_thickness(run, state, group):
     spacing = element_edges(run.config)[::-1]
     slopes = element_slopes(time, run.fields["density"] > 0, spacing) if planar else node_slopes(nodal, spacing)
     steepness = np.sqrt(sum(slope**2 for slope in slopes))
-    step = np.take(steps, np.clip(layer.astype(int) - 1, 0, len(steps) - 1))
+    step = np.take(steps, np.clip(layer.astype(int) - 1, 0, len(steps) - 1)) + np.maximum(np.maximum(time - 1.0, -time), 0.0)
     return {"local_thickness": np.where(steepness > 0, step / np.where(steepness > 0, steepness, 1.0), np.nan)}
 
 
