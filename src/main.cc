@@ -18,6 +18,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
+#include "fabseq/config/unlikely_numbers.h"
 #include "fabseq/tasks/optimization.h"
 #include "fabseq/tasks/starts.h"
 #include "fabseq/tasks/tasks.h"
@@ -85,9 +86,11 @@ void run_task(const CommandLine& command_line, const Config& config) {
   PhaseTimer timer;
   const Setup<Dim> setup(PETSC_COMM_WORLD, config);
   stop_if_signalled(setup.world());
+  for (const std::string& line : unlikely_numbers(config, PartFigures(setup))) warn(line);
   if (command_line.task != Task::check) {
     setup.require_walls();
     setup.require_memory_of_layers();  // a run for a larger machine can be checked on a small one
+    if (command_line.task == Task::optimize) setup.require_address_space();
   }
   switch (command_line.task) {
     case Task::optimize:

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -22,7 +23,35 @@ std::int64_t sum_over_machines(MPI_Comm comm, std::int64_t bytes) {
   return sum(comm, machine.is_first() ? bytes : 0);
 }
 
+/// The sum of what all ranks have; none if one has no bound.
+std::optional<std::int64_t> sum_of_bounds(MPI_Comm comm, const std::optional<std::int64_t>& bound) {
+  if (any(comm, !bound)) return std::nullopt;
+  return sum(comm, *bound);
+}
+
 }  // namespace
+
+std::optional<std::int64_t> address_space_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  constexpr rlim_t most = std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::int64_t>(std::min(limit.rlim_cur, most));
+}
+
+std::optional<std::int64_t> address_space_left() {
+  const auto limit = address_space_limit();
+  if (!limit) return std::nullopt;
+  std::int64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;  // the first number is the size of the address space
+  return std::max<std::int64_t>(0, *limit - pages * sysconf(_SC_PAGESIZE));
+}
+
+std::string address_space_words() {
+  const auto limit = address_space_limit();
+  if (!limit) return "";
+  return formatted("; the limit of the address space is %.4g GB (ulimit -v)",
+                   static_cast<double>(*limit) / 1e9);
+}
 
 std::int64_t peak_memory_bytes(MPI_Comm comm) {
   rusage usage{};
@@ -33,7 +62,8 @@ std::int64_t peak_memory_bytes(MPI_Comm comm) {
 std::int64_t installed_memory_bytes(MPI_Comm comm) {
   std::int64_t bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
   if (const auto limit = memory_limit()) bytes = std::min(bytes, limit->limit);
-  return sum_over_machines(comm, bytes);
+  const std::int64_t built_in = sum_over_machines(comm, bytes);
+  return std::min(built_in, sum_of_bounds(comm, address_space_limit()).value_or(built_in));
 }
 
 std::int64_t available_memory_bytes(MPI_Comm comm) {
@@ -46,7 +76,8 @@ std::int64_t available_memory_bytes(MPI_Comm comm) {
     if (name == "MemAvailable:") kilobytes = number_in<std::int64_t>(value).value_or(kilobytes);
   std::int64_t bytes = 1024 * kilobytes;
   if (const auto limit = memory_limit()) bytes = std::min(bytes, limit->available);
-  return sum_over_machines(comm, bytes);
+  const std::int64_t free = sum_over_machines(comm, bytes);
+  return std::min(free, sum_of_bounds(comm, address_space_left()).value_or(free));
 }
 
 void require_memory(MPI_Comm comm, double bytes, const std::string& what) {
@@ -55,7 +86,8 @@ void require_memory(MPI_Comm comm, double bytes, const std::string& what) {
   throw InputError(
       what +
       formatted(" need at least %.4g GB of memory; allowed: at most the %.4g GB of the machines of this run",
-                bytes / 1e9, installed / 1e9));
+                bytes / 1e9, installed / 1e9) +
+      address_space_words());
 }
 
 }  // namespace fabseq

@@ -3,7 +3,10 @@
 
 #include "base/launch.h"
 #include "base/processor.h"
+#include "fabseq/base/blas.h"
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/one_line.h"
 #include "fabseq/base/petsc.h"
@@ -15,6 +18,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <malloc.h>
+#include <new>
 #include <poll.h>
 #include <string_view>
 #include <sys/stat.h>
@@ -30,12 +34,55 @@ PetscErrorCode quiet_error_handler(MPI_Comm, int, const char*, const char*, Pets
   return code;
 }
 
+/// Libraries end or hang where they find no room: MPI_Init takes some 0.2 GB, OpenBLAS 0.13 GB, the smallest
+/// run 0.1 GB.
+void require_address_space(bool with_mpi) {
+  const std::int64_t needed = with_mpi ? 450'000'000 : 250'000'000;
+  const auto left = address_space_left();
+  if (!left || *left >= needed) return;
+  const std::int64_t limit = *address_space_limit();
+  throw InputError(
+      formatted("the limit of the address space: found %.3g GB (ulimit -v); allowed: %.3g GB for the "
+                "smallest part, or unlimited",
+                static_cast<double>(limit) / 1e9, static_cast<double>(limit - *left + needed) / 1e9));
+}
+
+/// OpenBLAS takes its buffer at the first call that needs one, and tries for ever if there is no room. Where
+/// there is a limit it gets it at once.
+void take_room_for_blas() {
+  if (!address_space_limit()) return;
+  const int one = 1;
+  double matrix = 1.0;
+  int info = 0;
+  dpotrf_("L", &one, &matrix, &one, &info);
+}
+
+/// Before MPI_Init: whether this process is the first of those that were started together.
+bool is_first_by_launcher() {
+  for (const char* rank : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (const char* number = std::getenv(rank)) return std::string_view(number) == "0";
+  return true;
+}
+
+/// An allocation that the limit of the address space has kept from this rank: a refusal, as of a part that is
+/// too large for the machines. Without such a limit it is an exception like others. Other ranks may wait for
+/// this one.
+int out_of_address_space() {
+  const auto status = static_cast<int>(ExitStatus::bad_input);
+  const bool alone = size_of(PETSC_COMM_WORLD) == 1;
+  const std::string rank = alone ? "" : "rank " + std::to_string(rank_of(PETSC_COMM_WORLD)) + ": ";
+  write_text(STDERR_FILENO, "fabseq: " + rank + "no memory is left" + address_space_words() + "\n");
+  if (!alone) MPI_Abort(MPI_COMM_WORLD, status);
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
+  return status;
+}
+
 /// Says in one line what PetscInitialize does not like of its options, and returns the exit status. Ranks
 /// that wait for this one in there are ended by mpirun.
 int refused(const Error& error) {
   int initialized = 0;
   MPI_Initialized(&initialized);
-  if (initialized == 0 || rank_of(MPI_COMM_WORLD) == 0)
+  if (initialized == 0 ? is_first_by_launcher() : rank_of(MPI_COMM_WORLD) == 0)
     write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
   return static_cast<int>(error.status());
 }
@@ -64,6 +111,8 @@ int guarded(const std::function<void()>& program) {
     (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
     return static_cast<int>(error.status());
   } catch (const std::exception& error) {
+    if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr && address_space_limit())
+      return out_of_address_space();
     std::fprintf(stderr, "fabseq: rank %d: %s\n", rank_of(PETSC_COMM_WORLD), error.what());
     std::fflush(stderr);
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitStatus::numerical_failure));
@@ -126,6 +175,7 @@ Session::Session(const std::vector<std::string>& petsc_arguments) {
   PetscBool running = PETSC_FALSE;
   (void)PetscInitialized(&running);
   begun_ = running == PETSC_FALSE;
+  require_address_space(begun_);
   if (begun_) {
     std::vector<std::string> copies = petsc_arguments;
     // fabseq handles signals itself (stop.h), and a closed pipe, as of `| head`, must not end in a trace.
@@ -143,6 +193,7 @@ Session::Session(const std::vector<std::string>& petsc_arguments) {
     check_options(PetscInitialize(&count, &arguments, nullptr, nullptr));
     PetscErrorPrintf = PetscErrorPrintfDefault;
   }
+  take_room_for_blas();
   (void)PetscPushErrorHandler(quiet_error_handler, nullptr);
 }
 

@@ -57,6 +57,8 @@ void check_magnitudes(const Config& config) {
   }
   check_magnitude("/domain/thickness", config.thickness);
   check_magnitude("/material/young", config.material.young);
+  check_magnitude("/projection/beta", config.projection.beta.value_or(0.0));
+  check_magnitude("/projection/max", config.projection.max.value_or(0.0));
   for (const double strain : config.material.inherent_strain)
     check_magnitude("/material/inherent_strain", strain);
   if (const auto& strain = config.material.turning_strain) {

@@ -105,6 +105,21 @@ void Setup<Dim>::require_memory_of_layers() const {
           " elements" + (group_count > 1 ? " in " + std::to_string(group_count) + " layer groups" : ""));
 }
 
+template <int Dim>
+void Setup<Dim>::require_address_space() const {
+  if (!any(this->world(), address_space_limit().has_value())) return;
+  const double bytes = memory_estimate(this->size, config.solver.path, this->groups.count(), this->lanes);
+  const auto available = static_cast<double>(available_memory_bytes(this->world()));
+  if (bytes <= available) return;
+  const LayerTraits& traits = this->layers->traits();
+  throw InputError(traits.key +
+                   formatted(": an optimization with %d layers on %s elements takes about %.3g GB of "
+                             "memory; allowed: at most the %.3g GB that are left",
+                             traits.count, to_text<Dim>(this->grid.domain().elements).c_str(), bytes / 1e9,
+                             available / 1e9) +
+                   address_space_words());
+}
+
 FABSEQ_INSTANTIATE_CLASS(Setup);
 
 }  // namespace fabseq

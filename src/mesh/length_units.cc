@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "mesh/length_units.h"
+#include "fabseq/mesh/length_units.h"
 
 #include "mesh/text_values.h"
 

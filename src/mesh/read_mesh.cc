@@ -6,7 +6,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
-#include "mesh/length_units.h"
+#include "fabseq/mesh/length_units.h"
 #include "mesh/mesh_formats.h"
 #include "mesh/other_formats.h"
 #include "mesh/shells.h"

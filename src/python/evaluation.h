@@ -5,7 +5,11 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/refusal.h"
+#include "fabseq/base/session.h"
+#include "fabseq/base/verdict.h"
 #include "fabseq/config/setup.h"
+#include "fabseq/config/unlikely_numbers.h"
 #include "fabseq/grid/box_gather.h"
 #include "fabseq/keys/config_key.h"
 #include "fabseq/optimize/problem.h"
@@ -54,6 +58,7 @@ template <int Dim>
 class EvaluationIn : public Evaluation {
  public:
   explicit EvaluationIn(Config config) : config_(std::move(config)), setup_(PETSC_COMM_WORLD, config_) {
+    for (const std::string& line : unlikely_numbers(config_, PartFigures(setup_))) warn(line);
     setup_.require_walls();
     setup_.require_memory_of_layers();
     const double tolerance = std::min(config_.solver.finest_tolerance(), 1e-9);  // of -task evaluate
@@ -80,9 +85,13 @@ class EvaluationIn : public Evaluation {
 
   std::vector<NamedValue> evaluate(std::span<const double> design, std::optional<double> beta) override {
     entries_->require("design", design, entries_->share());
+    const double sharpness = beta.value_or(setup_.layers->traits().first_beta);
+    run_on_all(setup_.world(), [&] {
+      if (!(sharpness >= 1e-40 && sharpness <= 1e40))
+        refuse("beta", shown(sharpness), "a number > 0, from 1e-40 to 1e40");
+    });
     state_.reset();
     take(design);
-    const double sharpness = beta.value_or(setup_.layers->traits().first_beta);
     state_.emplace(pipeline_->run(design_, sharpness, setup_.binary()));
     values_ = pipeline_->values(problem_->responses(), *state_);
     return problem_->describe(values_);

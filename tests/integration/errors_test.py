@@ -56,6 +56,36 @@ class ConfigErrorsTest(BadInputTest):
         self.assert_refused(plate_2d(), "-poisson", "0.5", words=["/material/poisson", "found 0.5", "(-1, 0.5)"])
         self.assert_refused(plate_2d(), "-layers", "0", words=["/layers/count", "found 0", "[1, 10000]"])
 
+    def test_nodes_that_make_no_plane(self):
+        """As objective and as constraint, before anything is written."""
+        config = plate_2d()
+        config["node_sets"]["point"] = {"box": {"min": [0, 0], "max": [0, 0]}}
+        term = {"type": "distortion", "measure": "angle", "nodes": "point", "to": "top"}
+        words = ["/node_sets/point", "1 nodes determine no line for measure angle; allowed: nodes of an edge"]
+        for key, terms in (("objective", [term]), ("constraints", [{**term, "limit": 1.0}])):
+            for task in ("optimize", "simulate", "evaluate"):
+                self.assert_refused({**config, key: terms}, "-task", task, words=words)
+
+    def test_sharpness(self):
+        for value in ("-1", "0", "inf", "nan", "1e999", "1e300", "1e-300"):
+            for key in ("beta", "max"):
+                self.assert_refused(plate_2d(), "-set", f"projection.{key}={value}", words=[f"/projection/{key}: found "])
+
+    @run_fabseq.only_release  # sanitizers take address space by the terabyte
+    def test_address_space(self):
+        """Limits with which libraries would end, or wait for ever; the last one leaves too little for the part."""
+        launcher = run_fabseq.launcher
+
+        def limited(kilobytes):
+            return mock.patch.object(run_fabseq, "launcher", lambda ranks: [
+                *launcher(ranks), "bash", "-c", f'ulimit -v {kilobytes} && exec "$0" "$@"'])
+        with limited(300000):
+            self.assert_refused(plate_2d(), words=["the limit of the address space: found 0.307 GB (ulimit -v); allowed: "])
+        config = hook_3d()
+        config["domain"]["elements"] = [6 * n for n in config["domain"]["elements"]]
+        with limited(750000):
+            self.assert_refused(config, words=["/layers/count: an optimization with ", "GB that are left; the limit of the"])
+
     def test_absurd_sizes(self):
         """Numbers that size memory: refused before anything of that size is asked for."""
         for arguments, words in (

@@ -156,6 +156,8 @@ class PythonTest(FabseqTest):
                 report(problem.gradients)
                 report(problem.evaluate, np.ones(3))
                 report(problem.evaluate, np.nan * problem.design)
+                for beta in (-1, 0, np.inf, np.nan, 1e300, 1e-300):
+                    report(problem.evaluate, problem.design, beta)
                 problem.evaluate(problem.design)
                 report(problem.gradients, "objective_7")
                 report(problem.share, np.ones(3))
@@ -163,9 +165,9 @@ class PythonTest(FabseqTest):
                 report(problem.evaluate, np.ones(3))
             """)
             text = "\n".join(lines)  # mpirun may join lines of two ranks
-            self.assertEqual((text.count("ValueError"), text.count("RuntimeError")), (8 * ranks, ranks), text)
+            self.assertEqual((text.count("ValueError"), text.count("RuntimeError")), (14 * ranks, ranks), text)
             self.assertIn(refused.stderr.strip().removeprefix("fabseq: "), text)
-            for expected in ("missing.json", "/domain", "after evaluate", r"design: found 3 values; allowed: \d+", "not finite",
+            for expected in ("missing.json", "/domain", "after evaluate", "beta: found -1.0; allowed: a number > 0", r"design: found 3 values; allowed: \d+", "not finite",
                              'found "objective_7"', "whole: found 3 values", "RuntimeError the problem is closed"):
                 self.assertRegex(text, expected)
 

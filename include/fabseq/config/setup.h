@@ -35,6 +35,9 @@ class Setup : public Model<Dim> {
   /// Throws InputError if the densities and displacements of all layers are more than the machines of this
   /// run can hold. Collective.
   void require_memory_of_layers() const;
+  /// Throws InputError if an optimization takes more memory than limits of address space leave to the ranks:
+  /// libraries do not survive that. Collective.
+  void require_address_space() const;
   /// Refuses meshes on a grid that is too coarse for their walls. Collective on the world.
   void require_walls() const;
 
