@@ -45,6 +45,7 @@ Model<Dim>::Model(MPI_Comm world, const ModelSettings& settings_)
       layers(placed_->layers.get()),
       baseline(make_layer_model({.count = baseline_count(settings.baseline, *layers, part)}, {}, part)),
       objective(placed_->objective),
+      constraints(placed_->constraints),
       size(placed_->size),
       lanes(resolved_lanes(world, settings.solver, size, groups.count())),
       characteristic_length(placed_->characteristic_length),

@@ -43,6 +43,7 @@ PlacedPart<Dim>::PlacedPart(MPI_Comm world, const ModelSettings& settings_, cons
       sequence(with_lengths(settings, part, layers->count())),
       characteristic_length(sequence.facts.characteristic_length.value_or(part.longest_edge())),
       objective(make_responses(settings.objective, context())),
+      constraints(make_responses(settings.constraints, context())),
       size(run_size(settings, part, objective, layers->count(), size_of(world))) {}
 
 template <int Dim>

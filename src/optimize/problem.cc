@@ -2,6 +2,8 @@
 #include "fabseq/optimize/problem.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
+#include "fabseq/base/session.h"
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>
@@ -22,19 +24,33 @@ constexpr double worthwhile_share = 0.5;
 /// Nothing is gained where a term has fallen below this share of its first value, a millionth in
 /// displacements.
 constexpr double negligible_share = 1e-12;
+/// A term that begins with no more than rounding is scaled as if it began with this share of its size, a
+/// hundredth in displacements.
+constexpr double usual_share = 1e-4;
+
+/// The largest component of the inherent strain.
+double largest_strain(const MaterialSettings& material) {
+  double result = 0.0;
+  for (const double strain : material.inherent_strain) result = std::max(result, std::abs(strain));
+  if (const auto& turning = material.turning_strain)
+    result = std::max(std::abs(turning->tangential), std::abs(turning->normal));
+  return result;
+}
 
 }  // namespace
 
 template <int Dim>
 Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
     : terms_(model.settings.objective), margin_(constraint_margin), responses_(model.objective) {
-  for (const Term& term : model.settings.constraints) {
-    responses_.push_back(term.type->make(term, model.context()));
-    has_check_.push_back(!term.type->exact_check.empty());
-  }
+  responses_.insert(responses_.end(), model.constraints.begin(), model.constraints.end());
+  for (const Term& term : model.settings.constraints) has_check_.push_back(!term.type->exact_check.empty());
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
     for (const Term& term : *list) types_.push_back(term.type->name);
   configured_ = responses_.size();
+  const double displacement = largest_strain(model.settings.material) * model.part.longest_edge();
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    sizes_.push_back(responses_[i]->uses_displacements() ? displacement * displacement
+                                                         : responses_[i]->size());
   add_largest();
   if (!largest_) add_functionals();
 }
@@ -78,11 +94,23 @@ std::vector<int> Problem<Dim>::residuals_of(const Squares& squares, const Proble
   return result;
 }
 
+template <int Dim>
+bool Problem<Dim>::begins_with_rounding(std::size_t term) const {
+  return first_values_[term] <= negligible_share * sizes_[term];
+}
+
+/// The value that a term with scaling `first` is divided by; 0: it is not scaled.
+template <int Dim>
+double Problem<Dim>::first_value(std::size_t term) const {
+  return begins_with_rounding(term) ? usual_share * sizes_[term] : first_values_[term];
+}
+
 /// The value that a term with scaling `current` is divided by. What has fallen to the errors of the solves is
 /// not enlarged further: the optimizer would be given noise.
 template <int Dim>
 double Problem<Dim>::current_value(std::size_t term, double value) const {
-  return std::max(value, negligible_share * first_values_[term]);
+  return std::max(value,
+                  begins_with_rounding(term) ? first_value(term) : negligible_share * first_value(term));
 }
 
 /// Factor of each term: its value becomes `normalize` at the first iteration, or at every one.
@@ -91,7 +119,7 @@ std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<dou
   std::vector<double> factors;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const double value =
-        terms_[i].scaling == TermScaling::current ? current_value(i, objective[i][0]) : first_values_[i];
+        terms_[i].scaling == TermScaling::current ? current_value(i, objective[i][0]) : first_value(i);
     factors.push_back(value > 0.0 ? terms_[i].normalize / value : 1.0);
   }
   return factors;
@@ -112,9 +140,10 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.functionals.resize(terms_.size());
   for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
   if (largest_) result.scenarios = all[configured_];
-  if (first_values_.empty())
+  if (first_values_.empty()) {
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
-
+    warn_of_rounding();
+  }
   const std::vector<double> factors = term_factors(result.objective);
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const double value = result.objective[i][0];
@@ -134,6 +163,16 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
         if (!has_check_[i]) result.worst_unchecked = std::max(result.worst_unchecked, row.violation(value));
       }
   return result;
+}
+
+template <int Dim>
+void Problem<Dim>::warn_of_rounding() const {
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (terms_[i].weight != 0.0 && sizes_[i] > 0.0 && begins_with_rounding(i))
+      warn(formatted(
+          "/objective/%zu: %s begins at %.2g, which is 0 but for rounding: it is scaled as if it began "
+          "at %.2g",
+          terms_[i].position, types_[i].c_str(), first_values_[i], first_value(i)));
 }
 
 /// The weighted terms but for one that is the largest of several; of a sum of squares what is not in the
@@ -209,7 +248,8 @@ template <int Dim>
 double Problem<Dim>::share_left(const ProblemValues& values) const {
   double share = 1.0;
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    if (terms_[i].weight != 0.0 && responses_[i]->uses_displacements() && first_values_[i] > 0.0)
+    if (terms_[i].weight != 0.0 && responses_[i]->uses_displacements() && first_values_[i] > 0.0 &&
+        !begins_with_rounding(i))
       share = std::min(share, std::max(0.0, values.objective[i][0] / first_values_[i]));
   return share;
 }

@@ -34,6 +34,13 @@ class Uniformity : public Response<Dim> {
   Uniformity(const ResponseContext<Dim>& context, const UniformitySettings& settings)
       : context_(context), variance_(settings.form == UniformityForm::variance) {}
 
+  /// Gradients that differ by as much as they are long.
+  double size() const override {
+    return variance_
+               ? 1.0
+               : static_cast<double>(context_.part.count()) / std::pow(context_.characteristic_length, 2);
+  }
+
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const auto statistics = layer_statistics(context_, state.time, state.layers);
     double total = 0.0;

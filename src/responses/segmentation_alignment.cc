@@ -37,6 +37,8 @@ class SegmentationAlignment : public Response<Dim> {
   SegmentationAlignment(const ResponseContext<Dim>& context, const SegmentationAlignmentSettings& settings)
       : part_(context.part), band_(settings.band) {}
 
+  double size() const override { return static_cast<double>(part_.count()); }
+
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const SubParts& sub_parts = state.layers.sub_parts;
     if (sub_parts.count() == 0) return {std::numeric_limits<double>::quiet_NaN()};  // the planar baseline

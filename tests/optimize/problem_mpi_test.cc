@@ -88,6 +88,28 @@ TYPED_TEST(ProblemTest, NegligibleValuesAreNotScaledUp) {
   EXPECT_GT(compared, 0);
 }
 
+/// What is 0 but for rounding says nothing of how large it may become.
+TYPED_TEST(ProblemTest, WhatBeginsWithRoundingIsScaledByItsSize) {
+  auto& pipeline = this->case_;
+  const auto state = pipeline.run(pipeline.wavy_design());
+  const double size = std::pow(0.01 * pipeline.setup.part.longest_edge(), 2);  // strain times length
+  for (const double factor : {0.0, 1e-12}) {
+    test::PipelineCase<TypeParam::value> other;
+    ProcessResult small = state.process;
+    for (double& u : small.displacement) u *= factor;
+    const ProblemValues first = other.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
+    const ProblemValues second = other.problem.evaluate(pipeline.pipeline, state);
+    for (const int i : {0, 1}) {
+      const double value = second.objective[i][0];
+      EXPECT_LE(first.objective[i][0], 1e-12 * size);
+      EXPECT_LT(first.scaled[i], 1e-6 * weights[i] * normalize[i]);
+      const double reference = current[i] ? std::max(value, 1e-4 * size) : 1e-4 * size;
+      EXPECT_NEAR(second.scaled[i], weights[i] * normalize[i] * value / reference, 1e-9) << i;
+    }
+    EXPECT_EQ(other.problem.share_left(second), 1.0);
+  }
+}
+
 /// The objective's gradient is that of the merit: a term scaled by its current value c J / J is c ln J.
 TYPED_TEST(ProblemTest, GradientsAgreeWithDifferencesOfMeritAndRows) {
   auto& pipeline = this->case_;

@@ -51,7 +51,7 @@ class Model {
   const std::map<std::string, NodeSet>& node_sets;
   const LayerModel<Dim>* layers;                    ///< of the design
   std::unique_ptr<const LayerModel<Dim>> baseline;  ///< of the planar sequence it is compared with
-  const ResponseList<Dim>& objective;               ///< its terms
+  const ResponseList<Dim>&objective, &constraints;  ///< their terms
   const RunSize& size;
   int lanes;                     ///< layers solved side by side at most
   double characteristic_length;  ///< l_c, length unit

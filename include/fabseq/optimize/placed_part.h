@@ -35,9 +35,9 @@ struct PlacedPart {
   SequencePlaces<Dim> places;
   std::map<std::string, NodeSet> node_sets;
   std::unique_ptr<const LayerModel<Dim>> layers;  ///< of the design
-  SequenceSettings sequence;     ///< the settings', with the lengths that follow from the part
-  double characteristic_length;  ///< l_c, length unit
-  ResponseList<Dim> objective;   ///< its terms
+  SequenceSettings sequence;                 ///< the settings', with the lengths that follow from the part
+  double characteristic_length;              ///< l_c, length unit
+  ResponseList<Dim> objective, constraints;  ///< their terms
   RunSize size;
 
   ResponseContext<Dim> context() const;

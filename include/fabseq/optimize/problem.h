@@ -103,7 +103,10 @@ class Problem {
   void add_largest();
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
+  bool begins_with_rounding(std::size_t term) const;
+  double first_value(std::size_t term) const;
   double current_value(std::size_t term, double value) const;
+  void warn_of_rounding() const;
   std::vector<double> term_factors(const std::vector<std::vector<double>>& objective) const;
   GradientRow objective_row(const ProblemValues& values, const std::vector<double>& factors) const;
 
@@ -113,6 +116,7 @@ class Problem {
   std::vector<std::string> types_;  ///< of responses_
   std::vector<bool> has_check_;     ///< of constraints: ResponseTraits::exact_check
   std::size_t configured_ = 0;      ///< terms and constraints
+  std::vector<double> sizes_;       ///< of terms, what tells their values from rounding; 0: nothing does
   std::vector<Squares> squares_;
   std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response
                                         ///< after the configured ones, and there are no functionals

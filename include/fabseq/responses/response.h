@@ -79,6 +79,9 @@ class Response {
   /// Whether values depend on displacements, in which case its rows need the adjoints of all layers. Not
   /// collective.
   virtual bool uses_displacements() const { return false; }
+  /// What values of an objective that depends on no displacements are compared with to tell rounding: those
+  /// of a sequence without any order; 0: they have no rounding. Not collective.
+  virtual double size() const { return 0.0; }
   /// Raw values, one per component.
   virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
   /// Adds weight * d(value of the component) to the derivatives by each stage that the component depends on.
