@@ -101,6 +101,8 @@ Config varied(const Setup<Dim>& unchanged, const Variation& variation) {
   config.constraints.clear();
   config.part.announce = variation.finer;  // else as of the unchanged part
   variation.change(config);
+  // Where something counts in what is not built yet, the solves are whole.
+  if (!may_leave_out_unbuilt(config.process)) config.solver.region = SolverRegion::whole;
   complete_derived(config);
   return config;
 }

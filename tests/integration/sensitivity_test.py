@@ -221,6 +221,13 @@ class SensitivityTest(FabseqTest):
                     self.assertLess(largest_relative_difference(numbers(again[name]["sequence"]), numbers(row["sequence"])),
                                     1e-5, option + " " + name)
 
+    def test_solves_of_what_is_built_only(self):
+        """Void quiet needs whole ones, and gets them."""
+        config = plate_2d()
+        rows, _ = self.table(config, "-finer_grid", "no", "-set", "solver.region=built")
+        self.assertEqual([name for name, row in rows.items() if "skipped" in row], ["grid twice as fine"])
+        self.assert_row(rows["void quiet"], config, "-void", "quiet")
+
     def test_what_is_left_out(self):
         config = plate_2d()
         rows, _ = self.table(config, "-finer_grid", "no")
