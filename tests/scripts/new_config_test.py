@@ -140,7 +140,16 @@ class NewConfigTest(unittest.TestCase):
         self.assertEqual(config["constraints"][0]["target"], 4 * config["domain"]["element"])
         self.assertTrue(config["material"]["file"].endswith("316L.json"))
         self.run_new("wedge.stl", "--unit", "m", "--thickness", "0.008", "--overwrite")
-        self.assertAlmostEqual(read_config(self.path("wedge.json"))["material"]["mass_density"], 7850, delta=1)
+        self.assertEqual(self.warnings, "")
+        material = read_config(self.path("wedge.json"))["material"]
+        self.assertEqual((material["mass_density"], material["conductivity"]), (7850, 40.7))
+        self.run_new("wedge.stl", "--unit", "inches", "--scale", "39.37", "--thickness", "0.3", "--overwrite")
+        self.assertEqual(self.warnings, "")
+        material = read_config(self.path("wedge.json"))["material"]
+        self.assertEqual((material["mass_density"], material["conductivity"]), (0.128638, 1.03378))
+        self.run_new("wedge.stl", "--unit", "ells", "--scale", "100", "--thickness", "0.8", "--overwrite")
+        self.assertIn("--unit: found ells, whose length is not known", self.warnings)
+        self.assertEqual(set(read_config(self.path("wedge.json"))["material"]), {"file"})
         self.run_new("wedge.stl", "--thickness", "0.008", "--overwrite")
         self.assertIn("the part would be 0.04 × 0.02 × 0.02 mm: is the file in another unit?", self.warnings)
 

@@ -7,13 +7,10 @@ import os
 import re
 
 from fabseq_tools.run.command_line import RunError, reason_of, run_command, write_json
-from fabseq_tools.run.places import ROOT
-from fabseq_tools.run.read_run import read_config
-from fabseq_tools.start.config_text import Entry, plain
+from fabseq_tools.start.config_text import plain
 from fabseq_tools.start.entries import entries_of
+from fabseq_tools.start.materials import material_of
 
-MATERIALS = os.path.join(ROOT, "configs", "materials")
-DEFAULT_MATERIAL = "ER70S-6"
 MOST_ELEMENTS, FIRST_LOOK = 50_000, 3_000  # of the part: by default, and of the first grid
 ACROSS_WALL, ACROSS_LAYER, LEAST_ACROSS_LAYER = 3, 4, 2.5  # elements (docs/how-to/choose-what-to-optimize.md)
 NEAR_BOUND = 0.8         # from this share of a bound on, elements are small enough
@@ -24,11 +21,6 @@ MOST_LOOKS = 8           # for one choice
 BEYOND_ANY_PART = 1e12   # an element of this edge is filled by no mesh
 PROGRAM_ALONE = 0.06     # GB of a run without elements
 MOST_HANGING = 0.05      # of the elements, off the plate: what is left out unless told otherwise
-
-
-def known_materials():
-    names = os.listdir(MATERIALS) if os.path.isdir(MATERIALS) else []
-    return sorted(os.path.splitext(name)[0] for name in names if name.endswith(".json"))
 
 
 @dataclasses.dataclass
@@ -240,10 +232,10 @@ def require_on_plate(arguments, found):
 
 def choose(arguments, look):
     """The entries of the config, and warnings."""
-    material = material_of(arguments)
+    material, material_warnings = material_of(arguments)
     target = arguments.thickness or arguments.bead_height
     element = Element(arguments, look, target)
-    found, warnings = element.found, element.warnings
+    found, warnings = element.found, material_warnings + element.warnings
     if target:
         why_target = "as asked for (--thickness)" if arguments.thickness else "the bead's height (--bead-height)"
     else:
@@ -265,19 +257,3 @@ def choose(arguments, look):
         warnings.append(f"a run takes {last.memory:g} GB, more than --memory {arguments.memory:g}")
     entries[1].remark += (f" {last.elements:,} elements, {last.memory:g} GB on one rank, about {last.seconds:g} s an iteration.")
     return entries, warnings + [text for text in last.warnings if not text.startswith("/layers: layers of ")]  # said above
-
-
-def material_of(arguments):
-    """The entry of the material's file."""
-    known = known_materials()
-    asked = arguments.material or DEFAULT_MATERIAL
-    name = {name.lower(): name for name in known}.get(asked.lower())
-    if name is None:
-        raise RunError(f"--material: found {asked}; allowed: {', '.join(known) or 'none is there'}")
-    path = os.path.join(MATERIALS, name + ".json")
-    value, remark = {"file": path}, f"{read_config(path).get('name', name)}"
-    remark += "" if arguments.material else "; --material names another"
-    if arguments.millimetres not in (None, 1.0) and "mass_density" in read_config(path):
-        value["mass_density"] = float(f"{read_config(path)['mass_density'] * arguments.millimetres ** 3:.6g}")
-        remark += f", its density in kg per cubic {arguments.unit}"
-    return Entry("material", value, remark + ". The inherent strain is the same in all files: calibrate it.")

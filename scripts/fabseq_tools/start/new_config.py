@@ -37,8 +37,9 @@ from fabseq_tools.geometry.placement import millimetres_of
 from fabseq_tools.run.command_line import RunError, count, parser_of, positive, warn
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
-from fabseq_tools.start.choices import Look, choose, known_materials
+from fabseq_tools.start.choices import Look, choose
 from fabseq_tools.start.config_text import config_text
+from fabseq_tools.start.materials import known_materials
 
 COMMAND = "new"
 
