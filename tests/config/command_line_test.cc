@@ -91,9 +91,9 @@ TEST(CommandLineTest, Errors) {
   EXPECT_EQ(refusal_of({"-config"}), "-config: missing value; allowed: -config VALUE");
   EXPECT_EQ(refusal_of({"-config", "-task", "check"}), "-config: missing value; allowed: -config VALUE");
   EXPECT_EQ(refusal_of({"-config", "c", "-layers"}), "-layers: missing value; allowed: -layers VALUE");
-  EXPECT_EQ(
-      refusal_of({"-config", "c", "-task", "fly"}),
-      "-task: found \"fly\"; allowed: optimize, simulate, sensitivity, evaluate, check_gradients, check");
+  EXPECT_EQ(refusal_of({"-config", "c", "-task", "fly"}),
+            "-task: found \"fly\"; allowed: optimize, simulate, sensitivity, evaluate, check_gradients, "
+            "check, surface");
   EXPECT_EQ(refusal_of({"-config", "c", "-set", "layers"}),
             "-set: found \"layers\"; allowed: -set path.to.key=VALUE");
   EXPECT_EQ(refusal_of({"-config", "c", "-set", "=1"}),

@@ -17,7 +17,7 @@ MEASURED is in the config's coordinates and its unit of length, and one of two:
   surface.
 - A scan: such a table with x, y, z only (CSV, TXT, XYZ, ASC), a cloud of points (PLY) or a mesh (PLY, OBJ,
   STL). Each is a point of the surface of the finished part. What counts is how far it is from the surface as
-  drawn, along its normal: from the mesh of part.mesh, in its place, or else, and with 3MF files, from the
+  drawn, along its normal: from the mesh of part.mesh, in its place, or else from the
   boundary of the elements. Slanted and round surfaces of these are stairs, so that a scan wants a mesh.
 
 Points that are no numbers, or all of whose numbers are 0, are left out, equal ones count once; their number

@@ -88,8 +88,6 @@ class Scan:
         """As of Displacements."""
         mesh = config["part"].get("mesh")
         drawn = mesh_surface(mesh["file"], config["run"]["mesh_placement"]) if mesh else None
-        if mesh and drawn is None:
-            warn(f"{mesh['file']} cannot be read here: distances are those from the elements")
         self.model, self.points, self.surface = model, measurement.points, drawn or model.surface
         self.tolerance = tolerance or 3.0 * model.longest_edge
         self.box = box_of(self.surface)

@@ -4,16 +4,13 @@
 import itertools
 
 import numpy as np
-from vtkmodules.vtkCommonCore import reference, vtkObject
+from vtkmodules.vtkCommonCore import reference
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkPolyDataNormals
 from vtkmodules.vtkFiltersModeling import vtkFillHolesFilter
-from vtkmodules.vtkIOPLY import vtkPLYReader
 
 from fabseq_tools.geometry.read_mesh import read_mesh
 from fabseq_tools.geometry.vtk_data import corners_of, filtered, points_of, poly_data
-
-READERS = {".ply": vtkPLYReader}
 
 
 class Surface:
@@ -65,16 +62,6 @@ def mesh_surface(path, placement):
     """The surface in a mesh file as the program reads it, placed by a 3x4 matrix."""
     placement = np.array(placement)
     return Surface(read_mesh(path) @ placement[:, :3].T + placement[:, 3])
-
-
-def read_poly_data(reader_type, path):
-    """What is in a file; nothing at all if VTK cannot make sense of it."""
-    open(path, "rb").close()  # raises an OSError, where VTK goes on
-    vtkObject.GlobalWarningDisplayOff()  # or it tells of its classes
-    reader = reader_type()
-    reader.SetFileName(path)
-    reader.Update()
-    return reader.GetOutput()
 
 
 def voxel_surface(solid, size, origin):
