@@ -127,11 +127,11 @@ void end_runtime() {
 /// ValueError for what the user can mend, RuntimeError for a solver that fails.
 void translate(std::exception_ptr error) {
   try {
-    std::rethrow_exception(error);
-  } catch (const SharedFailure& shared) {
-    raise_in_python(shared.failure());
+    std::rethrow_exception(std::move(error));
+  } catch (const SharedFailure&) {
+    raise_in_python(failure_of(std::current_exception()));
   } catch (const Error&) {
-    raise_in_python(failure_of(error));
+    raise_in_python(failure_of(std::current_exception()));
   }
 }
 
