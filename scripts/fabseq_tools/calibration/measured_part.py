@@ -51,7 +51,7 @@ class MeasuredPart:
         settings = itertools.chain(*(("-set", f"{key}={value}") for key, value in SINGLE_LAYER.items()))
         self.config, _, fields = self.simulate("model", self.rest, settings)
         model, kind = VoxelModel(self.config, fields), Scan if self.read.displacements is None else Displacements
-        self.measurement = kind(model, self.read, self.config, self.arguments.tolerance, self.warn)
+        self.measurement = kind(model, self.read, self.config, self.arguments.tolerance)
         print(f"{self.built.place}: simulating {self.words_of_sequence()}", flush=True)
 
     def words_of_sequence(self):

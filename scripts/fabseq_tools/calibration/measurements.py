@@ -36,9 +36,8 @@ class Displacements:
 
     name, moves = "displacements", False
 
-    def __init__(self, model, measurement, config, tolerance, warn):
-        """`measurement`: as it was read. `config`: the effective one. `warn`: is called with what the user
-        should know."""
+    def __init__(self, model, measurement, config, tolerance):
+        """`measurement`: as it was read. `config`: the effective one."""
         tolerance, box = tolerance or model.longest_edge, box_of(model.surface)
 
         def distances(points):
@@ -84,7 +83,7 @@ class Scan:
 
     name, moves = "scan", True
 
-    def __init__(self, model, measurement, config, tolerance, warn):
+    def __init__(self, model, measurement, config, tolerance):
         """As of Displacements."""
         mesh = config["part"].get("mesh")
         drawn = mesh_surface(mesh["file"], config["run"]["mesh_placement"]) if mesh else None
