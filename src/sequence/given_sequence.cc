@@ -97,12 +97,18 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   result.recorded_gradient = recorded_gradient(part, file, dataset);
-  // Times of a run may leave the range a little; whoever writes a gradient beside them means times.
+  // Guided times go beyond 1 where the part does not end with its last layer; whoever writes a gradient beside
+  // them means times. Without one they may be seconds, or numbers of layers.
   const bool is_of_run = any(part.grid().comm(), !result.recorded_gradient.empty());
-  const auto outside = [=](double t) { return !(is_of_run ? std::isfinite(t) : t >= 0.0 && t <= 1.0); };
+  constexpr double rounding = 1e-6;
+  const auto outside = [=](double t) {
+    return !(is_of_run ? std::isfinite(t) : t >= -rounding && t <= 1.0 + rounding);
+  };
   if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
     throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
                      " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
+  for (double& t : result.time)
+    if (!is_of_run) t = std::clamp(t, 0.0, 1.0);
   return result;
 }
 
