@@ -97,8 +97,8 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   result.recorded_gradient = recorded_gradient(part, file, dataset);
-  // Guided times go beyond 1 where the part does not end with its last layer; whoever writes a gradient beside
-  // them means times. Without one they may be seconds, or numbers of layers.
+  // Guided times go beyond 1 where the part does not end with its last layer; whoever writes a gradient
+  // beside them means times. Without one they may be seconds, or numbers of layers.
   const bool is_of_run = any(part.grid().comm(), !result.recorded_gradient.empty());
   constexpr double rounding = 1e-6;
   const auto outside = [=](double t) {
