@@ -155,7 +155,7 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
   const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
   print_beyond_yield(reports.binary, setup.config.material);
-  for (const std::string& line : doubts_about_layers(*reports.binary.build, setup.config.unit)) warn(line);
+  for (const std::string& line : doubts_about_layers(*reports.binary.build)) warn(line);
   if (!setup.config.output.sensitivity) return;
   try {
     write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);

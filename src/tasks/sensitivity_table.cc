@@ -76,6 +76,13 @@ std::string csv_numbers(const VariedNumbers& numbers) {
          csv_number(numbers.largest_deviation) + "," + csv_number(numbers.rms_deviation);
 }
 
+/// A text as a cell of a CSV file.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char character : text) result += character == '"' ? "\"\"" : std::string(1, character);
+  return result + '"';
+}
+
 std::optional<double> quotient(const std::optional<double>& a, const std::optional<double>& b) {
   return a && b && *b > 0.0 ? std::optional(*a / *b) : std::nullopt;
 }
@@ -144,11 +151,14 @@ std::string SensitivityTable::csv() const {
     for (const char* column : {"max", "rms", "deviation_max", "deviation_rms"})
       text += formatted(",%s_%s", of, column);
   }
-  text += ",length_ratio,rms_ratio\n";
+  text += ",length_ratio,rms_ratio,skipped\n";
+  const std::string empty(std::ranges::count(text, ',') - 1, ',');
   for (const SensitivityRow& row : rows)
     if (row.skipped.empty())
-      text += '"' + row.change + "\"," + csv_numbers(row.sequence) + ',' + csv_numbers(row.planar) + ',' +
-              csv_number(row.length_ratio()) + ',' + csv_number(row.rms_ratio()) + '\n';
+      text += quoted(row.change) + ',' + csv_numbers(row.sequence) + ',' + csv_numbers(row.planar) + ',' +
+              csv_number(row.length_ratio()) + ',' + csv_number(row.rms_ratio()) + ",\n";
+    else
+      text += quoted(row.change) + empty + ',' + quoted(row.skipped) + '\n';
   return text;
 }
 

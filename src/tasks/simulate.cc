@@ -147,7 +147,7 @@ void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
   print(line);
   print_responses(simulation.report);
   print_beyond_yield(simulation.report, setup.config.material);
-  for (const std::string& line : doubts_about_layers(*simulation.report.build, setup.config.unit)) warn(line);
+  for (const std::string& line : doubts_about_layers(*simulation.report.build)) warn(line);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class ConfigErrorsTest(BadInputTest):
 
     @run_fabseq.only_release  # sanitizers take address space by the terabyte
     def test_address_space(self):
-        """Limits with which libraries would end, or wait for ever; the last one leaves too little for the part."""
+        """Limits with which libraries would end, or wait for ever; the last leaves the part too little."""
         launcher = run_fabseq.launcher
 
         def limited(kilobytes):
@@ -83,8 +83,8 @@ class ConfigErrorsTest(BadInputTest):
             self.assert_refused(plate_2d(), words=["the limit of the address space: found 0.307 GB (ulimit -v); allowed: "])
         config = hook_3d()
         config["domain"]["elements"] = [6 * n for n in config["domain"]["elements"]]
-        with limited(750000):
-            self.assert_refused(config, words=["/layers/count: an optimization with ", "GB that are left; the limit of the"])
+        with limited(700000):
+            self.assert_refused(config, "-layers", 400, words=["/layers/count: ", "; the limit of the address space is "])
 
     def test_absurd_sizes(self):
         """Numbers that size memory: refused before anything of that size is asked for."""

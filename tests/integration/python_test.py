@@ -167,8 +167,9 @@ class PythonTest(FabseqTest):
             text = "\n".join(lines)  # mpirun may join lines of two ranks
             self.assertEqual((text.count("ValueError"), text.count("RuntimeError")), (14 * ranks, ranks), text)
             self.assertIn(refused.stderr.strip().removeprefix("fabseq: "), text)
-            for expected in ("missing.json", "/domain", "after evaluate", "beta: found -1.0; allowed: a number > 0", r"design: found 3 values; allowed: \d+", "not finite",
-                             'found "objective_7"', "whole: found 3 values", "RuntimeError the problem is closed"):
+            for expected in ("missing.json", "/domain", "after evaluate", "beta: found -1.0; allowed: a number > 0",
+                             r"design: found 3 values; allowed: \d+", "not finite", 'found "objective_7"',
+                             "whole: found 3 values", "RuntimeError the problem is closed"):
                 self.assertRegex(text, expected)
 
     def reported(self, ranks, text):

@@ -3,6 +3,8 @@
 sequence and for the planar baseline."""
 
 import copy
+import csv
+import os
 
 import numpy as np
 
@@ -225,13 +227,20 @@ class SensitivityTest(FabseqTest):
         """Void quiet needs whole ones, and gets them."""
         config = plate_2d()
         rows, _ = self.table(config, "-finer_grid", "no", "-set", "solver.region=built")
-        self.assertEqual([name for name, row in rows.items() if "skipped" in row], ["grid twice as fine"])
+        self.assertEqual([name for name, row in rows.items() if "skipped" in row],
+                         ["layers quadrupled: 16, grid twice as fine", "grid twice as fine"])
         self.assert_row(rows["void quiet"], config, "-void", "quiet")
 
     def test_what_is_left_out(self):
         config = plate_2d()
-        rows, _ = self.table(config, "-finer_grid", "no")
+        rows, _ = self.table(config, "-finer_grid", "no", ranks=1)
         self.assertEqual(rows["grid twice as fine"], {"change": "grid twice as fine", "skipped": "left out by output.finer_grid"})
+        with open(os.path.join(self.directory, f"output_{self.runs}", "sensitivity.csv"), encoding="utf-8") as file:
+            cells = {row["change"]: row for row in csv.DictReader(file)}
+        self.assertEqual(set(cells), set(rows))
+        for name, row in cells.items():
+            self.assertEqual(row["skipped"], rows[name].get("skipped", ""))
+            self.assertEqual(row["rms_ratio"] == "", name not in rows or "skipped" in rows[name])
 
     def test_multi_planar_layers(self):
         """Their number follows from their thickness, which is what changes."""

@@ -11,7 +11,7 @@
 namespace fabseq {
 
 /// A line for elements later than the last layer, and one for layers without an end, where there are any.
-/// `unit`: name of the length unit, may be empty. Not collective.
-std::vector<std::string> doubts_about_layers(const BuildNumbers& numbers, const std::string& unit);
+/// Not collective.
+std::vector<std::string> doubts_about_layers(const BuildNumbers& numbers);
 
 }  // namespace fabseq
