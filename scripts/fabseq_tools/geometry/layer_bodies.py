@@ -126,9 +126,9 @@ class LayeredPart:
         self.body.label[beyond] = layer.number
 
     def thickness(self, layer, points):
-        """Local thickness of a layer and its build direction at points of the body. What is beyond the time of
-        all layers belongs to the first or the last, which reaches that far. The thickness stays between those
-        that the check has for the layer's elements."""
+        """Local thickness of a layer and its build direction at points of the body. The first and the last
+        layer reach to what is beyond the time of all. The thickness stays between those that the check has for
+        the layer's elements."""
         slope = layer.slope(self.body, points)
         values = layer.values(self.body)[points]
         beyond = np.zeros(len(points))
