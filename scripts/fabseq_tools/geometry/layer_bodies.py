@@ -160,8 +160,8 @@ class LayeredPart:
         length = np.linalg.norm(slopes, axis=1)
         near = self.body.fields["slope"][KDTree(self.body.points).query(points)[1]] if (length < 1e-300).any() else slopes
         axes = np.where(length[:, None] > 1e-300, slopes, near)
-        heights = self.times[layer.number] / np.maximum(length, 1e-300)
-        return axes / np.linalg.norm(axes, axis=1)[:, None], np.clip(heights, *self.judged.range())
+        heights = np.clip(self.times[layer.number] / np.maximum(length, 1e-300), *self.judged.range())
+        return axes / np.linalg.norm(axes, axis=1)[:, None], heights
 
     def join_thin_ends(self):
         for number, volume in join_thin_ends(self.body, self.judged, self.layers).items():

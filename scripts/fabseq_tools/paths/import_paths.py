@@ -31,7 +31,9 @@ SEQUENCE.h5 (default: PATHS_sequence.h5 beside the table) has, for all elements 
   layers the share of the waypoints up to the element's.
 - layer: 1 to N, where there are layers.
 - build_direction [z][y][x][axis], local_thickness: where the table has columns of axis and height. Unit
-  vectors and lengths of the config, from the waypoints of the element's layer around it.
+  vectors and lengths of the config, from the waypoints around the element.
+- time_gradient [z][y][x][axis]: of the time, the direction over thickness and N, by which the program checks
+  the sequence; without it, it goes by differences of the times.
 
 Cells stand apart by comma, semicolon or tab; with the last two a decimal comma is taken, too. Columns may
 name a unit, such as "x [mm]", which is then converted. UTF-8 and UTF-16 are read.

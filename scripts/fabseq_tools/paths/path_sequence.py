@@ -88,7 +88,8 @@ def exact_fields(waypoints, centres):
     length = np.linalg.norm(slope, axis=1)
     direction = np.where(length[:, None] > 1e-300, slope / np.maximum(length, 1e-300)[:, None], waypoints.axes[near])
     thickness = np.clip(1.0 / np.maximum(length, 1e-300), waypoints.heights.min(), waypoints.heights.max())
-    return {"time": time, "layer": layer, "build_direction": direction, "local_thickness": thickness}
+    return {"time": time, "layer": layer, "build_direction": direction, "local_thickness": thickness,
+            "time_gradient": direction / (count * thickness)[:, None]}
 
 
 def nearest_bead(waypoints, centres):
