@@ -7,9 +7,10 @@ from pathlib import Path
 import h5py
 
 
-def write_layers(directory, size, built, count, temperature=None, time=None, config=None, **datasets):
+def write_layers(directory, size, built, count, temperature=None, time=None, config=None, summary=None, **datasets):
     """The output directory of a simulation with `count` layers of the pseudo-time 1 - `temperature` of the
-    nodes, or of `time` of the elements. `built`: [z][y][x]. `datasets`: more of result.h5."""
+    nodes, or of `time` of the elements. `built`: [z][y][x]. `summary`: more of summary.json, `datasets`: of
+    result.h5."""
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     with h5py.File(directory / "result.h5", "w") as file:
@@ -20,6 +21,6 @@ def write_layers(directory, size, built, count, temperature=None, time=None, con
     content = {"name": "made_up", "domain": {"size": list(size), "elements": list(built.shape[::-1])}, "part": {},
                "sequence": {"type": "heat"}, "layers": {"type": "curved", "count": count}, **(config or {})}
     table = [{"volume": 1.0}] * count if isinstance(count, int) else count
-    for name, values in (("config.json", content), ("summary.json", {"responses": [], "layers": table})):
+    for name, values in (("config.json", content), ("summary.json", {"responses": [], "layers": table, **(summary or {})})):
         (directory / name).write_text(json.dumps(values), encoding="utf-8")
     return str(directory)

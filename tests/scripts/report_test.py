@@ -196,20 +196,25 @@ class Contents(Report):
 
     def test_torch_paths(self):
         layer = {"layer": 1, "starts": 2, "waypoints": 9, "length": 31.5, "travel": 4.25, "height": [0.5, 1.25],
-                 "angle": [0.0, 31.0], "feed": [0.9, 1.1], "wire": 19.9, "volume": 20.0}
+                 "angle": [0.0, 31.0], "feed": [0.9, 1.1], "wire": 19.9, "volume": 20.0, "missed": 0.03}
         other = {**layer, "layer": 2, "starts": 3, "height": [0.25, 1.0], "angle": [2.0, 47.0]}
         record = {"of": "optimized", "unit": "mm", "bead_width": 2.0, "starts": 5, "waypoints": 18, "length": 63.0, "travel": 8.5,
-                  "wire": 39.8, "volume": 40.0, "layers": [layer, other]}
+                  "wire": 39.8, "volume": 40.0, "layers": [layer, other], "verdict": {"words": "no: <two> elements"},
+                  "ways": {"count": 4, "crossing": [{}]}}
         self.assertNotIn("Torch paths", self.page.text)
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(self.flat, folder, dirs_exist_ok=True)
             (Path(folder) / "paths").mkdir()
             (Path(folder) / "paths/paths_summary.json").write_text(json.dumps(record), encoding="utf-8")
             self.assertEqual(report(folder).returncode, 0)
-            rows = [[text for text, _ in row] for row in Page(Path(folder) / "report.html").tables["paths"]]
+            page = Page(Path(folder) / "report.html")
+        rows = [[text for text, _ in row] for row in page.tables["paths"]]
+        self.assertIn("Buildable: no: <two> elements. 1 of 4 straight rapid ways between passes cross what stands.",
+                      page.text)
         self.assertEqual(rows[0][:4], ["", "starts", "length, mm", "travel, mm"])
-        self.assertEqual(rows[1], ["all layers", "5", "63.0", "8.50", "0.250 to 1.25", "0 to 47.0", "0.900 to 1.10", "0.995"])
-        self.assertEqual(rows[3][:2] + rows[3][4:6], ["layer 2", "3", "0.250 to 1.00", "2.00 to 47.0"])
+        self.assertEqual(rows[1][:4], ["all layers", "5", "63.0", "8.50"])
+        self.assertEqual(rows[1][4:], ["0.250 to 1.25", "0 to 47.0", "0.900 to 1.10", "0.995", "–"])
+        self.assertEqual([rows[3][k] for k in (0, 1, 4, 5, 8)], ["layer 2", "3", "0.250 to 1.00", "2.00 to 47.0", "3.00"])
 
     def test_page_of_a_hundred_thousand_triangles_is_small(self):
         with tempfile.TemporaryDirectory() as folder:

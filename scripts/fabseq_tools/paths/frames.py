@@ -68,7 +68,8 @@ def against_travel(one, reference):
     across = across_travel(one)
     x = np.cross(one.axes, across)
     without = np.linalg.norm(across, axis=1) < 0.5
-    x[without] = [reference.x_axis(-axis) for axis in one.axes[without]]
+    for number in np.flatnonzero(without):
+        x[number] = reference.x_axis(-one.axes[number])
     return x
 
 
