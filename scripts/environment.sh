@@ -72,7 +72,7 @@ time_limit_in_cores() {
     while echo "$(cat "/sys/fs/cgroup/cpu$folder/cpu.cfs_quota_us") $(cat "/sys/fs/cgroup/cpu$folder/cpu.cfs_period_us")"
       [ -n "$folder" ]; do folder=${folder%/*}; done
   } 2>/dev/null | awk '
-    $1 > 0 && $2 > 0 { cores = int($1 / $2) + ($1 % $2 > 0); if (!least || cores < least) least = cores }
+    $1 + 0 > 0 && $2 + 0 > 0 { cores = int($1 / $2) + ($1 % $2 > 0); if (!least || cores < least) least = cores }
     END { if (least) print least }'
 }
 

@@ -7,8 +7,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace fabseq {
+
+namespace {
+
+/// Whether a gradient (1/length) vanishes but for its regularization in a part of that length.
+template <int Dim>
+bool is_flat(const double* gradient, double length) {
+  const double square = std::inner_product(gradient, gradient + Dim, gradient, 0.0);
+  return std::isfinite(length) && square < gradient_regularization(length);
+}
+
+}  // namespace
 
 template <int Dim>
 std::vector<double> local_thickness(std::span<const double> time, std::span<const double> gradient,
@@ -18,19 +30,19 @@ std::vector<double> local_thickness(std::span<const double> time, std::span<cons
   if (gradient.empty() || layers.time_points.empty()) return result;
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const auto layer = static_cast<std::size_t>(layer_index[e]);
-    double square = 0.0;
-    for (int axis = 0; axis < Dim; ++axis) square += gradient[e * Dim + axis] * gradient[e * Dim + axis];
+    const double* own = &gradient[e * Dim];
     const double beyond =
         std::max({0.0, time[e] - layers.time_points.back(), layers.time_points.front() - time[e]});
     const double duration = layers.time_points[layer] - layers.time_points[layer - 1] + beyond;
-    const bool is_flat = std::isfinite(most) && square < gradient_regularization(most);
-    result.push_back(is_flat ? most : duration / std::sqrt(square));
+    const double steepness = std::sqrt(std::inner_product(own, own + Dim, own, 0.0));
+    result.push_back(is_flat<Dim>(own, most) ? most : duration / steepness);
   }
   return result;
 }
 
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
+                                              std::span<const double> gradient,
                                               std::span<const double> meetings,
                                               const std::optional<std::array<double, 2>>& allowed,
                                               std::span<const double> layer_index, int layers) {
@@ -40,11 +52,12 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
   double least = std::numeric_limits<double>::infinity(), largest = 0.0;
   std::vector<double> outside, without_end;
   for (const double value : thickness) {
-    without_end.push_back(value == part.longest_edge() ? 1.0 : 0.0);
     least = std::min(least, value);
     largest = std::max(largest, value);
     if (allowed) outside.push_back(std::max(value / (*allowed)[1], (*allowed)[0] / value) - 1.0);
   }
+  for (std::size_t e = 0; e < thickness.size(); ++e)
+    without_end.push_back(is_flat<Dim>(&gradient[e * Dim], part.longest_edge()) ? 1.0 : 0.0);
   ThicknessRange result;
   result.least = min(comm, least);
   result.largest = max(comm, largest);

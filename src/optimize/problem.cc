@@ -49,8 +49,9 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
   configured_ = responses_.size();
   const double displacement = largest_strain(model.settings.material) * model.part.longest_edge();
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    sizes_.push_back(responses_[i]->uses_displacements() ? displacement * displacement
-                                                         : responses_[i]->size());
+    sizes_.push_back(responses_[i]->size() > 0.0 || !responses_[i]->uses_displacements()
+                         ? responses_[i]->size()
+                         : displacement * displacement);
   add_largest();
   if (!largest_) add_functionals();
 }

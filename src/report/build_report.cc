@@ -82,9 +82,9 @@ class MachineChecks {
   void add_thickness(BuildReport& report) const {
     std::vector<double> thickness =
         local_thickness<Dim>(state_.time.time, gradient_.values, state_.layers, layer_, part_.longest_edge());
-    report.numbers.local_thickness =
-        thickness_range<Dim>(part_, thickness, meeting_fronts<Dim>(part_, state_.time.time, gradient_.values),
-                             allowed_thickness(settings_), layer_, state_.layers.count());
+    report.numbers.local_thickness = thickness_range<Dim>(
+        part_, thickness, gradient_.values, meeting_fronts<Dim>(part_, state_.time.time, gradient_.values),
+        allowed_thickness(settings_), layer_, state_.layers.count());
     if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
     if (state_.layers.time_points.empty()) return;
     std::vector<double> late;

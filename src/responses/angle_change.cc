@@ -160,6 +160,7 @@ class AngleChange : public Response<Dim> {
   }
 
   bool uses_displacements() const override { return true; }
+  double size() const override { return std::pow(0.01 * degrees, 2); }  // of a strain of 1 %
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const double change = degrees * (pair_at(state).angle - start_);

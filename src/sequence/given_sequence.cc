@@ -79,9 +79,10 @@ std::vector<double> recorded_gradient(const Part<Dim>& part, const std::string& 
   const std::vector<double> field =
       read_field(part.grid(), false, file, name, "/sequence/file", "/sequence/file", Dim);
   std::vector<double> result;
-  for (const int element : part.elements())
-    result.insert(result.end(), &field[static_cast<std::size_t>(element) * Dim],
-                  &field[static_cast<std::size_t>(element + 1) * Dim]);
+  for (const int element : part.elements()) {
+    const auto first = field.begin() + static_cast<std::ptrdiff_t>(element) * Dim;
+    result.insert(result.end(), first, first + Dim);
+  }
   const auto is_finite = [](double component) { return std::isfinite(component); };
   if (any(part.grid().comm(), !std::all_of(result.begin(), result.end(), is_finite)))
     throw InputError("/sequence/file: dataset \"" + name + "\" of " + file +
@@ -105,8 +106,10 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
     return !(is_of_run ? std::isfinite(t) : t >= -rounding && t <= 1.0 + rounding);
   };
   if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
-    throw InputError("/sequence/file: dataset \"" + dataset + "\" of " + file +
-                     " holds values outside the part's time range; allowed: 0 to 1 on all part elements");
+    throw InputError(
+        "/sequence/file: dataset \"" + dataset + "\" of " + file +
+        (is_of_run ? " holds values that are no numbers; allowed: finite ones on all part elements"
+                   : " holds values outside the part's time range; allowed: 0 to 1 on all part elements"));
   for (double& t : result.time)
     if (!is_of_run) t = std::clamp(t, 0.0, 1.0);
   return result;

@@ -90,7 +90,7 @@ class CalibrateChecksTest(CalibrationCase):
 
     def test_options(self):
         measured = self.write_table(np.zeros((1, 2)), "x,y")
-        for option, value, words in (("--tolerance", "0", "--tolerance: found 0; allowed: a finite length above 0"),
+        for option, value, words in (("--tolerance", "0", "--tolerance: found 0; allowed: a number > 0"),
                                      ("--tolerance", "nan", "--tolerance: found nan"), ("--ranks", "0", "--ranks: found 0"),
                                      ("--unit", "ell", "--unit: found the unit 'ell'; allowed: mm")):
             self.assert_nothing(self.calibrate(self.config, measured, option, value), words)

@@ -153,7 +153,7 @@ class CompensateTest(FabseqTest):
                                 ([straight, "--iterations", 0], "--iterations: found 0"),
                                 ([straight, "--tolerance", -1], "--tolerance: found -1"),
                                 ([straight, "--fill", "black"], "--fill: found black"),
-                                ([straight, "--fill", 2], "/part/mesh/fill: found 2"),
+                                ([straight, "--fill", 2], "--fill: found 2; allowed: a share above 0"),
                                 ([straight, "--program", "nothing"], "nothing: no such program")):
             done = self.script(*words)
             self.assertEqual(done.returncode, 2, done.stderr)

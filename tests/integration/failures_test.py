@@ -130,19 +130,19 @@ class OutputTest(FailureTest):
 
 
 class FullDiskTest(FailureTest):
-    """Output on a disk of 1 MB in memory, of which a filler leaves too little for one of the run's
+    """Output on a disk of 2 MB in memory, of which a filler leaves too little for one of the run's
     files."""
 
     def setUp(self):
         super().setUp()
-        self.disk = self.small_disk("1024k")
+        self.disk = self.small_disk("2048k")
 
     def run_on_disk(self, ranks, free, *arguments):
-        """Runs hook_3d on 12 x 8 x 12 elements: dump and result take about 130 kB each, the checkpoint 70
-        kB."""
+        """Runs hook_3d on 12 x 8 x 12 elements: the dump takes about 130 kB, the result 400, the checkpoint
+        70."""
         name = f"{ranks}_{free}"
         with open(os.path.join(self.disk, "filler"), "wb") as file:
-            file.write(bytes(1024 * 1024 - free))
+            file.write(bytes(2048 * 1024 - free))
         return self.run_config(ranks, hook_3d(), "-elements", "12,8,12", "-max_iterations", 1, *arguments,
                                output=os.path.join(self.disk, name))
 
@@ -174,7 +174,7 @@ class FullDiskTest(FailureTest):
 
     def test_room_enough(self):
         """The same run with the disk empty, so that the failures above are the disk's."""
-        run = self.run_on_disk(3, 1024 * 1024, "-output_every", 1, "-checkpoint_every", 1)
+        run = self.run_on_disk(3, 2048 * 1024, "-output_every", 1, "-checkpoint_every", 1)
         self.assert_done(run)
 
 

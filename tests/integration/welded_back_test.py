@@ -3,6 +3,7 @@
 verdict and its distortion."""
 
 import os
+import shlex
 import subprocess
 import sys
 
@@ -57,16 +58,14 @@ class WeldedBackTest(FabseqTest):
 
     def welded_back(self, part, iterations, width):
         config = part(self.directory)
-        target = config["constraints"][0]["target"]
         run = self.optimize(config, 2, iterations)
         expected = run.json("summary.json")["binary"]
         paths, sequence = run.path("paths"), run.path("sequence.h5")
         printed = self.tool("paths", run.output, "--bead-width", width, "--no-picture", "--output", paths)
         self.assertTrue(printed.startswith(f"buildable: {expected['verdict']['words']}\n"), printed[:200])
         printed = self.tool("import-paths", os.path.join(paths, "paths.csv"), run.output, "--output", sequence)
-        count = printed.partition('"count": ')[2].partition("}")[0]
-        again = self.run_config(2, run.path("config.json"), "-task", "simulate", "-sequence", sequence, "-binary", "-set",
-                                f'layers={{"type": "curved", "count": {count}, "target": {target}}}')
+        command = next(shlex.split(line) for line in printed.splitlines() if line.startswith("fabseq "))
+        again = self.run_program(2, *command[1:command.index("-output")])
         self.assert_done(again)
         found = again.json("summary.json")
         with h5py.File(run.path("result.h5")) as first, h5py.File(again.path("result.h5")) as second:

@@ -30,7 +30,7 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   const std::array<double, 2> allowed{0.1 * height, 0.5 * height};
   const std::vector<double> meetings = meeting_fronts<3>(part, time.time, time.gradient);
   EXPECT_EQ(std::count(meetings.begin(), meetings.end(), 0.0), static_cast<std::ptrdiff_t>(layer.size()));
-  const auto range = thickness_range<3>(part, thickness, meetings, allowed, layer, 2);
+  const auto range = thickness_range<3>(part, thickness, time.gradient, meetings, allowed, layer, 2);
   ASSERT_TRUE(range);
   EXPECT_NEAR(range->least, 0.25 * height, 1e-12);
   EXPECT_NEAR(range->largest, 0.75 * height, 1e-12);
@@ -41,7 +41,7 @@ TEST(LocalThicknessTest, OfPlanarLayersIsTheirThickness) {
   EXPECT_NEAR(range->outside->share, second / static_cast<double>(part.count()), 1e-12);
   EXPECT_EQ(range->outside->per_layer, (std::vector<std::int64_t>{0, static_cast<std::int64_t>(second)}));
   EXPECT_NEAR(range->outside->largest, 0.5, 1e-12);  // 0.75 in place of 0.5
-  EXPECT_FALSE(thickness_range<3>(part, thickness, meetings, std::nullopt, layer, 2)->outside);
+  EXPECT_FALSE(thickness_range<3>(part, thickness, time.gradient, meetings, std::nullopt, layer, 2)->outside);
 
   const std::vector<double> direction = build_direction<3>(time.gradient, layers, layer);
   for (std::size_t i = 0; i < direction.size(); ++i)
@@ -58,7 +58,7 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
-  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, layers, layer), {},
+  EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, layers, layer), {}, {},
                                   std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time.gradient, layers, layer).empty());
 }
@@ -86,10 +86,28 @@ TEST(LocalThicknessTest, ReachesToElementsBeyondTheLayersAndHasAnEnd) {
   const std::vector<double> thickness =
       local_thickness<2>(time.time, time.gradient, layers, layer, part.longest_edge());
   for (std::size_t e = 0; e < count; ++e) EXPECT_NEAR(thickness[e], expected[e], 1e-12) << time.time[e];
-  const auto range = thickness_range<2>(part, thickness, meeting_fronts<2>(part, time.time, time.gradient),
-                                        std::nullopt, layer, 2);
+  const auto range =
+      thickness_range<2>(part, thickness, time.gradient, meeting_fronts<2>(part, time.time, time.gradient),
+                         std::nullopt, layer, 2);
   EXPECT_EQ(range->without_end.elements, sum(part.grid().comm(), flat));
   EXPECT_EQ(range->largest, part.longest_edge());
+}
+
+/// A layer as thick as the part is long is no place without a gradient.
+TEST(LocalThicknessTest, OfOneLayerIsThePartsHeight) {
+  const Domain<2> domain{{1.0, 4.0}, {2, 8}, 1.0};
+  const test::PartOnGrid<2> on_grid(domain, test::box({0, 0}, {1, 4}));
+  const PseudoTime<2> time = planar_time(on_grid.part, {0.0, 1.0});
+  LayerDensities layers;
+  layers.time_points = {0.0, 1.0};
+  const std::vector<double> layer(time.time.size(), 1.0);
+  const auto thickness =
+      local_thickness<2>(time.time, time.gradient, layers, layer, on_grid.part.longest_edge());
+  const auto range =
+      thickness_range<2>(on_grid.part, thickness, time.gradient,
+                         meeting_fronts<2>(on_grid.part, time.time, time.gradient), std::nullopt, layer, 1);
+  EXPECT_NEAR(range->largest, 4.0, 1e-12);
+  EXPECT_EQ(range->without_end.elements, 0);
 }
 
 TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
@@ -110,7 +128,7 @@ TEST(MeetingFrontsTest, AreWhereTheGradientVanishesBetweenSteepNeighbours) {
   layers.time_points = {0.0, 1.0};
   const std::vector<double> layer(time.time.size(), 1.0);
   const std::vector<double> thickness = local_thickness<2>(time.time, time.gradient, layers, layer);
-  const auto range = thickness_range<2>(part, thickness, middle, std::nullopt, layer, 1);
+  const auto range = thickness_range<2>(part, thickness, time.gradient, middle, std::nullopt, layer, 1);
   EXPECT_TRUE(range->largest_is_meeting);
   EXPECT_NEAR(range->largest_at.at(0), 1.75, 1e-12);
   time.gradient.clear();

@@ -62,6 +62,8 @@ class EnvironmentTest(unittest.TestCase):
                                 (4, {v2.format(""): "max 100000"}), (4, {v2.format(""): "900000 100000"}), (4, {}),
                                 (3, {"/proc/self/cgroup": "0::/a/b", v2.format("/a/b"): "max 100000",
                                      v2.format("/a"): "300000 100000"}),
+                                (3, {"/proc/self/cgroup": "0::/a/b", v2.format("/a/b"): "300000 100000",
+                                     v2.format("/a"): "max 100000"}),
                                 (2, {v1.format("quota"): "200000", v1.format("period"): "100000"}),
                                 (1, {"/proc/self/cgroup": "4:cpuset:/\n3:cpu,cpuacct:/a/b\n0::/", nested.format("quota"): "30000",
                                      nested.format("period"): "100000", v1.format("quota"): "-1"}),

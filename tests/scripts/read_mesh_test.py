@@ -82,7 +82,7 @@ class ReadMeshTest(unittest.TestCase):
             mesh_surface(os.path.join(self.folder, "none.stl"), PLACED)
 
     def test_no_program(self):
-        with mock.patch.object(read_mesh, "PROGRAM", "/nowhere/fabseq"):
+        with mock.patch.dict(os.environ, FABSEQ_PROGRAM="/nowhere/fabseq"):
             with self.assertRaisesRegex(RunError, "^/nowhere/fabseq: no such program, which reads part.stl"):
                 mesh_surface("part.stl", PLACED)
 

@@ -36,12 +36,14 @@ struct ThicknessRange {
 };
 
 /// The range of a local thickness, none if it is not defined. Collective on the grid's communicator.
+/// \param gradient     TimeGradient::values
 /// \param meetings     meeting_fronts()
 /// \param allowed      least and largest length
 /// \param layer_index  the layer that builds each part element, from 1
 /// \param layers       number of layers
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
+                                              std::span<const double> gradient,
                                               std::span<const double> meetings,
                                               const std::optional<std::array<double, 2>>& allowed,
                                               std::span<const double> layer_index, int layers);

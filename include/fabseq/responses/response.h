@@ -79,8 +79,8 @@ class Response {
   /// Whether values depend on displacements, in which case its rows need the adjoints of all layers. Not
   /// collective.
   virtual bool uses_displacements() const { return false; }
-  /// What values of an objective that depends on no displacements are compared with to tell rounding: those
-  /// of a sequence without any order; 0: they have no rounding. Not collective.
+  /// What values of an objective are compared with to tell rounding: those of a sequence without any order.
+  /// 0: values that depend on displacements are squares of lengths, others have no rounding. Not collective.
   virtual double size() const { return 0.0; }
   /// Raw values, one per component.
   virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;

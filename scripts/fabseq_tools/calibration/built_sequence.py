@@ -13,19 +13,16 @@ GIVEN = "-design", "-sequence"  # options of the program that name a sequence
 MOST_OTHERS = 0.01              # share of elements that may be in another layer than the run's
 DESIGN = "design", "time_points", "angles"
 ALLOWED = "the folder of a run that has ended, of -task optimize, simulate or evaluate, or a config"
-
 OF_ITS_RUN = "the folder of the run that it is from"
 
 
 class BuiltSequence:
     """`place`: as the user named it. `path`: of the config; `config`: as it was written. `options`: of the
-    program, with which it simulates
-    what was built. `folder`: the run's, None of a config."""
+    program, with which it simulates what was built. `folder`: the run's, None of a config."""
 
     def __init__(self, place, rest):
         """`place`: the folder of a run, or a config; that of a run stands for its folder. `rest`: the user's
-        own
-        options of the program."""
+        own options of the program."""
         given = [word for word in rest if word in GIVEN]
         self.place, self.has_given, self.layers, self.options = place, bool(given), None, []
         self.folder = place if os.path.isdir(place) else folder_of(place)

@@ -60,7 +60,7 @@ from fabseq_tools.calibration.measured_part import MeasuredPart
 from fabseq_tools.calibration.picture import draw_calibration
 from fabseq_tools.calibration.strain_factors import fit_factors
 from fabseq_tools.calibration.vanishing import CONSTANT, VanishingSearch
-from fabseq_tools.run.command_line import RunError, parse, parser_of, warn, write_json
+from fabseq_tools.run.command_line import RunError, count, parse, parser_of, positive, warn, write_json
 from fabseq_tools.run.places import PROGRAM
 
 COMMAND = "calibrate"
@@ -70,10 +70,6 @@ WANTED_DIFFERENCE = 200.0  # degrees C, between the hottest layers of the parts;
 def read_parts(arguments):
     """Refuses what cannot be calibrated, before anything is written."""
     words = [arguments.built, arguments.measured, *arguments.more]
-    if arguments.ranks < 1:
-        raise RunError(f"--ranks: found {arguments.ranks}; allowed: 1 and more")
-    if arguments.tolerance is not None and not 0.0 < arguments.tolerance < np.inf:
-        raise RunError(f"--tolerance: found {arguments.tolerance:g}; allowed: a finite length above 0")
     pairs = list(zip(words[::2], words[1::2]))
     if len(words) % 2:
         raise RunError(f"{words[-1]}: found a config without a measurement; allowed: pairs of BUILT and MEASURED")
@@ -230,9 +226,9 @@ def main(words):
     parser.add_argument("--isotropic", action="store_true", help="one factor for all axes")
     parser.add_argument("--vanishing", action="store_true",
                         help="also fit thermal.vanishing, to two or more parts built with different pauses")
-    parser.add_argument("--tolerance", type=float, metavar="LENGTH",
+    parser.add_argument("--tolerance", type=positive, metavar="LENGTH",
                         help="how far from part or drawing a point may lie (default: one element, of a scan three)")
     parser.add_argument("--unit", help="of lengths in MEASURED that name none (default: the config's)")
     parser.add_argument("--program", default=PROGRAM)
-    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--ranks", type=count, default=1)
     calibrate(parse(parser, words))

@@ -45,8 +45,7 @@ def role_of(name):
 
 class Roles:
     """Which columns of a table are what. `points`: names of the columns of positions; `displacements`: those
-    of
-    displacements, or None; `actual`: those of the measured positions, of which the displacement is to be
+    of displacements, or None; `actual`: those of the measured positions, of which the displacement is to be
     taken, or None. `points` are None where they are to be taken from the two others. `units`: those in the
     names. `unused`: columns that nothing is known of."""
 

@@ -13,8 +13,7 @@ MOST_DRAWN = 20000  # points of a part
 
 def draw_calibration(parts, fit, path):
     """A row for each part. On the left each measured value, without what a rigid motion explains of it, over
-    the
-    simulated one; on the right the points, coloured by the difference."""
+    the simulated one; on the right the points, coloured by the difference."""
     with plain_text():
         figure, axes = plt.subplots(len(parts), 2, figsize=(11.0, 4.6 * len(parts)), squeeze=False, constrained_layout=True)
         for (values, places), part, equations, rest in zip(axes, parts, fit.equations, fit.rests):

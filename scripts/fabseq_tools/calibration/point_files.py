@@ -23,8 +23,7 @@ def damaged(path, kind, found, allowed):
 
 class PlyHeader:
     """`order`: of bytes, "" for texts. `elements`: names, counts and properties, which are pairs of a name
-    and a
-    type; of a list a pair of types. `end`: where the values begin."""
+    and a type; of a list a pair of types. `end`: where the values begin."""
 
     def __init__(self, path, content):
         found = re.match(rb"ply[ \t]*[\r\n].*?\bend_header[ \t]*(\r\n|\n|\r)", content, re.DOTALL)

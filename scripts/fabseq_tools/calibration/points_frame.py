@@ -21,8 +21,7 @@ MOST_LOOKED_AT = 300   # points
 
 def turned_axes(dimension):
     """(name, matrix) of all other ways in which axes can be named, the right-handed ones first. For the
-    points
-    `points @ matrix`; the name says which axes of the file are x, y, z of the part."""
+    points `points @ matrix`; the name says which axes of the file are x, y, z of the part."""
     ways = []
     for order in itertools.permutations(range(dimension)):
         for signs in itertools.product((1.0, -1.0), repeat=dimension):

@@ -27,7 +27,7 @@ from fabseq_tools.geometry.nearest_surface import Surface
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time
 from fabseq_tools.geometry.vtk_data import DOUBLE, corners_of, filtered, points_of
 from fabseq_tools.run.command_line import RunError, parser_of, positive, whole_number, write_json
-from fabseq_tools.run.read_run import check_grid, read_json
+from fabseq_tools.run.read_run import check_grid, read_json, target_thickness
 
 COMMAND = "thickness"
 
@@ -63,7 +63,7 @@ def measure(directory, target=None, points=1000, seed=1):
         raise RunError(f"{directory}: holds no finished optimization or simulation")
     time, time_points = read_times(directory, config, len(layers))
     if target is None:
-        target = next((c["target"] for c in config.get("constraints", []) if c["type"] == "layer_thickness"), None)
+        target = target_thickness(config)
     rows = measure_layers(time, time_points, FARTHEST * target if target else np.inf, points, seed)
     for row, layer in zip(rows, layers):
         row["gradient"] = layer["thickness"]

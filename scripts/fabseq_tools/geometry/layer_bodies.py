@@ -127,8 +127,8 @@ class LayeredPart:
 
     def thickness(self, layer, points):
         """Local thickness of a layer and its build direction at points of the body. The first and the last
-        layer reach to what is beyond the time of all. The thickness stays between those that the check has for
-        the layer's elements."""
+        layer reach to what is beyond the time of all. The thickness stays between those that the check has
+        for the layer's elements."""
         slope = layer.slope(self.body, points)
         values = layer.values(self.body)[points]
         beyond = np.zeros(len(points))

@@ -9,15 +9,15 @@ import tempfile
 import numpy as np
 
 from fabseq_tools.run.command_line import RunError, reason_of, run_command, write_json
-from fabseq_tools.run.places import PROGRAM
+from fabseq_tools.run.places import find_program
 
 POINT, TRIANGLE = np.dtype("<f8"), np.dtype([("count", "u1"), ("corners", "<i4", 3)])  # of the program's PLY files
 
 
-def read_mesh(path, program=None):
+def read_mesh(path):
     """Corners of triangles (n, 3, 3) in the file's own coordinates. Raises RunError with the program's line
     for a file that it refuses."""
-    program = program or PROGRAM
+    program = find_program()
     if shutil.which(program) is None:
         raise RunError(f"{program}: no such program, which reads {path}; FABSEQ_PROGRAM in the environment names another")
     with tempfile.TemporaryDirectory() as folder:

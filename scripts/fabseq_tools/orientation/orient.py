@@ -43,7 +43,7 @@ from fabseq_tools.orientation.turned_shapes import Motion
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import read_config, read_fields, read_json
+from fabseq_tools.run.read_run import read_config, read_fields, read_json, target_thickness
 
 COMMAND = "orient"
 
@@ -126,9 +126,9 @@ class AsGiven:
         layers = self.config["layers"]
         if layers.get("type") == "multi_planar":
             return layers.get("thickness", 3.0)
-        for constraint in self.config.get("constraints", []):
-            if constraint.get("type") == "layer_thickness":
-                return constraint["target"]
+        target = target_thickness(self.config)
+        if target is not None:
+            return target
         if not isinstance(layers.get("count"), int):
             raise RunError("layers.count is no number, and no layer_thickness constraint says how thick a layer is")
         return self.geodesic_height / layers["count"]

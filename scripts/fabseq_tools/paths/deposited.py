@@ -12,9 +12,10 @@ COLUMNS = """kind type move move_type motion path_type path_kind segment_type co
 operation arc arc_on arc_state weld weld_on welding on off extruder extruder_on extruder_toggle extrude extruding extrusion
 deposit depositing deposition laser laser_on wire wire_on wire_feed wfs process process_on torch torch_on print printing toggle
 current power feed velocity""".split()
-OFF = re.compile(r"(?:^|[^a-z])(?:\w*off|no|not|non|none|false|f|n|travel\w*|rapid\w*|air\w*|jump\w*|approach\w*|retract\w*|"
-                 r"depart\w*|g0+|ptp|transit\w*|transfer\w*|reposition\w*|positioning|safe\w*|lift\w*|hop|idle|inactive|disabled|"
-                 r"home|park\w*|unwelded|un\w*deposit\w*|wait)(?:[^a-z0-9]|$)")
+ALONE = "no not non none false f n nil".split()  # mean off as a whole cell; within one, they may mean anything
+OFF = re.compile(r"(?:^|[^a-z])(?:(?:arc|weld|torch|laser|wire|extruder)?[ _]*off|travel\w*|rapid\w*|air\w*|jump\w*|approach\w*|"
+                 r"retract\w*|depart\w*|g0+|ptp|transit\w*|transfer\w*|reposition\w*|positioning|safe\w*|lift\w*|hop|idle|"
+                 r"inactive|disabled|home|park\w*|unwelded|un\w*deposit\w*|wait)(?:[^a-z0-9]|$)")
 
 
 def deposited(table):
@@ -45,4 +46,4 @@ def is_off(cell):
     try:
         return not float(cell) > 0
     except ValueError:
-        return bool(OFF.search(cell))
+        return cell in ALONE or bool(OFF.search(cell))

@@ -38,6 +38,7 @@ from fabseq_tools.paths.ways import rapid_ways
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, finite, parser_of, positive, share, warn, whole_number, write_json
 from fabseq_tools.run.progress import Progress
+from fabseq_tools.run.read_run import target_thickness
 
 COMMAND = "paths"
 
@@ -174,8 +175,7 @@ def export_irbcam(part, passes, ways, width, output, placement, speed):
 
 
 def target_height(part, passes):
-    targets = [c["target"] for c in part.config.get("constraints", []) if c["type"] == "layer_thickness"]
-    return targets[0] if targets else float(np.median(np.concatenate([one.heights for one in passes])))
+    return target_thickness(part.config) or float(np.median(np.concatenate([one.heights for one in passes])))
 
 
 def unit_of(record):

@@ -35,10 +35,11 @@ SEQUENCE.h5 (default: PATHS_sequence.h5 beside the table) has, for all elements 
 - time_gradient [z][y][x][axis]: of the time, the direction over thickness and N, by which the program checks
   the sequence; without it, it goes by differences of the times.
 
-Cells stand apart by comma, semicolon or tab; with the last two a decimal comma is taken, too. Columns may
-name a unit, such as "x [mm]", which is then converted. UTF-8 and UTF-16 are read.
+Cells stand apart by comma, semicolon, tab or blanks; with all but the first a decimal comma is taken, too.
+Columns may name a unit, such as "x [mm]", which is then converted. UTF-8 and UTF-16 are read.
 """
 
+import json
 import os
 import shlex
 
@@ -51,7 +52,7 @@ from fabseq_tools.paths.path_files import read_paths
 from fabseq_tools.paths.path_sequence import sequence_fields
 from fabseq_tools.paths.waypoints import Beads, Waypoints
 from fabseq_tools.run.command_line import RunError, parser_of, share, warn
-from fabseq_tools.run.read_run import Run, read_config
+from fabseq_tools.run.read_run import Run, read_config, target_thickness
 
 COMMAND = "import-paths"
 
@@ -96,9 +97,15 @@ def main(words):
             file[name] = values
     layer = fields.get("layer")
     count = int(layer.max()) if layer is not None else None
-    layers = f" -set 'layers={{\"type\": \"curved\", \"count\": {count}}}'" if count else layers_of_config(config, path)
+    layers = f" -set {shlex.quote(f'layers={layers_of_paths(config, count)}')}" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
     print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{layers} -binary -output OUTPUT")
+
+
+def layers_of_paths(config, count):
+    """The section of as many layers, with the target thickness that the config's are judged by."""
+    target = target_thickness(config)
+    return json.dumps({"type": "curved", "count": count} | ({} if target is None else {"target": target}))
 
 
 def layers_of_config(config, path):

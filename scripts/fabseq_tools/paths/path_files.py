@@ -39,7 +39,8 @@ class PathFile:
 def read_paths(path):
     if os.path.splitext(path)[1].lower() == ".json":
         return of_json(path, content_of(path))
-    refuse_program(path)
+    if not set("xyz") <= set(re.findall(r"[a-z_0-9]+", first_line(path).lower())):
+        refuse_program(path)
     table = read_table(path)
     beside = beside_of(path, len(table.rows))
     if set(TOOL) <= set(table.header):
@@ -52,6 +53,11 @@ def content_of(path):
         return json.loads(text_of(path, ALLOWED))
     except (ValueError, RecursionError) as error:
         raise RunError(f"{path}: is no JSON ({error}); allowed: {ALLOWED}") from error
+
+
+def first_line(path):
+    """Of a file, but for remarks; a table's names its columns."""
+    return next((line for line in text_of(path, ALLOWED).splitlines() if line.strip() and not line.startswith("#")), "")
 
 
 def refuse_program(path):

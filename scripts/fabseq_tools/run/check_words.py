@@ -4,6 +4,7 @@ overview."""
 
 import numpy as np
 
+from fabseq_tools.run.read_run import target_thickness
 from fabseq_tools.run.words import alike, number, quantity
 
 LARGEST_TILT = 180.0  # degrees
@@ -151,9 +152,9 @@ def percent(share):
 
 def thickness_limits(run):
     """Between which local thicknesses a layer can be deposited; None without a target."""
-    constraint = run.thickness_constraint()
+    target = target_thickness(run.config)
     factors = run.config.get("tool", {}).get("thickness", USUAL_RANGE)
-    return [factor * constraint["target"] for factor in factors] if constraint else None
+    return [factor * target for factor in factors] if target else None
 
 
 def check_figures(run=None):

@@ -78,6 +78,8 @@ def parse(parser, words=None):
     end = words.index("--") if "--" in words else len(words)
     options = parser.parse_args(words[:end])
     options.rest = words[end + 1:]
+    if getattr(options, "program", None):
+        os.environ["FABSEQ_PROGRAM"] = options.program  # reads meshes, too
     return options
 
 

@@ -92,6 +92,15 @@ class Run:
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
 
+def target_thickness(config):
+    """How thick layers shall be: as layers.target says, or else a layer_thickness constraint, or None."""
+    given = config.get("layers", {}).get("target")
+    if isinstance(given, (int, float)):
+        return given
+    targets = [c.get("target") for c in config.get("constraints", []) if c.get("type") == "layer_thickness"]
+    return next((target for target in targets if isinstance(target, (int, float))), None)
+
+
 def lacking(dataset, path):
     """The error for a dataset that results of older programs do not have."""
     return RunError(f"{path}: lacks the dataset {dataset}, so an older version of fabseq has written it; repeat the run, or "

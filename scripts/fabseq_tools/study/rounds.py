@@ -9,7 +9,7 @@ import shutil
 
 from fabseq_tools.run.command_line import RunError, count, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import Run, read_config, read_json
+from fabseq_tools.run.read_run import Run, read_config, read_json, target_thickness
 from fabseq_tools.run.settings import put
 
 DONE = "converged", "iteration_limit"
@@ -44,10 +44,10 @@ class Rounds:
         os.makedirs(arguments.output, exist_ok=True)
 
     def target_thickness(self):
-        """Of a layer_thickness constraint, which all that is compared here refers to."""
-        for constraint in self.config.get("constraints", []):
-            if constraint.get("type") == "layer_thickness" and isinstance(constraint.get("target"), (int, float)):
-                return constraint["target"]
+        """Of layers.target or a layer_thickness constraint, which all that is compared here refers to."""
+        target = target_thickness(self.config)
+        if target is not None:
+            return target
         raise RunError(f"{self.arguments.config}: constraints: found no layer_thickness; needed: one with a target, to which "
                        "local thickness is relative")
 
