@@ -63,8 +63,10 @@ class CoarsenPart(unittest.TestCase):
         with h5py.File(self.fine, "w") as file:
             file["density"] = np.full((4, 4, 4), 0.2)
         for arguments, message in (((3, 0.5), "the factor 3 does not divide the shape (4, 4, 4)"),
-                                   ((2, 0.5), "no block reaches the threshold 0.5"), ((0, 0.5), "factor must be at least 1"),
-                                   ((2, 1.5), "threshold must lie in (0, 1]"), ((2, 0.5, "--dataset", "rho"), "dataset 'rho'")):
+                                   ((2, 0.5), "no block reaches the threshold 0.5"),
+                                   ((0, 0.5), "factor: found 0; allowed: an integer >= 1"),
+                                   ((2, 1.5), "threshold: found 1.5; allowed: above 0, up to 1"),
+                                   ((2, 0.5, "--dataset", "rho"), "dataset 'rho'")):
             done = self.coarsen(*arguments)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(message, done.stderr)

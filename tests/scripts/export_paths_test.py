@@ -134,7 +134,8 @@ class PathsTest(unittest.TestCase):
         record = json.loads((folder / "paths.json").read_text())
         self.assertEqual((len(record["waypoints"]), record["unit"], record["frame"]), (len(rows), "in", "drawing"))
         self.check_programs(folder, rows)
-        for table, least in (("paths.csv", 0.999), ("paths.json", 0.999), ("plain.csv", 0.99)):
+        of_programs = [(name, 0.999) for name in ("paths_compas.json", "paths_irbcam.csv", "paths_irbcam.json")]
+        for table, least in (("paths.csv", 0.999), ("paths.json", 0.999), *of_programs, ("plain.csv", 0.99)):
             if table == "plain.csv":  # position and layer are enough
                 (folder / table).write_text("x,y,z,layer\n" + "".join(
                     f"{row['x']},{row['y']},{row['z']},{10 * int(row['layer'])}\n" for row in rows), encoding="utf-8")
@@ -144,6 +145,9 @@ class PathsTest(unittest.TestCase):
             with h5py.File(folder / (table.rpartition(".")[0] + "_sequence.h5")) as file:
                 self.assertGreaterEqual((file["layer"][()] == number).mean(), least)
                 np.testing.assert_array_equal(np.ceil(file["time"][()] * 4), file["layer"][()])
+        (folder / "alone.csv").write_bytes((folder / "paths_irbcam.csv").read_bytes())
+        done = self.call("import-paths", folder / "alone.csv", self.run_directory)
+        self.assertIn("alone_sequence.h5: an order without layers", done.stdout)
 
     def drawn(self, scale, unit):
         """The run of a box that its mesh file has lying and `scale` times smaller than the config, in which

@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: MIT
 """No tool takes a number that its option cannot mean."""
 
+import contextlib
+import io
 import re
-import subprocess
+import sys
 import unittest
 from pathlib import Path
+from unittest import mock
+
+from fabseq_tools import entry
 
 PROJECT = Path(__file__).resolve().parents[2]
 PACKAGE = PROJECT / "scripts/fabseq_tools"
@@ -27,16 +32,21 @@ OPTIONS = {  # words before, and values that are refused
 
 class OptionNumbersTest(unittest.TestCase):
     def test_refused_in_a_line(self):
-        code = ("import contextlib, io, sys\nsys.path.insert(0, sys.argv[1])\nfrom fabseq_tools import entry\n"
-                "for line in sys.stdin:\n    words, text = line.split(), io.StringIO()\n    sys.argv = ['fabseq-tools', *words]\n"
-                "    try:\n        with contextlib.redirect_stderr(text):\n            entry.main()\n        status = 0\n"
-                "    except SystemExit as ended:\n        status = ended.code\n"
-                "    print(status, text.getvalue().count('\\n'), text.getvalue().replace('\\n', ' '))\n")
-        asked = [f"{words} {value}" for words, values in OPTIONS.items() for value in values]
-        done = subprocess.run(["/usr/bin/python3", "-c", code, PROJECT / "scripts"], input="\n".join(asked) + "\n",
-                              capture_output=True, text=True, check=True).stdout
-        for words, line in zip(asked, done.splitlines(), strict=True):
-            self.assertRegex(line, r"^2 1 fabseq-tools .*: found .*; allowed: ", words)
+        for words, values in OPTIONS.items():
+            for value in values:
+                status, text = self.ended([*words.split(), *value.split()])
+                self.assertEqual(status, 2, words)
+                self.assertRegex(text, r"^fabseq-tools .*: found .*; allowed: .*\n$", words)
+
+    @staticmethod
+    def ended(words):
+        """Exit status of a command and what it prints to stderr."""
+        with mock.patch.object(sys, "argv", ["fabseq-tools", *words]), contextlib.redirect_stderr(io.StringIO()) as text:
+            try:
+                entry.main()
+            except SystemExit as end:
+                return end.code, text.getvalue()
+        return 0, text.getvalue()
 
     def test_no_option_takes_any_number(self):
         """Types of options are those of run/command_line.py."""
