@@ -30,7 +30,7 @@ class ReadMeshTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
         self.addCleanup(mock.patch.stopall)
-        mock.patch.object(read_mesh, "PROGRAM", PROGRAM).start()
+        mock.patch.dict(os.environ, FABSEQ_PROGRAM=PROGRAM).start()
 
     def write(self, name, triangles, form="{:g}", weight=1):
         """Text of STL, or of OBJ with weights, by which coordinates are divided."""
