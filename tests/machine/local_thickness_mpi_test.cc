@@ -54,12 +54,12 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   PseudoTime<2> time = planar_time(part, {});
   const std::vector<double> layer(time.time.size(), 1.0);
   EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, LayerDensities{}, layer),
-                                  {}, std::nullopt, layer, 1));
+                                  {}, {}, std::nullopt, layer, 1));
   time.gradient.clear();
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
   EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, layers, layer), {}, {},
-                                  std::nullopt, layer, 1));
+                                  {}, std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time.gradient, layers, layer).empty());
 }
 
