@@ -59,7 +59,7 @@ TEST(LocalThicknessTest, IsNotDefinedWithoutGradientOrTimePoints) {
   LayerDensities layers;
   layers.time_points = {0.0, 1.0};
   EXPECT_FALSE(thickness_range<2>(part, local_thickness<2>(time.time, time.gradient, layers, layer), {}, {},
-                                  {}, std::nullopt, layer, 1));
+                                  std::nullopt, layer, 1));
   EXPECT_TRUE(build_direction<2>(time.gradient, layers, layer).empty());
 }
 
