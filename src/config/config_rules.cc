@@ -59,6 +59,11 @@ void check_magnitudes(const Config& config) {
   check_magnitude("/material/young", config.material.young);
   check_magnitude("/projection/beta", config.projection.beta.value_or(0.0));
   check_magnitude("/projection/max", config.projection.max.value_or(0.0));
+  for (const Term& term : config.objective) {
+    const std::string pointer = pointer_to("/objective", term.position);
+    check_magnitude(pointer_to(pointer, "weight"), term.weight);
+    check_magnitude(pointer_to(pointer, "normalize"), term.normalize);
+  }
   for (const double strain : config.material.inherent_strain)
     check_magnitude("/material/inherent_strain", strain);
   if (const auto& strain = config.material.turning_strain) {

@@ -66,6 +66,9 @@ class UnlikelyNumbers {
       if (!material.strain_scale.empty()) largest *= std::ranges::max(material.strain_scale);
     }
     const char* const expected = "at most 0.1; a strain of 1 % is 0.01";
+    if (largest == 0.0)
+      say("/material/inherent_strain", "0, with which nothing shrinks",
+          "what the material shrinks by, such as -0.01");
     if (largest > largest_strain) {
       say("/material/inherent_strain", formatted("%g in magnitude, with strain_scale", largest), expected);
       return;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace fabseq {
 
@@ -48,6 +49,22 @@ double mean_length(MPI_Comm comm, std::span<const double> gradient) {
   return sum(comm, total) / std::max(1.0, sum(comm, static_cast<double>(gradient.size() / Dim)));
 }
 
+/// Share of the elements at which two gradients make an angle of more than 60 degrees. Collective.
+template <int Dim>
+double share_elsewhere(MPI_Comm comm, std::span<const double> gradient, std::span<const double> other) {
+  double elsewhere = 0.0;
+  for (std::size_t e = 0; e * Dim < gradient.size(); ++e) {
+    double product = 0.0, square = 0.0, square_of_other = 0.0;
+    for (std::size_t i = e * Dim; i < (e + 1) * Dim; ++i) {
+      product += gradient[i] * other[i];
+      square += gradient[i] * gradient[i];
+      square_of_other += other[i] * other[i];
+    }
+    if (product < 0.5 * std::sqrt(square) * std::sqrt(square_of_other)) elsewhere += 1.0;
+  }
+  return sum(comm, elsewhere) / std::max(1.0, sum(comm, static_cast<double>(gradient.size() / Dim)));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -57,9 +74,11 @@ TimeGradient time_gradient(const Part<Dim>& part, const PseudoTime<Dim>& time, c
   // A rank without part elements has no values whether they are defined or not.
   const bool is_known = any(comm, !time.gradient.empty());
   if (is_known || layers.sub_parts.count() > 0) return {time.gradient, GradientSource::sequence};
-  if (any(comm, !time.recorded_gradient.empty())) return {time.recorded_gradient, GradientSource::file};
-  TimeGradient result{TimeDifferences<Dim>(part, time.time, uniform_index<Dim>(1)).gradient(),
-                      GradientSource::differences};
+  std::vector<double> differences = TimeDifferences<Dim>(part, time.time, uniform_index<Dim>(1)).gradient();
+  if (any(comm, !time.recorded_gradient.empty()))
+    return {time.recorded_gradient, GradientSource::file,
+            share_elsewhere<Dim>(comm, time.recorded_gradient, differences)};
+  TimeGradient result{std::move(differences), GradientSource::differences};
   const std::optional<double> step = step_of_layers(comm, time.time, layers.count());
   const double slope = mean_length<Dim>(comm, result.values);
   if (!step || !(slope > 0.0)) return result;

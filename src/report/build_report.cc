@@ -45,6 +45,7 @@ class MachineChecks {
   void add_to(BuildReport& report) const {
     if (any(part_.grid().comm(), !direction_.empty())) report.fields.direction = direction_;
     report.numbers.gradient = gradient_.source;
+    report.numbers.gradient_elsewhere = gradient_.share_elsewhere;
     add_torch(report);
     add_thickness(report);
     std::vector<double> hanging = hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);

@@ -8,6 +8,9 @@ namespace fabseq {
 
 namespace {
 
+/// Share of the part: more is no meeting of fronts.
+constexpr double most_elsewhere = 0.25;
+
 /// "3 elements (first near [1,2,3])"
 std::string elements_words(const MarkedElements& marked, const char* which) {
   return formatted("%lld element%s (%s %s)", static_cast<long long>(marked.elements),
@@ -18,6 +21,10 @@ std::string elements_words(const MarkedElements& marked, const char* which) {
 
 std::vector<std::string> doubts_about_layers(const BuildNumbers& numbers) {
   std::vector<std::string> result;
+  if (numbers.gradient_elsewhere > most_elsewhere)
+    result.push_back(
+        "/sequence/file: the gradient recorded beside the times points elsewhere than these grow at " +
+        percent_words(numbers.gradient_elsewhere) + " of the part: it seems to belong to other times");
   if (numbers.late && numbers.late->elements > 0)
     result.push_back("/layers/count: the last layer also holds what comes later, " +
                      elements_words(*numbers.late, "latest") +

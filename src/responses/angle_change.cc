@@ -16,6 +16,9 @@ namespace {
 
 /// Planes at a smaller angle, in radians, are parallel: their angle differs from 0 by rounding.
 constexpr double parallel_angle = 1e-6;
+/// Of the variance along the plane, its least: nodes that scatter more across it than a fifth of their extent
+/// along it are no face.
+constexpr double most_across = 0.05;
 constexpr double degrees = 180.0 / std::numbers::pi;
 /// The two smallest variances of a set must differ by more than this share of the largest one.
 constexpr double least_difference = 1e-9;
@@ -30,7 +33,8 @@ class FittedPlane {
   explicit FittedPlane(const SetDisplacement<Dim>& set) : set_(set) {
     const SetExtent<Dim> extent(set);
     const auto [variance, direction] = principal_axes(extent);
-    if (variance[1] - variance[0] <= least_difference * variance.back())
+    const bool is_flat = variance[0] <= most_across * variance[1];
+    if (!is_flat || variance[1] - variance[0] <= least_difference * variance.back())
       throw InputError("/node_sets/" + set.nodes().name + ": its " + std::to_string(set.nodes().count) +
                        " nodes determine no " + (Dim == 2 ? "line" : "plane") +
                        " for measure angle; allowed: nodes of " + (Dim == 2 ? "an edge" : "a face"));

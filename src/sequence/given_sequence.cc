@@ -2,6 +2,7 @@
 #include "fabseq/sequence/given_sequence.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/hdf5.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/files/hdf5_writer.h"
@@ -91,6 +92,38 @@ std::vector<double> recorded_gradient(const Part<Dim>& part, const std::string& 
   return result;
 }
 
+/// Throws InputError on all ranks for values that are no pseudo-times, and brings those there that leave
+/// [0, 1] by rounding. Guided times go a little beyond 1 where the part does not end with its last layer.
+/// Most of seconds, or of numbers of layers, are beyond it; whoever writes a gradient beside them means
+/// times.
+template <int Dim>
+void require_times(const Part<Dim>& part, PseudoTime<Dim>& time, const std::string& file,
+                   const std::string& dataset) {
+  constexpr double rounding = 1e-6, most_beyond = 0.5, least_share_inside = 0.5;
+  const MPI_Comm comm = part.grid().comm();
+  const bool has_gradient = any(comm, !time.recorded_gradient.empty());
+  double lowest = 0.0, highest = 1.0, inside = 0.0;
+  bool finite = true;
+  for (double& t : time.time) {
+    if (!has_gradient && t > -rounding && t < 1.0 + rounding) t = std::clamp(t, 0.0, 1.0);
+    finite = finite && std::isfinite(t);
+    lowest = std::min(lowest, t);
+    highest = std::max(highest, t);
+    inside += t >= 0.0 && t <= 1.0 ? 1.0 : 0.0;
+  }
+  lowest = min(comm, lowest);
+  highest = max(comm, highest);
+  const bool usual = sum(comm, inside) >= least_share_inside * static_cast<double>(part.count()) &&
+                     lowest >= -most_beyond && highest <= 1.0 + most_beyond;
+  const std::string name = "/sequence/file: dataset \"" + dataset + "\" of " + file + " holds ";
+  if (any(comm, !finite))
+    throw InputError(name + "values that are no numbers; allowed: times on all part elements");
+  if (!usual && !has_gradient)
+    throw InputError(name + "values outside the part's time range, " +
+                     formatted("from %.6g to %.6g", lowest, highest) +
+                     "; allowed: 0 to 1 on all part elements");
+}
+
 }  // namespace
 
 template <int Dim>
@@ -98,20 +131,7 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   result.recorded_gradient = recorded_gradient(part, file, dataset);
-  // Guided times go beyond 1 where the part does not end with its last layer; whoever writes a gradient
-  // beside them means times. Without one they may be seconds, or numbers of layers.
-  const bool is_of_run = any(part.grid().comm(), !result.recorded_gradient.empty());
-  constexpr double rounding = 1e-6;
-  const auto outside = [=](double t) {
-    return !(is_of_run ? std::isfinite(t) : t >= -rounding && t <= 1.0 + rounding);
-  };
-  if (any(part.grid().comm(), std::any_of(result.time.begin(), result.time.end(), outside)))
-    throw InputError(
-        "/sequence/file: dataset \"" + dataset + "\" of " + file +
-        (is_of_run ? " holds values that are no numbers; allowed: finite ones on all part elements"
-                   : " holds values outside the part's time range; allowed: 0 to 1 on all part elements"));
-  for (double& t : result.time)
-    if (!is_of_run) t = std::clamp(t, 0.0, 1.0);
+  require_times(part, result, file, dataset);
   return result;
 }
 

@@ -90,6 +90,21 @@ class FilesTest(unittest.TestCase):
         # A single one is a point.
         self.assertEqual(len(measurement_of(read_ply("file", ply_text([[0, 0, 0], *POINTS])), 3, "mm").points), 4)
 
+    def test_numbers_that_stand_for_nothing(self):
+        """Such as programs write where they have none: left out with their count, whatever they are."""
+        names = ["x", "y", "z", "dx", "dy", "dz"]
+        for value in (-9999.0, 9999.0, 1e30, -32768.0):
+            rows = np.hstack([POINTS, 0.01 * POINTS])
+            rows[1, 3:] = value
+            rows[2, 5] = value
+            found = measurement_of(read_ply("file", ply_text(rows, names)), 3, "mm")
+            self.assertEqual(len(found.points), 2, value)
+            self.assertTrue(np.isnan(found.displacements[1, 2]))
+            self.assertRegex(found.remarks[0], "1 of 3 points left out: their displacements are numbers such as -9999")
+            rows = POINTS.copy()
+            rows[1] = value
+            self.assertEqual(len(measurement_of(read_ply("file", ply_text(rows)), 3, "mm").points), 2, value)
+
     def test_damaged_files(self):
         text, binary = ply_text(POINTS), ply_binary(POINTS)
         for reader, content, words in (

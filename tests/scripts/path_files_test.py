@@ -89,12 +89,17 @@ class PathFilesTest(unittest.TestCase):
         plain, _ = self.fields(self.table("x,y,z,layer", rows, "plain.csv"))
         for column, on, off in (("kind", "weld", "travel"), ("Type", "WALL-OUTER", "rapid move"), ("arc", 1, 0),
                                 ("arc_on", "true", "false"), ("move", "G1", "G0"), ("extruder toggle", "True", "False"),
-                                ("velocity", 10, -1), ("state", "on", "arc off")):
+                                ("velocity", 10, -1), ("state", "on", "arc off"), ("is travel", "False", "True"), ("rapid", 0, 1),
+                                ("segment_type", "PRINT", "NON_PRINT"), ("wire speed [m/min]", 5, 0), ("e", 0.2, 0),
+                                ("motion", "ArcL", "MoveJ"), ("process", "welding", "non-welding"), ("arc", 1, "")):
             rows = [(x, y, height, layer, cell) for layer in (1, 2) for x, y, z in lines(layer)
                     for height, cell in ((z + 6.0, off), (z, on))]
             fields, printed = self.fields(self.table(f"x,y,z,layer,{column}", rows))
-            self.assertIn(f"nothing is deposited at 160 of 320 waypoints, which are left out: {off} (160)", printed, column)
+            words = f"nothing is deposited at 160 of 320 waypoints, which are left out: {'empty' if off == '' else off} (160)"
+            self.assertIn(words, printed, column)
             np.testing.assert_array_equal(fields["layer"], plain["layer"], column)
+        rows = [(*point, 1, k % 2) for k, point in enumerate(lines(1))]
+        self.assertIn("column type: numbers, of which it is not known", self.fields(self.table("x,y,z,layer,type", rows))[1])
         rows = [(*point, 1, 0) for point in lines(1)]
         self.refused(self.table("x,y,z,layer,arc", rows), "column arc: found 0 (80) in all rows")
 
@@ -102,6 +107,8 @@ class PathFilesTest(unittest.TestCase):
         for cell in ("0", "0.0", "-1", "nan", "off", "ARC_OFF", "no weld", "non-deposition", "travel", "Rapid", "g00", "G0",
                      "jump move", "approach", "False", "PTP"):
             self.assertTrue(is_off(cell), cell)
+        for cell in ("non-planar", "weld no 5", "standoff 3"):
+            self.assertFalse(is_off(cell), cell)
         for cell in ("1", "0.3", "on", "weld", "outline", "hatch", "link", "G1", "g01", "G2", "infill", "north", "offset wall",
                      "seam", "nozzle", "contour", ""):
             self.assertFalse(is_off(cell), cell)

@@ -20,6 +20,9 @@ enum class GradientSource {
 struct TimeGradient {
   std::vector<double> values;  ///< [part element][axis], 1/length; empty: multi-planar layers need none
   GradientSource source = GradientSource::sequence;
+  /// Share of the part at which a recorded gradient points elsewhere than the times grow, the same on all
+  /// ranks.
+  double share_elsewhere = 0.0;
 };
 
 /// The gradient of a pseudo-time: the sequence's own, else that of its file, else fitted to the times of the

@@ -33,6 +33,7 @@ inline constexpr double late_from = 0.25;
 /// Figures of a sequence, the same on all ranks.
 struct BuildNumbers {
   GradientSource gradient = GradientSource::sequence;  ///< what direction and thickness are found from
+  double gradient_elsewhere = 0.0;                     ///< TimeGradient::share_elsewhere
   std::optional<MarkedElements> blocked;          ///< by how deep the torch is blocked; none without a torch
   std::optional<TiltNumbers> tilt;                ///< none where the torch's axis is not defined
   std::optional<ThicknessRange> local_thickness;  ///< none where it is not defined

@@ -10,8 +10,8 @@
 
 namespace fabseq {
 
-/// A line for elements later than the last layer, and one for layers without an end, where there are any.
-/// Not collective.
+/// A line for a gradient that does not belong to its times, one for elements later than the last layer, and
+/// one for layers without an end, where there are any. Not collective.
 std::vector<std::string> doubts_about_layers(const BuildNumbers& numbers);
 
 }  // namespace fabseq

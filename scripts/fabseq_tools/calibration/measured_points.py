@@ -14,6 +14,9 @@ from fabseq_tools.run.command_line import RunError
 
 FILES = {".ply": read_ply, ".obj": read_obj, ".stl": read_stl}
 MOST_NAMED = 20  # points in one message
+SUCH = "numbers such as -9999"
+NO_VALUES = (999.0, 9999.0, 99999.0, 999999.0, 9999999.0, 32767.0, 32768.0)
+BEYOND_ALL, FAR_BEYOND = 1e9, 20.0  # whatever the unit; times the median of the others
 TINY = 1e-12     # of the largest coordinate: what rounding leaves of 0
 
 
@@ -41,7 +44,12 @@ class Measurement:
     def leave_out(self):
         """Leaves out what is no measurement of its own."""
         self.keep(np.isfinite(self.points).all(1), "their positions are no numbers")
+        self.keep(~stand_for_nothing(self.points).any(1), f"their positions are {SUCH}, as of points that were not found")
         if self.displacements is not None:
+            missing = stand_for_nothing(self.displacements)
+            self.displacements = np.where(missing, np.nan, self.displacements)
+            self.keep(~missing.any(1) | np.isfinite(self.displacements).any(1),
+                      f"their displacements are {SUCH}, as where nothing was measured")
             self.displacements = np.where(np.isfinite(self.displacements), self.displacements, np.nan)
             self.keep(np.isfinite(self.displacements).any(1), "their displacements are no numbers")
         rows = self.points if self.displacements is None else np.hstack([self.points, np.nan_to_num(self.displacements)])
@@ -53,6 +61,20 @@ class Measurement:
         first = np.zeros(len(rows), bool)
         first[np.unique(rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel(), return_index=True)[1]] = True
         self.keep(first, "equal to others, which count once")
+
+
+def stand_for_nothing(values):
+    """Which of the values are far beyond the others and such as programs write where they have none: nines,
+    the ends of 16 bits, or beyond a billion."""
+    size = np.abs(values)
+    written = np.isfinite(size) & (size >= BEYOND_ALL) | np.isin(size, NO_VALUES)
+    return written & (size > FAR_BEYOND * usual_size(size))
+
+
+def usual_size(size):
+    """Median of those that may be measured."""
+    measured = size[(size > 0) & (size < BEYOND_ALL) & ~np.isin(size, NO_VALUES)]
+    return np.median(measured) if measured.size else 0.0
 
 
 def read_measurement(path, dimension, unit, own_unit=None):

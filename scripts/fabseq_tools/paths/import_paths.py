@@ -45,6 +45,7 @@ import shlex
 
 import h5py
 import numpy as np
+from scipy.spatial import KDTree
 
 from fabseq_tools.geometry.grid import element_edges, origin_of
 from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement
@@ -56,6 +57,7 @@ from fabseq_tools.run.read_run import Run, read_config, target_thickness
 
 COMMAND = "import-paths"
 
+FAR, MOST_MISFIT = 4.0, 0.05  # times the quarter of distances that is least; of elements and waypoints beyond
 LEAST_IN_BOX = 0.5  # of the waypoints: with fewer, they are in other coordinates or in another unit
 LEAST_EXTENT = 0.02  # of the box's longest edge: paths that reach over less are in another unit
 USUAL_FACTORS = 1000.0, 25.4, 10.0, 100.0, 1e6  # between units
@@ -91,7 +93,12 @@ def main(words):
             warn(COMMAND, beads.words())
     elif arguments.at != 0.5:
         raise RunError(f"--at: found {arguments.at:g}; allowed: 0.5 where {arguments.paths} has no column layer")
+    points = waypoints.points.copy()
+    if exact and (waypoints.axes @ up_of(config)).mean() < 0:
+        warn(COMMAND, f"{arguments.paths}: the axes point towards the plate; expected: from it, along the torch")
     fields = sequence_fields(waypoints, config, exact)
+    for words in misfits(points, config, os.path.join(os.path.dirname(path), "result.h5")):
+        warn(COMMAND, f"{arguments.paths}: {words}")
     with h5py.File(output, "w") as file:
         for name, values in fields.items():
             file[name] = values
@@ -100,6 +107,31 @@ def main(words):
     layers = f" -set {shlex.quote(f'layers={layers_of_paths(config, count)}')}" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
     print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{layers} -binary -output OUTPUT")
+
+
+def up_of(config):
+    """Unit normal of the plate, away from it."""
+    plate = config.get("build_plate", "z-")
+    return (1.0 if plate[1] == "-" else -1.0) * np.eye(3)["xyz".index(plate[0])]
+
+
+def misfits(points, config, result):
+    """Lines of text on elements of the run's part that no waypoint is near to, and on waypoints off it."""
+    if not os.path.exists(result):
+        return
+    with h5py.File(result) as file:
+        part = file["density"][()] > 0 if "density" in file else np.zeros(())
+    if part.shape != tuple(config["domain"]["elements"][::-1]) or not part.any():
+        return
+    edges = np.array(element_edges(config))
+    centres = origin_of(config) + edges * (np.argwhere(part)[:, ::-1] + 0.5)
+    away, off = KDTree(points).query(centres)[0], KDTree(centres).query(points)[0]
+    reach = np.linalg.norm(edges) + FAR * np.quantile(away, 0.25)
+    if (far := (away > reach).mean()) > MOST_MISFIT:
+        yield (f"{100 * far:.0f} % of the part's elements lie farther than {reach:.3g} from all waypoints; expected: paths of "
+               "the whole part")
+    if (far := (off > reach).mean()) > MOST_MISFIT:
+        yield f"{100 * far:.0f} % of the waypoints lie farther than {reach:.3g} from the part; expected: its place and its axes"
 
 
 def layers_of_paths(config, count):

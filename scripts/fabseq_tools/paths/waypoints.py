@@ -47,7 +47,11 @@ class Waypoints:
         self.times = (np.arange(len(table.rows)) + 0.5) / len(table.rows)
         self.axes = None
         if all(name in table.header for name in AXIS):
-            axes = table.numbers(list(AXIS)) @ np.linalg.inv(placement.inverse).T
+            given = table.numbers(list(AXIS))
+            if not (lengths_of_axes := np.linalg.norm(given, axis=1)).min() > 0:
+                place = int(np.argmin(lengths_of_axes))
+                raise table.refusal(AXIS[0], "0,0,0", table.places[place], "axes that point from the plate along the torch")
+            axes = given @ np.linalg.inv(placement.inverse).T
             self.axes = axes / np.maximum(np.linalg.norm(axes, axis=1), 1e-300)[:, None]
         self.sort(table)
 
@@ -72,6 +76,8 @@ class Waypoints:
         if runs[-1] > self.given.max():
             self.words.append(
                 f"the column order goes back to earlier layers: {self.given.max()} of the table are {runs[-1]} in this order")
+        elif (np.diff(self.layers) < 0).any():
+            self.words.append("the column order builds the layers in another order than that of their numbers")
         self.layers = runs
 
     def take(self, chosen, *names):
