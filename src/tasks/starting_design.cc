@@ -115,67 +115,6 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
   return design;
 }
 
-std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& variables,
-                                         const std::string& file, const std::string& option) {
-  const char* shape = variables.columns > 0 ? "a row a sub-part" : "one less than layers";
-  std::vector<double> result =
-      read_list(comm, file, variables.name, variables.count(), shape, option, option, variables.columns);
-  for (std::size_t j = 0; j < result.size(); ++j)
-    if (any_outside(comm, {result[j]}, variables.lower[j], variables.upper[j]))
-      throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
-                       Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
-                       Json(variables.upper[j]).dump());
-  if (variables.columns == 0 && !std::is_sorted(result.begin(), result.end()))
-    throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
-                     shown(Json(result)) + ", needs ascending times");
-  return result;
-}
-
-/// T_1 ... T_{N-1} of -sequence: those of the file, which may have another number of layers, at equal steps
-/// between them. The same ones for the same number; uniform ones where the file has none.
-std::vector<double> resliced_time_points(MPI_Comm comm, int layers, const std::string& file) {
-  std::vector<double> given;
-  if (hdf5_file_has(comm, file, "time_points", "-sequence"))
-    given = read_list(comm, file, "time_points", "-sequence", "-sequence");
-  return interpolated_time_points(given, layers);
-}
-
-/// The file of -sequence, or that of a sequence of type "file", as in the config.json that -sequence leaves.
-std::optional<std::string> sequence_file(const Config& config, const CommandLine& command_line) {
-  if (command_line.sequence_file) return command_line.sequence_file;
-  if (config.sequence.kind->name != "file" || config.sequence.facts.files.empty()) return std::nullopt;
-  return config.sequence.facts.files.front().second;
-}
-
-}  // namespace
-
-template <int Dim>
-Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
-                       const CommandLine& command_line) {
-  const LayerVariables& variables = setup.layers->variables();
-  const std::optional<std::string> file = sequence_file(setup.config, command_line);
-  const auto has = [&](const char* dataset) {
-    return command_line.design_file && has_values(setup.world(), *command_line.design_file, dataset);
-  };
-  Design design;
-  if (sequence.has_design())
-    design.field = setup.groups.share(
-        has("design") ? read_design_field(setup, sequence.space(), *command_line.design_file)
-                      : sequence.initial_design());
-  design.layer_variables = variables.start;
-  if (variables.count() > 0 && has(variables.name.c_str())) {
-    design.layer_variables =
-        read_layer_variables(setup.world(), variables, *command_line.design_file, "-design");
-  } else if (setup.config.layers.variable_time_points && file) {
-    design.layer_variables = resliced_time_points(setup.world(), setup.layers->count(), *file);
-  } else if (variables.count() > 0 && command_line.sequence_file &&
-             hdf5_file_has(setup.world(), *command_line.sequence_file, variables.name, "-sequence")) {
-    design.layer_variables =
-        read_layer_variables(setup.world(), variables, *command_line.sequence_file, "-sequence");
-  }
-  return design;
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(starting_design);
 
 }  // namespace fabseq
