@@ -65,6 +65,9 @@ class ConfigErrorsTest(BadInputTest):
         for key, terms in (("objective", [term]), ("constraints", [{**term, "limit": 1.0}])):
             for task in ("optimize", "simulate", "evaluate"):
                 self.assert_refused({**config, key: terms}, "-task", task, words=words)
+        config["node_sets"]["corner"] = {"polygon": {"points": [[0, 0], [0.5, 0], [0.5, 0.5], [0, 0.5]]}}
+        words = ["/node_sets/corner", "nodes determine no line for measure angle"]
+        self.assert_refused({**config, "objective": [{**term, "nodes": "corner"}]}, "-task", "simulate", words=words)
 
     def test_sharpness(self):
         for value in ("-1", "0", "inf", "nan", "1e999", "1e300", "1e-300"):

@@ -71,6 +71,31 @@ class JudgedAgainTest(FabseqTest):
         self.assertEqual(found["verdict"], planar["verdict"])
         np.testing.assert_array_equal(fields["hanging"], read_result(run)["planar/hanging"])
 
+    def test_a_simulation_is_a_run_too(self):
+        """Its config.json repeats it, with the time points and print directions that it has read."""
+        variable = cases()[2]
+        for config in (variable, cases()[4]):
+            _, found, fields = self.judged_again(1, self.optimize(config, 1, 2))
+            again = self.run_config(2, os.path.join(self.directory, f"output_{self.runs}", "config.json"), "-task", "simulate")
+            self.assert_done(again)
+            self.assertEqual(again.json("summary.json")["verdict"], found["verdict"], config["name"])
+            np.testing.assert_array_equal(read_result(again)["layer"], fields["layer"], config["name"])
+
+    def test_gradient_of_other_times(self):
+        run = self.optimize(cases()[0], 1, 1)
+        with h5py.File(run.path("result.h5"), "r") as file, h5py.File(run.path("other.h5"), "w") as other:
+            other["time"] = 1.0 - file["time"][()]
+            other["time_gradient"] = file["time_gradient"][()]
+            alone = file["time"][()]
+        again, _, _ = self.judged_again(2, run, "other.h5")
+        self.assertIn("warning: /sequence/file: the gradient recorded beside the times points elsewhere", again.stderr)
+        for factor, status in ((1.04, run_fabseq.DONE), (3.0, run_fabseq.BAD_INPUT)):
+            with h5py.File(run.path("alone.h5"), "w") as file:
+                file["time"] = factor * alone / alone.max()
+            again = self.run_config(1, run.path("config.json"), "-task", "simulate", "-sequence", run.path("alone.h5"))
+            self.assertEqual(again.status, status, str(again))
+        self.assertIn("holds values outside the part's time range, from 0 to 3; allowed: 0 to 1", again.stderr)
+
     def test_times_alone(self):
         """Upright layers from times alone: what differences say is what the planes say."""
         config = plate_2d()

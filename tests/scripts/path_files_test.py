@@ -103,6 +103,24 @@ class PathFilesTest(unittest.TestCase):
         rows = [(*point, 1, 0) for point in lines(1)]
         self.refused(self.table("x,y,z,layer,arc", rows), "column arc: found 0 (80) in all rows")
 
+    def test_paths_that_do_not_fit_the_part(self):
+        """Of a run, whose elements are known."""
+        with h5py.File(self.folder / "result.h5", "w") as file:
+            file["density"] = np.ones(COUNTS[::-1])
+        rows = [(*point, layer) for layer in (1, 2) for point in lines(layer)]
+        self.fields(self.table("x,y,z,layer", rows))  # without a word
+        for moved, words in (([row for row in rows if row[0] < 25], "% of the part's elements lie farther than"),
+                             ([(x + 15, y, z, layer) for x, y, z, layer in rows], "% of the waypoints lie farther than")):
+            done = self.imported(self.table("x,y,z,layer", moved))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(words, done.stderr)
+        axes = [(*row[:3], 0, 0, -1, row[3], 4) for row in rows]
+        done = self.imported(self.table("x,y,z,axis_x,axis_y,axis_z,layer,height", axes))
+        self.assertIn("warning: ", done.stderr)
+        self.assertIn("the axes point towards the plate", done.stderr)
+        axes[3] = (*axes[3][:3], 0, 0, 0, *axes[3][6:])
+        self.refused(self.table("x,y,z,axis_x,axis_y,axis_z,layer,height", axes), "line 5, column axis_x: found '0,0,0'")
+
     def test_words(self):
         for cell in ("0", "0.0", "-1", "nan", "off", "ARC_OFF", "no weld", "non-deposition", "travel", "Rapid", "g00", "G0",
                      "jump move", "approach", "False", "PTP"):
