@@ -102,7 +102,8 @@ class OutputsOfOneRankTest(FabseqTest):
                                               "start/time", "start/layer", "even/time", "even/layer")}
         for prefix in ("", "planar/", "start/", "even/"):
             shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements,
-                       prefix + "tilt": elements, prefix + "build_direction": elements + (2,)}
+                       prefix + "tilt": elements, prefix + "build_direction": elements + (2,),
+                       prefix + "time_gradient": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes
         for prefix in ("", "binary/", "planar/", "start/", "even/"):
             shapes |= dict.fromkeys((prefix + "displacement", prefix + "release_displacement", prefix + "released_displacement"),
