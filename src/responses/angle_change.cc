@@ -5,6 +5,7 @@
 #include "fabseq/base/mpi.h"
 #include "responses/distortion_measures.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -16,9 +17,9 @@ namespace {
 
 /// Planes at a smaller angle, in radians, are parallel: their angle differs from 0 by rounding.
 constexpr double parallel_angle = 1e-6;
-/// Of the variance along the plane, its least: nodes that scatter more across it than a fifth of their extent
-/// along it are no face.
-constexpr double most_across = 0.05;
+/// Nodes that scatter across a plane by more than a fifth of their least extent along it, and by more than
+/// half an element's diagonal, as stairs of elements do not, are no face. The first is a ratio of variances.
+constexpr double most_across = 0.05, most_diagonals = 0.5;
 constexpr double degrees = 180.0 / std::numbers::pi;
 /// The two smallest variances of a set must differ by more than this share of the largest one.
 constexpr double least_difference = 1e-9;
@@ -33,7 +34,9 @@ class FittedPlane {
   explicit FittedPlane(const SetDisplacement<Dim>& set) : set_(set) {
     const SetExtent<Dim> extent(set);
     const auto [variance, direction] = principal_axes(extent);
-    const bool is_flat = variance[0] <= most_across * variance[1];
+    const double across = extent.radius * std::sqrt(std::max(0.0, variance[0]));
+    const bool is_flat =
+        variance[0] <= most_across * variance[1] || across <= most_diagonals * set.element_diagonal();
     if (!is_flat || variance[1] - variance[0] <= least_difference * variance.back())
       throw InputError("/node_sets/" + set.nodes().name + ": its " + std::to_string(set.nodes().count) +
                        " nodes determine no " + (Dim == 2 ? "line" : "plane") +

@@ -27,6 +27,8 @@ class SetDisplacement {
 
   MPI_Comm comm() const { return part_.grid().comm(); }
   const NodeSet& nodes() const { return nodes_; }
+  /// Length unit.
+  double element_diagonal() const { return std::sqrt(dot(part_.grid().spacing(), part_.grid().spacing())); }
   /// Position of an owned node, length unit.
   Point<Dim> position(int node) const {
     return part_.grid().node_position(part_.grid().owned_nodes().index(node));
