@@ -37,6 +37,12 @@ std::optional<double> step_of_layers(MPI_Comm comm, std::vector<double> times, i
   return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
 
+/// Elements that gradients of all ranks belong to, at least 1. Collective.
+template <int Dim>
+double elements_of(MPI_Comm comm, std::span<const double> gradient) {
+  return std::max(1.0, sum(comm, static_cast<double>(gradient.size())) / Dim);
+}
+
 /// Mean length of the gradients, 1/length. Collective.
 template <int Dim>
 double mean_length(MPI_Comm comm, std::span<const double> gradient) {
@@ -46,7 +52,7 @@ double mean_length(MPI_Comm comm, std::span<const double> gradient) {
     for (int axis = 0; axis < Dim; ++axis) square += std::pow(gradient[e * Dim + axis], 2);
     total += std::sqrt(square);
   }
-  return sum(comm, total) / std::max(1.0, sum(comm, static_cast<double>(gradient.size() / Dim)));
+  return sum(comm, total) / elements_of<Dim>(comm, gradient);
 }
 
 /// Share of the elements at which two gradients make an angle of more than 60 degrees. Collective.
@@ -62,7 +68,7 @@ double share_elsewhere(MPI_Comm comm, std::span<const double> gradient, std::spa
     }
     if (product < 0.5 * std::sqrt(square) * std::sqrt(square_of_other)) elsewhere += 1.0;
   }
-  return sum(comm, elsewhere) / std::max(1.0, sum(comm, static_cast<double>(gradient.size() / Dim)));
+  return sum(comm, elsewhere) / elements_of<Dim>(comm, gradient);
 }
 
 }  // namespace
