@@ -16,7 +16,7 @@ class ZipArchive;
 struct ThreeMfName {
   std::string file, number;
 
-  auto operator<=>(const ThreeMfName&) const = default;
+  auto operator<=>(const ThreeMfName&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
 /// What the models of a 3MF file say that lib3mf does not.
