@@ -13,6 +13,23 @@ def element_edges(config):
     return [length / n for length, n in zip(config["domain"]["size"], config["domain"]["elements"])]
 
 
+def element_centres(config, cells):
+    """Of elements by their indices (n, dimension), slowest axis first, as fields have them."""
+    return origin_of(config) + np.array(element_edges(config)) * (np.asarray(cells)[:, ::-1] + 0.5)
+
+
+def up_of(config):
+    """Unit normal of the build plate, away from it."""
+    plate = config.get("build_plate", "z-")
+    return np.eye(len(config["domain"]["size"]))["xyz".index(plate[0])] * (1.0 if plate[1] == "-" else -1.0)
+
+
+def plate_height(config):
+    """Of the build plate, along its normal."""
+    up = up_of(config)
+    return (origin_of(config) + np.where(up < 0, config["domain"]["size"], 0.0)) @ up
+
+
 def node_positions(size, elements):
     """Coordinates of all nodes of a box, (n, dimension), x fastest."""
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, elements)]

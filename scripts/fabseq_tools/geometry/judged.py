@@ -5,7 +5,7 @@ the verdict on all of it."""
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, origin_of
+from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of
 
 BLOCKS = {"optimized": ("binary", "simulated"), "planar": ("baseline",), "start": ("start",)}  # of summary.json
 
@@ -21,7 +21,7 @@ class Judged:
         self.verdict = block.get("verdict") or {}
         self.layer = file[group + "layer"][()].astype(int) if group + "layer" in file else None
         self.substrate = file["substrate"][()] > 0 if "substrate" in file else None
-        self.edges, self.origin = np.array(element_edges(run.config)), origin_of(run.config)
+        self.config, self.edges, self.origin = run.config, np.array(element_edges(run.config)), origin_of(run.config)
         self.trees, self.thickness, self.slope = {}, None, None
         if self.layer is not None and {group + "local_thickness", group + "build_direction"} <= set(names(file)):
             thickness = file[group + "local_thickness"][()].astype(float)
@@ -42,7 +42,7 @@ class Judged:
         """Of the centres of a layer's elements, with their cells."""
         if number not in self.trees:
             cells = np.argwhere(self.layer == number)
-            self.trees[number] = KDTree(self.origin + self.edges * (cells[:, ::-1] + 0.5)), tuple(cells.T)
+            self.trees[number] = KDTree(element_centres(self.config, cells)), tuple(cells.T)
         return self.trees[number]
 
     def distance(self, number, points):

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, nodes_of, origin_of
+from fabseq_tools.geometry.grid import element_edges, nodes_of, origin_of, up_of
 from fabseq_tools.geometry.judged import Judged
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_nodes
 from fabseq_tools.geometry.part_body import at_points, body_of, continued
@@ -83,8 +83,7 @@ class LayeredPart:
         self.node_axes = [low + edge * np.arange(n + 1)
                           for low, edge, n in zip(origin_of(self.config), edges, density.shape[::-1])]
         self.node_time = continued(time, nodes_of(density > 0).reshape(time.shape))
-        plate = self.config.get("build_plate", "z-")
-        self.up = np.eye(3)["xyz".index(plate[0])] * (1.0 if plate[1] == "-" else -1.0)
+        self.up = up_of(self.config)
         self.elements_volume = density.sum() * np.prod(element_edges(self.config))
 
     def planes(self, file, table):

@@ -7,6 +7,7 @@ import re
 import numpy as np
 
 from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.tables import is_number
 
 KINDS = """kind type move move_type motion motion_type path_type path_kind segment_type segment command cmd mode
 action operation code""".split()  # columns of words; numbers in them are codes that nobody knows
@@ -31,7 +32,7 @@ def deposited(table):
         if kind not in [*KINDS, *SWITCHES, *AMOUNTS, *TRAVELS] or table.header.count(name) > 1:
             continue
         cells = table.cells(name)
-        if kind in KINDS and all(map(is_number, cells)):
+        if kind in KINDS and all(is_number(cell) for cell in cells if cell.strip()):
             words.append(f"column {name}: numbers, of which it is not known what they mean: no waypoint is left out for them")
             continue
         off = off_in(kind, cells)
@@ -56,14 +57,6 @@ def off_in(kind, cells):
     off = np.array([is_off(cell) for cell in cells]) != (kind == "off")
     empty = np.array([not cell.strip() for cell in cells])
     return off | empty if kind in SWITCHES and not empty.all() else off
-
-
-def is_number(cell):
-    try:
-        float(cell)
-    except ValueError:
-        return not cell.strip()
-    return True
 
 
 def is_true(cell):

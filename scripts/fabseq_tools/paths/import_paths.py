@@ -47,7 +47,7 @@ import h5py
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, origin_of
+from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of, up_of
 from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement
 from fabseq_tools.paths.path_files import read_paths
 from fabseq_tools.paths.path_sequence import sequence_fields
@@ -109,12 +109,6 @@ def main(words):
     print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{layers} -binary -output OUTPUT")
 
 
-def up_of(config):
-    """Unit normal of the plate, away from it."""
-    plate = config.get("build_plate", "z-")
-    return (1.0 if plate[1] == "-" else -1.0) * np.eye(3)["xyz".index(plate[0])]
-
-
 def misfits(points, config, result):
     """Lines of text on elements of the run's part that no waypoint is near to, and on waypoints off it."""
     if not os.path.exists(result):
@@ -123,10 +117,9 @@ def misfits(points, config, result):
         part = file["density"][()] > 0 if "density" in file else np.zeros(())
     if part.shape != tuple(config["domain"]["elements"][::-1]) or not part.any():
         return
-    edges = np.array(element_edges(config))
-    centres = origin_of(config) + edges * (np.argwhere(part)[:, ::-1] + 0.5)
+    centres = element_centres(config, np.argwhere(part))
     away, off = KDTree(points).query(centres)[0], KDTree(centres).query(points)[0]
-    reach = np.linalg.norm(edges) + FAR * np.quantile(away, 0.25)
+    reach = np.linalg.norm(element_edges(config)) + FAR * np.quantile(away, 0.25)
     if (far := (away > reach).mean()) > MOST_MISFIT:
         yield (f"{100 * far:.0f} % of the part's elements lie farther than {reach:.3g} from all waypoints; expected: paths of "
                "the whole part")

@@ -39,8 +39,7 @@ class PathFile:
 def read_paths(path):
     if os.path.splitext(path)[1].lower() == ".json":
         return of_json(path, content_of(path))
-    if not set("xyz") <= set(re.findall(r"[a-z_0-9]+", first_line(path).lower())):
-        refuse_program(path)
+    refuse_program(path)
     table = read_table(path)
     beside = beside_of(path, len(table.rows))
     if set(TOOL) <= set(table.header):
@@ -55,16 +54,15 @@ def content_of(path):
         raise RunError(f"{path}: is no JSON ({error}); allowed: {ALLOWED}") from error
 
 
-def first_line(path):
-    """Of a file, but for remarks; a table's names its columns."""
-    return next((line for line in text_of(path, ALLOWED).splitlines() if line.strip() and not line.startswith("#")), "")
-
-
 def refuse_program(path):
-    ending = os.path.splitext(path)[1].lower().removeprefix(".")
-    text = "\n".join(text_of(path, ALLOWED).splitlines()[:LINES])
-    for what, (endings, lines) in PROGRAMS.items():
-        if ending in endings.split() or re.search(rf"^\s*({lines})", text, re.MULTILINE | re.IGNORECASE):
+    """Raises a RunError for a machine's program. A table's first line but for remarks names x, y and z."""
+    lines = text_of(path, ALLOWED).splitlines()
+    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    if set("xyz") <= set(re.findall(r"[a-z_0-9]+", first.lower())):
+        return
+    ending, text = os.path.splitext(path)[1].lower().removeprefix("."), "\n".join(lines[:LINES])
+    for what, (endings, pattern) in PROGRAMS.items():
+        if ending in endings.split() or re.search(rf"^\s*({pattern})", text, re.MULTILINE | re.IGNORECASE):
             raise RunError(f"{path}: is {what}; allowed: {ALLOWED}: export the programmed points as a table")
 
 
@@ -122,13 +120,14 @@ def of_points(path, points):
     names = [name for name in OF_POINTS if all(name in one for one in attributes)]
     on = np.array([bool(point.get("extruder_toggle", True)) for point in points])
     done = on | np.append(False, on[:-1])  # the last point of a pass, too
+    passes = np.append(0, np.cumsum(~on)[:-1]) + 1
     rows = []
     for number, (point, own) in enumerate(zip(points, attributes)):
         row = {"order": number + 1, **dict(zip("xyz", point["point"])), **{name: own[name] for name in names}}
         if point.get("up_vector") and point.get("layer_height"):
             row |= {**dict(zip(("axis_x", "axis_y", "axis_z"), point["up_vector"])), "height": point["layer_height"]}
         if "pass" not in names:
-            row["pass"] = int((~on[:number]).sum()) + 1
+            row["pass"] = int(passes[number])
         if "kind" not in names:
             row["kind"] = "weld" if done[number] else "travel"
         rows.append(row)

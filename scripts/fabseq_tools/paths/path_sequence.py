@@ -4,7 +4,7 @@
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, origin_of
+from fabseq_tools.geometry.grid import element_centres, element_edges
 from fabseq_tools.paths.hermite import interpolate
 
 OTHER_LAYERS = 2   # before and after that of the nearest waypoint, which an element may belong to
@@ -24,8 +24,7 @@ def sequence_fields(waypoints, config, exact):
     spacing = np.median(waypoints.spacings) if exact and waypoints.spacings is not None else 0.0
     waypoints.filled(STEP * max(edges.min(), spacing) * (1.0 + 1e-6))
     counts = config["domain"]["elements"]
-    axes = [origin + edge * (np.arange(n) + 0.5) for origin, edge, n in zip(origin_of(config), edges, counts)]
-    centres = np.stack([grid.ravel() for grid in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], axis=1)
+    centres = element_centres(config, np.indices(counts[::-1]).reshape(len(counts), -1).T)
     if waypoints.layers is None:
         fields = {"time": waypoints.times[KDTree(waypoints.points).query(centres)[1]]}
     elif exact:

@@ -4,7 +4,7 @@
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import origin_of
+from fabseq_tools.geometry.grid import plate_height, up_of
 from fabseq_tools.geometry.length_columns import lengths, usual_unit
 from fabseq_tools.paths.deposited import deposited
 from fabseq_tools.run.command_line import RunError
@@ -119,11 +119,8 @@ class Beads:
 
     def __init__(self, waypoints, config, at):
         self.waypoints = waypoints
-        plate = config.get("build_plate", "z-")
-        axis, sign = "xyz".index(plate[0]), 1.0 if plate[1] == "-" else -1.0
-        self.up = sign * np.eye(3)[axis]
-        face = origin_of(config) + (np.array(config["domain"]["size"]) if sign < 0 else 0.0)
-        self.above_plate = None if "substrate" in config else (waypoints.points - face) @ self.up
+        self.up = up_of(config)
+        self.above_plate = None if "substrate" in config else waypoints.points @ self.up - plate_height(config)
         waypoints.axes = waypoints.axes if waypoints.axes is not None else self.normals()
         waypoints.heights = waypoints.heights if waypoints.heights is not None else self.distances()
         if waypoints.heights is None and at != 0.5:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, origin_of
+from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of, plate_height
 from fabseq_tools.run.progress import SILENT
 
 STEP = 0.25  # between the places at which a way is looked at, in elements
@@ -41,7 +41,7 @@ class Standing:
         self.up = part.up
         centres = np.argwhere(part.judged.layer > 0)
         self.cells = tuple(centres.T)
-        places = self.origin + self.edges * (centres[:, ::-1] + 0.5)
+        places = element_centres(part.config, centres)
         self.done = np.zeros(part.judged.layer.shape, int)  # number of the pass after which an element stands
         self.heights = places @ self.up
         layers = part.judged.layer[self.cells]
@@ -56,12 +56,7 @@ class Standing:
                 last = numbers[-1]
             else:  # a layer without passes stands with those before it
                 self.done[tuple(cells[own] for cells in self.cells)] = last
-        self.plate = self.face_height()
-
-    def face_height(self):
-        """Of the plate, along its normal."""
-        high = self.origin + np.array(self.part.config["domain"]["size"])
-        return (self.origin if self.up.sum() > 0 else high) @ self.up
+        self.plate = plate_height(part.config)
 
     def after(self, number):
         """[z][y][x]: what stands once a pass is done."""
@@ -70,10 +65,10 @@ class Standing:
 
     def top(self, number):
         """How high that reaches along the plate's normal."""
-        standing = np.argwhere(self.after(number))[:, ::-1]
+        standing = np.argwhere(self.after(number))
         if len(standing) == 0:
             return self.plate
-        return ((self.origin + self.edges * (standing + 0.5)) @ self.up).max() + 0.5 * np.abs(self.edges @ self.up)
+        return (element_centres(self.part.config, standing) @ self.up).max() + 0.5 * np.abs(self.edges @ self.up)
 
     def depth(self, number, points):
         """How deep a way of straight lines runs into that at most, and where; 0 where it does not."""
