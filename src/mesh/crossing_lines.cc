@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mesh/crossing_lines.h"
 
+#include "mesh/mesh_pieces.h"
 #include "mesh/vectors.h"
 
 #include <algorithm>
@@ -12,12 +13,6 @@ namespace fabseq {
 namespace {
 
 using Triangle = std::array<Point<3>, 3>;
-
-Point<3> between(const Point<3>& a, const Point<3>& b, double share) {
-  Point<3> result;
-  for (int axis = 0; axis < 3; ++axis) result[axis] = a[axis] + share * (b[axis] - a[axis]);
-  return result;
-}
 
 /// Of length 1; 0 for a triangle without area.
 Point<3> unit_normal(const Triangle& t) {
@@ -108,16 +103,9 @@ struct BoxedTriangle {
 std::vector<BoxedTriangle> triangles_near(const TriangleMesh& mesh, const Bounds& box) {
   std::vector<BoxedTriangle> result;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Bounds own{mesh.corners(t)[0], mesh.corners(t)[0]};
-    bool apart = false;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const Point<3>& corner : mesh.corners(t)) {
-        own.low[axis] = std::min(own.low[axis], corner[axis]);
-        own.high[axis] = std::max(own.high[axis], corner[axis]);
-      }
-      apart = apart || own.low[axis] > box.high[axis] || own.high[axis] < box.low[axis];
-    }
-    if (!apart) result.push_back({own, t});
+    const auto [a, b, c] = mesh.corners(t);
+    const Bounds own = join(join({a, a}, {b, b}), {c, c});
+    if (overlap(own, box)) result.push_back({own, t});
   }
   std::sort(result.begin(), result.end(),
             [](const BoxedTriangle& a, const BoxedTriangle& b) { return a.box.low[0] < b.box.low[0]; });
@@ -147,15 +135,11 @@ CrossingLines find_crossing_lines(const TriangleMesh& first, const TriangleMesh&
     std::erase_if(open, [&](const BoxedTriangle& other) {
       return other.box.high[0] < own.box.low[0] - tolerance;  // and so than all that follow
     });
-    for (const BoxedTriangle& other : open) {
-      bool apart = false;
-      for (int axis = 0; axis < 3; ++axis)
-        apart = apart || other.box.low[axis] > own.box.high[axis] + tolerance ||
-                other.box.high[axis] < own.box.low[axis] - tolerance;
-      if (apart) continue;
-      add_crossing(first.corners(own.number), second.corners(other.number), tolerance,
-                   result.first[own.number], result.second[other.number]);
-    }
+    const Bounds around = enlarged(own.box, tolerance);
+    for (const BoxedTriangle& other : open)
+      if (overlap(around, other.box))
+        add_crossing(first.corners(own.number), second.corners(other.number), tolerance,
+                     result.first[own.number], result.second[other.number]);
   }
   return result;
 }

@@ -30,12 +30,6 @@ double winding(const WindingNumber& number, const Point<3>& point) {
   return result;
 }
 
-bool lies_in(const Point<3>& point, const Bounds& box) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (point[axis] < box.low[axis] || point[axis] > box.high[axis]) return false;
-  return true;
-}
-
 class Cut {
  public:
   Cut(const TriangleMesh& body, const TriangleMesh& hole)
@@ -138,11 +132,11 @@ class Cut {
 
   /// How often the body winds around a point, and whether the hole does.
   int in_body(const Point<3>& point) const {
-    if (!lies_in(point, box_)) return 0;
+    if (!overlap({point, point}, box_)) return 0;
     return static_cast<int>(std::lround(std::abs(winding(body_winding_, point))));
   }
   bool in_hole(const Point<3>& point) const {
-    return lies_in(point, hole_box_) && std::abs(winding(hole_winding_, point)) >= 0.5;
+    return overlap({point, point}, hole_box_) && std::abs(winding(hole_winding_, point)) >= 0.5;
   }
 
   /// Asks points of the body's box, always the same ones.

@@ -37,12 +37,6 @@ std::vector<TriangleMesh> separated(const TriangleMesh& mesh) {
   return result;
 }
 
-bool overlap(const Bounds& a, const Bounds& b) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (a.low[axis] > b.high[axis] || a.high[axis] < b.low[axis]) return false;
-  return true;
-}
-
 struct Group {
   std::vector<Bounds> boxes;
   TriangleMesh mesh;

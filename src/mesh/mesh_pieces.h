@@ -25,6 +25,8 @@ std::vector<MeshPiece> find_mesh_pieces(const TriangleMesh& mesh);
 Bounds bounds(const TriangleMesh& mesh, std::span<const std::int32_t> triangles);
 /// The smallest box around both.
 Bounds join(const Bounds& a, const Bounds& b);
+/// Whether they have a point in common.
+bool overlap(const Bounds& a, const Bounds& b);
 /// Product of the edges; 0 for a box around nothing.
 double volume(const Bounds& box);
 

@@ -27,7 +27,6 @@ void ObjectVolumes::add(bool negative, const std::vector<Point<3>>& vertices,
                         std::span<const std::array<std::int64_t, 3>> triangles) {
   if (volumes_.empty() || negative || volumes_.back().negative) volumes_.emplace_back().negative = negative;
   Volumes& volumes = volumes_.back();
-  ++volumes.count;
   volumes.surface.begin(vertices);
   for (const auto& triangle : triangles) volumes.surface.add_polygon(triangle);
 }

@@ -26,7 +26,6 @@ class ObjectVolumes {
   /// A negative volume, or bodies between which there is none.
   struct Volumes {
     bool negative = false;
-    int count = 0;
     SurfaceBuilder surface;
   };
 

@@ -2,11 +2,11 @@
 #include "mesh/slicer_volumes.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/plain_numbers.h"
 #include "mesh/archived_xml.h"
 #include "mesh/text_values.h"
 #include "mesh/zip_archive.h"
 
-#include <charconv>
 #include <optional>
 #include <string_view>
 
@@ -40,12 +40,11 @@ VolumeUse use_of(std::string_view type) {
 }
 
 std::int64_t number_of(std::string_view text) {
-  std::int64_t number = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || number < 0)
+  const auto number = number_in<std::int64_t>(text);
+  if (!number || *number < 0)
     throw InputError("has the number \"" + std::string(text.substr(0, 40)) +
                      "\" of a triangle, needs one from 0 on");
-  return number;
+  return *number;
 }
 
 /// Takes the elements of one of the files one after the other.

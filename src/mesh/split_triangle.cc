@@ -42,10 +42,7 @@ class Line {
 Point<3> crossing(const Point<3>& a, const Point<3>& b, double of_a, double of_b) {
   // The same for both directions of an edge.
   if (b < a) return crossing(b, a, of_b, of_a);
-  const double share = of_a / (of_a - of_b);
-  Point<3> result;
-  for (int axis = 0; axis < 3; ++axis) result[axis] = a[axis] + share * (b[axis] - a[axis]);
-  return result;
+  return between(a, b, of_a / (of_a - of_b));
 }
 
 /// Whether more than a tolerance of a segment lies inside a convex polygon.

@@ -2,11 +2,11 @@
 #include "mesh/three_mf_contents.h"
 
 #include "fabseq/base/error.h"
+#include "fabseq/base/plain_numbers.h"
 #include "mesh/archived_xml.h"
 #include "mesh/zip_archive.h"
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace fabseq {
@@ -89,9 +89,8 @@ class Model {
     ++triangles_;
     for (const char* corner : {"v1", "v2", "v3"}) {
       const std::string_view text = attributes[corner];
-      std::int64_t vertex = -1;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
-      if (error != std::errc() || end != text.data() + text.size() || vertex < 0 || vertex >= vertices_)
+      const auto vertex = number_in<std::int64_t>(text);
+      if (!vertex || *vertex < 0 || *vertex >= vertices_)
         throw InputError("has the corner \"" + std::string(text.substr(0, 40)) + "\" (allowed: 0 to " +
                          std::to_string(vertices_ - 1) + ") in triangle " + std::to_string(triangles_) +
                          " of object " + number_);

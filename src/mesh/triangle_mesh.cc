@@ -55,6 +55,12 @@ Bounds join(const Bounds& a, const Bounds& b) {
   return result;
 }
 
+bool overlap(const Bounds& a, const Bounds& b) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (a.low[axis] > b.high[axis] || a.high[axis] < b.low[axis]) return false;
+  return true;
+}
+
 double volume(const Bounds& box) {
   double product = 1.0;
   for (int axis = 0; axis < 3; ++axis) product *= std::max(0.0, box.high[axis] - box.low[axis]);
