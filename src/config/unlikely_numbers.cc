@@ -3,6 +3,7 @@
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/mesh/length_units.h"
+#include "fabseq/process/inherent_strain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ struct Usual {
   bool has(double value) const { return value >= least && value <= most; }
 };
 
-constexpr double largest_strain = 0.1;
+constexpr double most_strain = 0.1;
 constexpr double hottest_surroundings = 150.0;  // degrees C, of air, plate and reference
 constexpr double hottest_solid = 3500.0;        // degrees C: tungsten melts at 3420
 constexpr double most_fourier = 1000.0;
@@ -59,24 +60,21 @@ class UnlikelyNumbers {
 
   void check_strain() {
     const MaterialSettings& material = settings_.material;
-    double largest = 0.0;
-    for (const double strain : material.inherent_strain) largest = std::max(largest, std::abs(strain));
-    if (const auto& turning = material.turning_strain) {
-      largest = std::max(std::abs(turning->tangential), std::abs(turning->normal));
-      if (!material.strain_scale.empty()) largest *= std::ranges::max(material.strain_scale);
-    }
+    double largest = largest_strain(material);
+    if (material.turning_strain && !material.strain_scale.empty())
+      largest *= std::ranges::max(material.strain_scale);
     const char* const expected = "at most 0.1; a strain of 1 % is 0.01";
     if (largest == 0.0)
       say("/material/inherent_strain", "0, with which nothing shrinks",
           "what the material shrinks by, such as -0.01");
-    if (largest > largest_strain) {
+    if (largest > most_strain) {
       say("/material/inherent_strain", formatted("%g in magnitude, with strain_scale", largest), expected);
       return;
     }
     double factor = 1.0;
     for (const std::vector<double>& scenario : material.scenarios)
       for (const double entry : scenario) factor = std::max(factor, entry);
-    if (factor * largest > largest_strain)
+    if (factor * largest > most_strain)
       say("/material/scenarios",
           formatted("a factor of %g, with which a strain is %g", factor, factor * largest), expected);
   }

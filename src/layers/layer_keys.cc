@@ -86,7 +86,8 @@ Section<LayerSettings> layer_keys() {
             .words = "auto",
             .option = "-layers"})
       .key("target", &Its::given_target,
-           "Target thickness that tool.thickness refers to; auto: that of the first constraint with one",
+           "Target thickness, to which tool.thickness is relative; auto: the first constraint with a target "
+           "says it",
            {.range = "(0, inf)", .words = "auto", .unit = "length"})
       .key("time_points", &Its::variable_time_points,
            "Pseudo-times at which layers end: equal steps, or variables",

@@ -31,9 +31,8 @@ std::vector<double> local_thickness(std::span<const double> time, std::span<cons
   for (std::size_t e = 0; e < layer_index.size(); ++e) {
     const auto layer = static_cast<std::size_t>(layer_index[e]);
     const double* own = &gradient[e * Dim];
-    const double beyond =
-        std::max({0.0, time[e] - layers.time_points.back(), layers.time_points.front() - time[e]});
-    const double duration = layers.time_points[layer] - layers.time_points[layer - 1] + beyond;
+    const double duration =
+        layers.time_points[layer] - layers.time_points[layer - 1] + layers.beyond(time[e]);
     const double steepness = std::sqrt(std::inner_product(own, own + Dim, own, 0.0));
     result.push_back(is_flat<Dim>(own, most) ? most : duration / steepness);
   }

@@ -4,6 +4,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/session.h"
+#include "fabseq/process/inherent_strain.h"
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>
@@ -27,15 +28,6 @@ constexpr double negligible_share = 1e-12;
 /// A term that begins with no more than rounding is scaled as if it began with this share of its size, a
 /// hundredth in displacements.
 constexpr double usual_share = 1e-4;
-
-/// The largest component of the inherent strain.
-double largest_strain(const MaterialSettings& material) {
-  double result = 0.0;
-  for (const double strain : material.inherent_strain) result = std::max(result, std::abs(strain));
-  if (const auto& turning = material.turning_strain)
-    result = std::max(std::abs(turning->tangential), std::abs(turning->normal));
-  return result;
-}
 
 }  // namespace
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/inherent_strain.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace fabseq {
 
@@ -15,6 +17,14 @@ std::array<int, 2> axes(int component) {
 }
 
 }  // namespace
+
+double largest_strain(const MaterialSettings& material) {
+  if (const auto& turning = material.turning_strain)
+    return std::max(std::abs(turning->tangential), std::abs(turning->normal));
+  double result = 0.0;
+  for (const double strain : material.inherent_strain) result = std::max(result, std::abs(strain));
+  return result;
+}
 
 template <int Dim>
 InherentStrain<Dim>::InherentStrain(const MaterialSettings& material, double characteristic_length)

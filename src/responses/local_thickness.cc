@@ -101,9 +101,7 @@ class LocalThickness : public Response<Dim> {
   std::vector<double> durations(const PipelineState<Dim>& state) const {
     const LayerDensities& layers = state.layers;
     std::vector<double> result(context_.part.part_density().size());
-    for (std::size_t e = 0; e < result.size(); ++e)
-      result[e] = std::max({0.0, state.time.time[e] - layers.time_points.back(),
-                            layers.time_points.front() - state.time.time[e]});
+    for (std::size_t e = 0; e < result.size(); ++e) result[e] = layers.beyond(state.time.time[e]);
     for (int j = 0; j < layers.count(); ++j) {
       const double time = layers.time_points[j + 1] - layers.time_points[j];
       for (std::size_t e = 0; e < result.size(); ++e)

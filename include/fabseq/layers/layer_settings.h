@@ -38,7 +38,7 @@ struct TargetThickness {
 
 struct LayerSettings {
   std::optional<int> count;                              ///< none: ceil(geodesic height / target thickness)
-  std::optional<double> given_target = std::nullopt;     ///< length unit; none: that of the constraints
+  std::optional<double> given_target = std::nullopt;     ///< length unit; none: the constraints say it
   std::optional<TargetThickness> target = std::nullopt;  ///< what counts, where there is any
   bool variable_time_points = false;                     ///< T_1 ... T_{N-1} are design variables
   std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers

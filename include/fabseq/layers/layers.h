@@ -4,6 +4,7 @@
 /// (docs/formulation.md 3).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -34,6 +35,10 @@ struct LayerDensities {
   SubParts sub_parts;                      ///< multi-planar layers; else there are none
 
   int count() const { return static_cast<int>(layer.size()); }
+  /// How far a pseudo-time lies before T_0 or after T_N of curved layers; 0 in between.
+  double beyond(double time) const {
+    return std::max({0.0, time - time_points.back(), time_points.front() - time});
+  }
 };
 
 /// A response's derivative with respect to what LayerDensities holds; what nobody touched stays empty.

@@ -43,7 +43,7 @@ class SmoothStep {
     const double decay = exp_of_minus(2.0 * std::abs(x));
     return 1.0 - (start_ + std::copysign((1.0 - decay) / (1.0 + decay), x)) * scale_;
   }
-  /// With respect to the time; at both ends that of what lies between them.
+  /// Derivative with respect to the time: 0 beyond both ends, and at them that of the inner side.
   double derivative(double time) const { return time < 0.0 || time > 1.0 ? 0.0 : slope(time); }
   /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and
   /// the end: beta scale (h - s + (1 - value) (s - e)).

@@ -12,6 +12,9 @@
 
 namespace fabseq {
 
+/// Returns the largest magnitude of a material's inherent strain; where it turns, without strain_scale.
+double largest_strain(const MaterialSettings& material);
+
 /// The inherent strain of each part element (docs/formulation.md 4.2, 4.5): either the same in all, or one
 /// that turns with the layers:
 ///
