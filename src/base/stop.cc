@@ -38,8 +38,14 @@ constexpr std::array<NamedSignal, 7> stop_signals = {{{SIGUSR1, "USR1"},
                                                       {SIGXCPU, "XCPU"},
                                                       {SIGPIPE, "PIPE"}}};
 
-/// Whether the system sends it, and may do so again and again: nobody's wish to end at once.
-constexpr bool may_repeat(int signal) { return signal == SIGHUP || signal == SIGXCPU || signal == SIGPIPE; }
+/// Whether the system sends it.
+constexpr bool is_from_system(int signal) {
+  return signal == SIGHUP || signal == SIGXCPU || signal == SIGPIPE;
+}
+
+/// Whether it may come again and again: nobody's wish to end at once. mpirun hands a queue's TERM on that the
+/// ranks have had already, and whoever sends TERM has KILL for what stays.
+constexpr bool may_repeat(int signal) { return is_from_system(signal) || signal == SIGTERM; }
 
 // Reasons are numbers, so that ranks can agree on the largest: a signal, which is first_signal and its
 // number, takes precedence, then the file, then the time.
@@ -142,7 +148,7 @@ std::string reason_text(int reason) {
 void listen_for(int signal) {
   struct sigaction before {
   }, action{};
-  if (may_repeat(signal) && sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) return;
+  if (is_from_system(signal) && sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) return;
   action.sa_handler = on_stop_signal;
   action.sa_flags = SA_RESTART;  // interrupted writes go on
   (void)sigaction(signal, &action, nullptr);

@@ -45,6 +45,8 @@ SelectTypeParameters=CR_CPU
 SchedulerParameters=batch_sched_delay=0,sched_interval=2,sched_min_interval=0
 StateSaveLocation={directory}/state
 SlurmdSpoolDir={directory}/spool
+# Jobs of two clusters have the same numbers, and folders of PMIx there are named by them.
+TmpFS={directory}/tmp
 SlurmctldPidFile={directory}/slurmctld.pid
 SlurmdPidFile={directory}/slurmd.pid
 SlurmctldLogFile={directory}/slurmctld.log
@@ -101,7 +103,7 @@ class Cluster:
 
     def write_files(self, cpus):
         os.chmod(self.directory, 0o755)
-        for name in ("state", "spool"):
+        for name in ("state", "spool", "tmp"):
             os.mkdir(self.path(name), 0o755)
         with open(os.open(self.path("munge.key"), os.O_WRONLY | os.O_CREAT, 0o400), "wb") as file:
             file.write(os.urandom(128))

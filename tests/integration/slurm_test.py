@@ -148,13 +148,14 @@ class MpirunTest(RunTest):
         job.wait_until(lambda: "queued again after iteration" in job.log(), "queued again")
         self.assertEqual(job.field("Restarts"), "1")
         done = self.newest_checkpoint(job.output)
-        self.assertEqual(done, job.iterations())
+        self.assertEqual(done, job.iterations(), job.log())
         self.assertIn(f"queued again after iteration {done}", job.log())
         job.wait_for_iterations(done + 25)
-        self.assertEqual(self.slurm("scontrol", "requeue", job.number).returncode, 0)
+        requeued = self.slurm("scontrol", "requeue", job.number)
+        self.assertEqual(requeued.returncode, 0, requeued.stderr)
         job.wait_until(lambda: job.field("JobState") == "PENDING", "waiting")
         second = self.newest_checkpoint(job.output)
-        self.assertEqual(second, job.iterations(), "TERM left no time for a checkpoint")
+        self.assertEqual(second, job.iterations(), "TERM left no time for a checkpoint\n" + job.log())
         job.wait_for_end("COMPLETED")
         print_transcript(job)
         self.assertEqual(job.field("Restarts"), "2")
@@ -345,13 +346,21 @@ def print_transcript(job):
 
 
 class SideBySide(unittest.TestSuite):
-    """A suite whose tests all run at once."""
+    """A suite whose tests all run at once. Says at once why one failed, with what Slurm has last written."""
 
     def run(self, result, debug=False):
         tests = list(self)
         with ThreadPoolExecutor(len(tests) or 1) as pool:
-            list(pool.map(lambda test: test.run(result), tests))
+            list(pool.map(lambda test: self.run_one(test, result), tests))
         return result
+
+    @staticmethod
+    def run_one(test, result):
+        test.run(result)
+        for failed, reason in result.failures + result.errors:
+            if failed is test:
+                words = [f"{name}: {line}" for name in ("slurmctld", "slurmd") for line in test.cluster.log(name).splitlines()[-12:]]
+                print(f"--- {test.id()}", reason, *words, sep="\n", flush=True)
 
 
 def main():

@@ -10,13 +10,13 @@
 
 namespace fabseq {
 
-/// Listens for signals for the lifetime of the object. Make one at the start of main. SIGUSR1, SIGUSR2,
-/// SIGTERM and SIGINT come from somebody: the first is noted, and a second one, more than a tenth of a second
-/// later, ends the process at once; the delay is needed because some launchers deliver a signal twice. SIGHUP
-/// (the terminal is closed), SIGXCPU (the CPU time is nearly over) and SIGPIPE (nobody reads the output any
-/// more) come from the system and are noted only; those that are ignored at the start stay so. A limit of CPU
-/// time that would kill without SIGXCPU is announced by it a little sooner. Writes beyond a limit of file
-/// sizes fail.
+/// Listens for signals for the lifetime of the object. Make one at the start of main. SIGUSR1, SIGUSR2 and
+/// SIGINT come from a person: the first is noted, and a second one, more than a tenth of a second later, ends
+/// the process at once; the delay is needed because some launchers deliver a signal twice. SIGTERM comes from
+/// a queue or a launcher, SIGHUP (the terminal is closed), SIGXCPU (the CPU time is nearly over) and SIGPIPE
+/// (nobody reads the output any more) from the system: they are noted, however often they come. Those of the
+/// system that are ignored at the start stay so. A limit of CPU time that would kill without SIGXCPU is
+/// announced by it a little sooner. Writes beyond a limit of file sizes fail.
 class StopRequests {
  public:
   /// `max_wall_time`: seconds from the start of the process after which it is asked to stop; none: no limit.
