@@ -30,6 +30,8 @@ Section<OutputSettings> output_keys() {
       .key("checkpoint_every", &Its::checkpoint_every, "Iterations between two checkpoints; 0: none",
            {.range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every"})
       .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"})
+      .key("stress", &Its::stress,
+           "End with a line on the residual stress, which is that of a material without plastic flow")
       .key("sensitivity", &Its::sensitivity, "End an optimization with the table of -task sensitivity",
            {.option = "-sensitivity"})
       .key("finer_grid", &Its::finer_grid,

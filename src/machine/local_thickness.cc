@@ -39,6 +39,13 @@ std::vector<double> local_thickness(std::span<const double> time, std::span<cons
   return result;
 }
 
+std::vector<double> beyond_range(std::span<const double> thickness, const std::array<double, 2>& allowed) {
+  std::vector<double> result;
+  for (const double value : thickness)
+    result.push_back(std::max(value / allowed[1], allowed[0] / value) - 1.0);
+  return result;
+}
+
 template <int Dim>
 std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<const double> thickness,
                                               std::span<const double> gradient,
@@ -49,11 +56,10 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
   // A rank without part elements has no values whether they are defined or not.
   if (!any(comm, !thickness.empty())) return std::nullopt;
   double least = std::numeric_limits<double>::infinity(), largest = 0.0;
-  std::vector<double> outside, without_end;
+  std::vector<double> without_end;
   for (const double value : thickness) {
     least = std::min(least, value);
     largest = std::max(largest, value);
-    if (allowed) outside.push_back(std::max(value / (*allowed)[1], (*allowed)[0] / value) - 1.0);
   }
   for (std::size_t e = 0; e < thickness.size(); ++e)
     without_end.push_back(is_flat<Dim>(&gradient[e * Dim], part.longest_edge()) ? 1.0 : 0.0);
@@ -68,7 +74,8 @@ std::optional<ThicknessRange> thickness_range(const Part<Dim>& part, std::span<c
   result.largest_is_meeting = any(comm, meeting);
   result.without_end = count_marked(part, without_end, layer_index, layers, MarkedPlace::earliest);
   if (!allowed) return result;
-  result.outside = count_marked(part, outside, layer_index, layers, MarkedPlace::largest);
+  result.outside =
+      count_marked<Dim>(part, beyond_range(thickness, *allowed), layer_index, layers, MarkedPlace::largest);
   result.worst =
       result.largest / (*allowed)[1] >= (*allowed)[0] / result.least ? result.largest : result.least;
   return result;

@@ -25,7 +25,12 @@ Section<ToolSettings> tool_keys() {
            {.type = KeyType::bounds, .default_value = "[0.5, 1.5]", .range = "(0, inf)"},
            [](Its& tool, const Json& value, const KeyPlace&) {
              tool.thickness = {value[0].get<double>(), value[1].get<double>()};
-           });
+           })
+      .key("most_places", &Its::most_places,
+           "Most places smaller than a bead with which a sequence still is buildable but for them; 0: none",
+           {.range = "[0, 50]"})
+      .key("places_share", &Its::places_share, "Largest share of the part that begins on such places",
+           {.range = "[0, 1]"});
 }
 
 }  // namespace fabseq

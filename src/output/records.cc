@@ -91,8 +91,12 @@ Json checks_record(const BuildNumbers& numbers) {
                        {"interior_maxima", marks_record(numbers.interior_maxima)}});
 }
 
-void add_build(Json& record, const BuildNumbers& numbers) {
+void add_build(Json& record, const BuildNumbers& numbers, const ModelSettings& settings) {
   record["checks"] = checks_record(numbers);
+  if (const auto& places = numbers.places) {
+    record["places"] = to_record(*places, settings);
+    record["places_in_all"] = places->in_all;
+  }
   if (numbers.wire) record["wire_mass"] = *numbers.wire;
   if (numbers.hours) record["build_hours"] = *numbers.hours;
   if (const auto& stress = numbers.stress)
@@ -176,6 +180,7 @@ Json binary_record(const JudgedValues& values) {
                               {"constraints", values.constraints},
                               {"worst_constraint", values.worst_constraint}});
   if (values.beyond_limits) record["beyond_limits"] = *values.beyond_limits;
+  if (values.places) record["places"] = *values.places;
   return record;
 }
 
@@ -185,7 +190,7 @@ Json to_record(const DisplacementSize& size) {
   return Json::object({{"max", size.largest}, {"rms", size.rms}});
 }
 
-void add_members(Json& record, const SequenceNumbers& numbers) {
+void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettings& settings) {
   record["responses"] = response_table(numbers.responses);
   record["layers"] = layer_table(numbers.layers);
   const auto& [own, other, own_model] = numbers.depositions;
@@ -194,16 +199,16 @@ void add_members(Json& record, const SequenceNumbers& numbers) {
   const Json of_own = deposition_record(own), of_other = other ? deposition_record(*other) : Json();
   record["deposition"] =
       Json::object({{"follow", is_nominal ? of_other : of_own}, {"nominal", is_nominal ? of_own : of_other}});
-  if (numbers.build) add_build(record, *numbers.build);
+  if (numbers.build) add_build(record, *numbers.build, settings);
   if (numbers.verdict) record["verdict"] = to_record(*numbers.verdict);
   if (numbers.part_temperature) record["interpass"] = temperature_record(*numbers.part_temperature);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }
 
-Json to_record(const SequenceNumbers& numbers) {
+Json to_record(const SequenceNumbers& numbers, const ModelSettings& settings) {
   Json record = Json::object();
-  add_members(record, numbers);
+  add_members(record, numbers, settings);
   return record;
 }
 
@@ -255,14 +260,14 @@ Json to_record(const Summary& summary) {
     record["beta"] = finish->best.beta();
     record["worst_constraint"] = finish->best.worst_constraint();
     record["merit"] = finish->best.merit();
-    record["optimized"] = to_record(finish->reports.optimized);
-    record["binary"] = to_record(finish->reports.binary);
-    if (const auto& start = finish->reports.start) record["start"] = to_record(*start);
+    record["optimized"] = to_record(finish->reports.optimized, summary.settings);
+    record["binary"] = to_record(finish->reports.binary, summary.settings);
+    if (const auto& start = finish->reports.start) record["start"] = to_record(*start, summary.settings);
   }
-  if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline);
+  if (summary.baseline != nullptr) record["baseline"] = to_record(*summary.baseline, summary.settings);
   if (const auto& finish = summary.finish) {
     for (const Baseline& baseline : finish->reports.baselines) {
-      record[baseline.block] = to_record(baseline.numbers);
+      record[baseline.block] = to_record(baseline.numbers, summary.settings);
       add_directions(record[baseline.block], baseline);
     }
     Json limits = Json::array();
@@ -270,6 +275,7 @@ Json to_record(const Summary& summary) {
     record["constraints"] = limits;
     if (const auto& miss = finish->reports.miss) record["violated"] = to_record(*miss);
     record["headline"] = to_record(finish->headline);
+    record["answer"] = answer_record(finish->headline, finish->reports.binary, summary.settings);
     record["interior_minima"] = finish->reports.interior_minima;
     set_layer_variables(record, finish->layer_variables, finish->best.design());
   }

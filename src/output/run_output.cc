@@ -92,7 +92,7 @@ bool RunOutput<Dim>::keep(const RunState<Dim>& run, const Pipeline<Dim>& pipelin
 template <int Dim>
 Summary RunOutput<Dim>::summary(const RunEnd& end) const {
   return {setup_.config.name,
-          setup_.config.unit,
+          setup_.settings,
           end,
           size_of(setup_.world()),
           setup_.groups.count(),
@@ -115,9 +115,8 @@ void RunOutput<Dim>::finish(const RunEnd& end, const FinalReports& reports, cons
   terminal_.end_progress();
   write_result(setup_, directory_, reports, *baseline_, best);
   Summary record = summary(end);
-  record.finish.emplace(Finish{
-      reports, best, setup_.layers->variables(),
-      make_headline(reports, *baseline_, any_measures_release(setup_.config.objective), setup_.config.unit)});
+  record.finish.emplace(
+      Finish{reports, best, setup_.layers->variables(), make_headline(reports, *baseline_, setup_.settings)});
   write_summary(record);
   terminal_.table(record, directory_.path());
 }

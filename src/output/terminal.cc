@@ -51,6 +51,17 @@ bool launcher_has_terminal() {
   return false;
 }
 
+/// What is left to be mended: places, where the iterate was judged by the exact checks.
+std::string limits_text(const Iterate& iterate) {
+  if (iterate.binary && iterate.binary->places) {
+    const std::int64_t places = *iterate.binary->places;
+    return places == 0 ? "  buildable"
+                       : "  " + std::to_string(places) + (places == 1 ? " place left" : " places left");
+  }
+  if (iterate.values.constraints.empty()) return "";
+  return iterate.values.worst_constraint > 0.0 ? "  limits missed" : "  limits kept";
+}
+
 /// "constraint_0" of "constraint_0_3".
 std::string response_name(const std::string& component) {
   return component.substr(0, component.find('_', component.find('_') + 1));
@@ -104,7 +115,7 @@ std::string Terminal::progress_text(const Iterate& iterate, double seconds) cons
   const double objective = values.objective.empty() ? 0.0 : values.objective[0][0];
   if (objective > 0.0 && !std::isnan(planar_objective_))
     text += formatted("  planar/objective %.4g", planar_objective_ / objective);
-  if (!values.constraints.empty()) text += formatted("  worst constraint %+.2e", values.worst_constraint);
+  text += limits_text(iterate);
   return text + formatted("  beta %.4g  %.3g s/iteration  left ", iterate.beta, seconds) +
          duration_text(mean_seconds_ * (max_iterations_ - iterate.iteration));
 }
@@ -132,9 +143,12 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
   const auto& miss = summary.finish->reports.miss;
   const bool feasible = summary.finish->best.feasible();
   print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
-        summary.end.reason + "), best feasible: " + (feasible ? "yes" : "no") +
-        (miss && !feasible ? " (constraint " + miss->words + ")" : "") + ", " +
-        formatted("%.1f s", summary.seconds.total) + "; results in " + directory);
+        summary.end.reason + "), " + formatted("%.1f s", summary.seconds.total) +
+        (miss && !feasible ? "; constraint " + miss->words : ""));
+  print(
+      "all figures: summary.json, fields: result.h5 (ParaView: result.xdmf), pictures: fabseq-tools report; "
+      "in " +
+      directory);
 }
 
 }  // namespace fabseq

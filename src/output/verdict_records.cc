@@ -5,13 +5,41 @@ namespace fabseq {
 
 namespace {
 
-void add_compared(Json& record, const char* key, const std::optional<ComparedSequence>& compared) {
-  if (!compared) return;
-  record[key] = Json::object({{"block", compared->block},
-                              {"title", compared->title},
-                              {"length", compared->length},
-                              {"ratio", compared->ratio},
-                              {"buildable", compared->buildable}});
+Json to_record(const ComparedSequence& compared) {
+  return Json::object({{"block", compared.block},
+                       {"title", compared.title},
+                       {"length", compared.length},
+                       {"largest", compared.largest},
+                       {"ratio", compared.ratio},
+                       {"class", name_of(compared.build_class)}});
+}
+
+/// The thickness over the target, degrees, a depth; nothing of what hangs.
+Json worst_of(const Place& place, const ModelSettings& settings) {
+  if (place.fault == Fault::hanging) return {};
+  return place.fault == Fault::local_thickness ? place.worst / settings.layers.target->value : place.worst;
+}
+
+Json to_record(const Place& place, const FaultyPlaces& all, const ModelSettings& settings) {
+  std::vector<double> beads;
+  for (std::size_t i = 0; i < place.extent.size(); ++i)
+    beads.push_back(place.extent[i] / (i + 1 < place.extent.size() ? all.bead.width : all.bead.height));
+  const std::string form = name_of(place.form);
+  return Json::object({{"kind", name_of(place.fault)},
+                       {"form", form.empty() ? Json() : Json(form)},
+                       {"elements", place.elements},
+                       {"share", place.volume / all.part_volume},
+                       {"volume", place.volume},
+                       {"begins", place.begins},
+                       {"extent", place.extent},
+                       {"beads", beads},
+                       {"centre", place.centre},
+                       {"lower", place.lower},
+                       {"upper", place.upper},
+                       {"layer", place.layer},
+                       {"small", all.bead.is_larger_than(place)},
+                       {"worst", worst_of(place, settings)},
+                       {"words", words_of(place, all, settings)}});
 }
 
 }  // namespace
@@ -21,19 +49,50 @@ Json to_record(const Verdict& verdict) {
   for (const auto& [name, share, worst, at, words] : verdict.broken)
     reasons.push_back(
         Json::object({{"name", name}, {"share", share}, {"worst", worst}, {"at", at}, {"words", words}}));
-  return Json::object({{"buildable", verdict.buildable()}, {"words", verdict.words()}, {"reasons", reasons}});
+  return Json::object({{"buildable", verdict.buildable()},
+                       {"class", name_of(verdict.build_class)},
+                       {"words", verdict.words()},
+                       {"reasons", reasons}});
+}
+
+Json to_record(const FaultyPlaces& places, const ModelSettings& settings) {
+  Json record = Json::array();
+  for (const Place& place : places.largest) record.push_back(to_record(place, places, settings));
+  return record;
 }
 
 Json to_record(const Headline& headline) {
   Json record = Json::object({{"of", "skin"}, {"released", headline.released}, {"length", headline.length}});
-  add_compared(record, "baseline", headline.baseline);
-  add_compared(record, "planar", headline.planar);
-  add_compared(record, "start", headline.start);
+  if (headline.alternative) record["baseline"] = to_record(*headline.alternative);
+  record["planar"] = to_record(headline.planar);
+  if (headline.start) record["start"] = to_record(*headline.start);
   if (headline.scaled)
     record["scaled_drawing"] =
         Json::object({{"factor", headline.scaled->factor}, {"length", headline.scaled->rms}});
   record["words"] = headline.words;
   return record;
+}
+
+Json answer_record(const Headline& headline, const SequenceNumbers& optimized,
+                   const ModelSettings& settings) {
+  Json best, gain;
+  if (const auto& found = headline.alternative) {
+    gain = found->ratio;
+    best = Json::object({{"block", found->block},
+                         {"title", found->title},
+                         {"class", name_of(found->build_class)},
+                         {"rms", found->length},
+                         {"largest", found->largest}});
+  }
+  return Json::object({{"class", name_of(headline.build_class)},
+                       {"gain", gain},
+                       {"best_alternative", best},
+                       {"rms", headline.length},
+                       {"largest", headline.largest},
+                       {"unit", settings.unit},
+                       {"released", headline.released},
+                       {"places", to_record(*optimized.build->places, settings)},
+                       {"repaired", 0}});
 }
 
 Json to_record(const ConstraintLimit& limit) {
@@ -55,9 +114,9 @@ Json to_record(const ConstraintMiss& miss) {
 void add_directions(Json& record, const Baseline& baseline) {
   if (baseline.direction.empty()) return;
   Json tried = Json::array();
-  for (const auto& [direction, tilt, length, buildable] : baseline.tried)
+  for (const auto& [direction, tilt, length, build_class] : baseline.tried)
     tried.push_back(Json::object(
-        {{"direction", direction}, {"tilt", tilt}, {"length", length}, {"buildable", buildable}}));
+        {{"direction", direction}, {"tilt", tilt}, {"length", length}, {"class", name_of(build_class)}}));
   record["direction"] = baseline.direction;
   record["scan"] = Json::object({{"elements", baseline.tried_on}, {"directions", tried}});
 }

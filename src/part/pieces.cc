@@ -2,120 +2,17 @@
 #include "fabseq/part/pieces.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/grid/box_gather.h"
+#include "fabseq/grid/components.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace fabseq {
 
 namespace {
-
-/// Calls f(neighbour) for the elements of `box` that share a face with `element`.
-template <int Dim, class Function>
-void for_each_face_neighbor(const IndexBox<Dim>& box, const Index<Dim>& element, Function&& f) {
-  for (int axis = 0; axis < Dim; ++axis)
-    for (const int step : {-1, 1}) {
-      Index<Dim> neighbor = element;
-      neighbor[axis] += step;
-      if (box.contains(neighbor)) f(neighbor);
-    }
-}
-
-/// Face-connected components of this rank's elements alone, numbered in the order of their lowest elements.
-struct LocalComponents {
-  std::vector<int> of_element;      ///< component of each owned element, -1 outside the part
-  std::vector<std::int64_t> first;  ///< number, in the whole grid, of each component's lowest element
-};
-
-template <int Dim>
-LocalComponents flood_fill(const Grid<Dim>& grid, std::span<const double> density) {
-  const IndexBox<Dim>& box = grid.owned_elements();
-  const IndexBox<Dim> all = grid.all_elements();
-  LocalComponents components;
-  components.of_element.assign(density.size(), -1);
-  std::vector<std::int64_t> pending;
-  int component = 0;
-  const auto visit = [&](const Index<Dim>& element) {
-    const std::int64_t offset = box.offset(element);
-    if (!(density[offset] > 0.0) || components.of_element[offset] >= 0) return;
-    components.of_element[offset] = component;
-    pending.push_back(offset);
-  };
-  box.for_each([&](const Index<Dim>& seed, std::int64_t) {
-    visit(seed);
-    if (pending.empty()) return;
-    components.first.push_back(all.offset(seed));
-    while (!pending.empty()) {
-      const Index<Dim> element = box.index(pending.back());
-      pending.pop_back();
-      for_each_face_neighbor<Dim>(box, element, visit);
-    }
-    ++component;
-  });
-  return components;
-}
-
-/// A face between a local component and an element of another rank.
-struct Contact {
-  int component;
-  std::int64_t neighbor;  ///< offset in the box with the elements around this rank's
-};
-
-template <int Dim>
-std::vector<Contact> contacts_of(const IndexBox<Dim>& box, const LocalComponents& components) {
-  const IndexBox<Dim> ring = ringed(box);
-  std::vector<Contact> contacts;
-  box.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    if (components.of_element[offset] < 0) return;
-    for_each_face_neighbor<Dim>(ring, element, [&](const Index<Dim>& neighbor) {
-      if (!box.contains(neighbor)) contacts.push_back({components.of_element[offset], ring.offset(neighbor)});
-    });
-  });
-  return contacts;
-}
-
-/// Label of each local component: the lowest element of its piece, as a lexicographic number in the whole
-/// grid. Each round carries labels across one boundary between ranks, so the number of rounds is that of the
-/// boundaries that a piece winds through. Collective.
-template <int Dim>
-std::vector<std::int64_t> join_components(const Grid<Dim>& grid, const LocalComponents& components) {
-  constexpr std::int64_t nothing = -1;
-  const IndexBox<Dim>& box = grid.owned_elements();
-  const BoxGather<Dim> around(grid.comm(), box, ringed(box));
-  const std::vector<Contact> contacts = contacts_of<Dim>(box, components);
-  std::vector<std::int64_t> labels = components.first;
-  bool changed = true;
-  while (any(grid.comm(), changed)) {
-    changed = false;
-    const auto label_at = [&](const Index<Dim>& element) {
-      const int component = components.of_element[box.offset(element)];
-      return component < 0 ? nothing : labels[component];
-    };
-    const auto extended = around.template gather<std::int64_t>(label_at, nothing);
-    for (const Contact& contact : contacts) {
-      const std::int64_t label = extended[contact.neighbor];
-      if (label < 0 || label >= labels[contact.component]) continue;
-      labels[contact.component] = label;
-      changed = true;
-    }
-  }
-  return labels;
-}
-
-/// Labels of all pieces, ascending, on all ranks. The rank that owns the element a label names contributes
-/// the label.
-std::vector<std::int64_t> gather_labels(MPI_Comm comm, const std::vector<std::int64_t>& first,
-                                        const std::vector<std::int64_t>& labels) {
-  std::vector<std::int64_t> own;
-  for (std::size_t c = 0; c < first.size(); ++c)
-    if (first[c] == labels[c]) own.push_back(first[c]);
-  std::vector<std::int64_t> all = gather_all(comm, own);
-  std::sort(all.begin(), all.end());
-  return all;
-}
 
 /// Sizes, bounding boxes and plate contact of pieces: this rank's share until reduce(), afterwards that of
 /// all ranks.
@@ -159,27 +56,21 @@ struct PieceMeasures {
 template <int Dim>
 PieceMap<Dim> find_pieces(const Grid<Dim>& grid, std::span<const double> density, const BuildPlate& plate,
                           std::span<const double> to_substrate) {
-  const LocalComponents components = flood_fill<Dim>(grid, density);
-  const std::vector<std::int64_t> labels = join_components<Dim>(grid, components);
-  const std::vector<std::int64_t> all_labels = gather_labels(grid.comm(), components.first, labels);
-
-  PieceMap<Dim> map;
-  map.piece_of_element.assign(density.size(), -1);
-  PieceMeasures<Dim> measures(all_labels.size());
+  Components components = find_components<Dim>(grid, density, Contact::face);
+  PieceMeasures<Dim> measures(static_cast<std::size_t>(components.count));
   grid.owned_elements().for_each([&](const Index<Dim>& element, std::int64_t offset) {
     if (components.of_element[offset] < 0) return;
-    const std::int64_t label = labels[components.of_element[offset]];
-    const auto piece = std::lower_bound(all_labels.begin(), all_labels.end(), label) - all_labels.begin();
-    map.piece_of_element[offset] = static_cast<int>(piece);
     const bool stands = plate.touches<Dim>(element, grid.domain().elements) ||
                         (!to_substrate.empty() && std::isfinite(to_substrate[offset]));
-    measures.add(static_cast<int>(piece), element, stands);
+    measures.add(components.of_element[offset], element, stands);
   });
   measures.reduce(grid.comm());
 
   // The largest piece comes first. A stable sort keeps pieces of equal size in the order of their lowest
   // elements.
-  std::vector<int> order(all_labels.size()), rank_of_piece(all_labels.size());
+  std::vector<int> order(static_cast<std::size_t>(components.count)), rank_of_piece(order.size());
+  PieceMap<Dim> map;
+  map.piece_of_element = std::move(components.of_element);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return measures.counts[2 * a] > measures.counts[2 * b]; });

@@ -11,6 +11,7 @@
 #include "fabseq/process/residual_stress.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace fabseq {
 
@@ -41,6 +42,35 @@ class MachineChecks {
         gradient_(time_gradient(model.part, state.time, state.layers)),
         direction_(build_direction<Dim>(gradient_.values, state.layers, layer_)) {}
 
+  /// Finds the places of what fails by checks that add_to() made. Collective.
+  void add_places(BuildReport& report) const {
+    const Grid<Dim>& grid = part_.grid();
+    const double coarsest = grid.largest_spacing(), width = settings_.tool.bead_width;
+    FaultyPlaces places;
+    places.bead = {width > 0.0 ? width : 2.0 * coarsest,
+                   settings_.layers.target ? settings_.layers.target->value : coarsest};
+    places.part_volume = part_.volume();
+    std::vector<double> fault(layer_.size(), 0.0);
+    std::vector<Places> kinds;
+    const auto add = [&](Fault kind, const std::vector<double>& marks, const std::vector<double>& figures) {
+      kinds.push_back(find_places<Dim>(part_, kind, marks, figures, {direction_, layer_, width}));
+      for (std::size_t e = 0; e < marks.size(); ++e)
+        if (marks[e] > 0.0 && fault[e] == 0.0) fault[e] = static_cast<double>(kind);
+    };
+    const BuildFields& fields = report.fields;
+    add(Fault::hanging, *fields.hanging, *fields.hanging);
+    if (const auto allowed = allowed_thickness(settings_); allowed && fields.local_thickness)
+      add(Fault::local_thickness, beyond_range(*fields.local_thickness, *allowed), *fields.local_thickness);
+    if (fields.tilt) add(Fault::tilt, beyond_tilt(*fields.tilt), *fields.tilt);
+    if (fields.blocked) add(Fault::blocked, *fields.blocked, *fields.blocked);
+    static_cast<Places&>(places) = merged(std::move(kinds));
+    for (Place& place : places.largest)
+      if (place.fault == Fault::local_thickness)
+        place.form = place.worst < settings_.layers.target->value ? PlaceForm::thin : PlaceForm::thick;
+    report.numbers.places = std::move(places);
+    report.fields.fault = std::move(fault);
+  }
+
   /// Collective.
   void add_to(BuildReport& report) const {
     if (any(part_.grid().comm(), !direction_.empty())) report.fields.direction = direction_;
@@ -61,18 +91,19 @@ class MachineChecks {
     return count_marked<Dim>(part_, marks, layer_, state_.layers.count(), place);
   }
 
+  std::vector<double> beyond_tilt(std::vector<double> tilt) const {
+    for (double& angle : tilt) angle -= settings_.tool.max_tilt;
+    return tilt;
+  }
+
   void add_torch(BuildReport& report) const {
     const ToolSettings& tool = settings_.tool;
     const std::vector<double> axis = torch_axis<Dim>(part_, tool, direction_);
     if (!any(part_.grid().comm(), !axis.empty())) return;
     std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
-    double largest = 0.0;
-    std::vector<double> beyond;
-    for (const double angle : tilt) {
-      largest = std::max(largest, angle);
-      beyond.push_back(angle - tool.max_tilt);
-    }
-    report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond, MarkedPlace::largest)};
+    const double largest =
+        std::accumulate(tilt.begin(), tilt.end(), 0.0, [](double a, double b) { return std::max(a, b); });
+    report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond_tilt(tilt), MarkedPlace::largest)};
     report.fields.tilt = std::move(tilt);
     if (tool.profile.empty()) return;
     std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
@@ -116,6 +147,7 @@ void add_build_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const BuildF
   add("tilt", build.tilt);
   add("local_thickness", build.local_thickness);
   add("hanging", build.hanging);
+  add("fault", build.fault);
   add("von_mises", build.von_mises);
 }
 
@@ -128,9 +160,19 @@ BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
 }
 
 template <int Dim>
+BuildReport check_places(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state) {
+  BuildReport report;
+  const MachineChecks<Dim> checks(model, pipeline, state);
+  checks.add_to(report);
+  checks.add_places(report);
+  return report;
+}
+
+template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state, int used_layers) {
-  BuildReport report = check_build(model, pipeline, state);
+  BuildReport report = check_places(model, pipeline, state);
   estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
   if (const auto yield = model.settings.material.yield_stress) {
     const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
@@ -143,6 +185,7 @@ BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
 
 FABSEQ_INSTANTIATE_FUNCTION(add_build_fields);
 FABSEQ_INSTANTIATE_FUNCTION(check_build);
+FABSEQ_INSTANTIATE_FUNCTION(check_places);
 FABSEQ_INSTANTIATE_FUNCTION(report_build);
 
 }  // namespace fabseq

@@ -62,17 +62,18 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
 }
 
 template <int Dim>
-std::optional<double> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
+                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
   const auto limits = constraint_limits(model, problem);
   if (std::all_of(limits.begin(), limits.end(), [](const auto& limit) { return limit.check.empty(); }))
     return std::nullopt;
-  const Verdict verdict = judge(check_build(model, pipeline, state).numbers, model.settings);
-  double beyond = 0.0;
+  const Verdict verdict = judge(check_places(model, pipeline, state).numbers, model.settings);
+  BeyondLimits beyond;
+  beyond.places = verdict.places;
   for (const BrokenLimit& broken : verdict.broken)
     if (std::any_of(limits.begin(), limits.end(),
                     [&](const auto& limit) { return limit.check == broken.name; }))
-      beyond += broken.share;
+      beyond.share += broken.share;
   return beyond;
 }
 

@@ -2,8 +2,10 @@
 #include "fabseq/report/headline.h"
 
 #include "fabseq/base/formatted.h"
+#include "fabseq/report/shared_places.h"
+#include "fabseq/responses/response_type.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace fabseq {
 
@@ -22,20 +24,24 @@ std::string less_than(double ratio) {
 /// Puts the headline of one run together.
 class HeadlineWriter {
  public:
-  HeadlineWriter(const FinalReports& reports, const SequenceNumbers& planar, bool after_release,
-                 const std::string& unit)
-      : reports_(reports), planar_(planar), unit_(unit) {
-    result_.released = after_release && reports.binary.finished->released && planar.finished->released;
+  HeadlineWriter(const FinalReports& reports, const SequenceNumbers& planar, const ModelSettings& settings)
+      : reports_(reports), planar_(planar), settings_(settings) {
+    result_.released = any_measures_release(settings.objective) && reports.binary.finished->released &&
+                       planar.finished->released;
     result_.length = deviation(reports.binary).skin.rms;
+    result_.largest = deviation(reports.binary).skin.largest;
+    result_.build_class = reports.binary.verdict->build_class;
+    sequences_ = {&reports.binary, &planar};
+    for (const Baseline& baseline : reports.baselines) sequences_.push_back(&baseline.numbers);
   }
 
   Headline write() {
     compare();
     add_comparison();
-    add_lengths();
     add_largest();
     add_scaled_drawing();
     for (const LateSet& set : reports_.binary.late_sets) result_.words.push_back(set.words());
+    add_places();
     return std::move(result_);
   }
 
@@ -45,70 +51,65 @@ class HeadlineWriter {
   }
   ComparedSequence compared(const std::string& block, const std::string& title,
                             const SequenceNumbers& with) const {
-    const double length = deviation(with).skin.rms;
-    return {block, title, length, result_.length > 0.0 ? length / result_.length : 1.0,
-            with.verdict->buildable()};
+    const DisplacementSize& skin = deviation(with).skin;
+    return {block,
+            title,
+            skin.rms,
+            skin.largest,
+            result_.length > 0.0 ? skin.rms / result_.length : 1.0,
+            with.verdict->class_words(),
+            with.verdict->build_class};
+  }
+  BuildClass class_of(const SequenceNumbers& sequence) const {
+    return class_beside(sequence, sequences_, settings_.tool);
   }
 
-  /// Finds what to compare with, and which of these can be built.
+  /// Finds what to compare with: what is of the same class or a better one.
   void compare() {
+    const BuildClass own = class_of(reports_.binary);
     const SequenceNumbers* best = nullptr;
     const auto offer = [&](const std::string& block, const std::string& title, const SequenceNumbers& with) {
-      if (!with.verdict->buildable()) return;
-      if (result_.baseline && result_.baseline->length <= deviation(with).skin.rms) return;
-      result_.baseline = compared(block, title, with);
+      if (class_of(with) > own) return;
+      if (result_.alternative && result_.alternative->length <= deviation(with).skin.rms) return;
+      result_.alternative = compared(block, title, with);
       best = &with;
     };
+    result_.planar = compared("baseline", "planar", planar_);
     offer("baseline", "planar", planar_);
     for (const Baseline& baseline : reports_.baselines)
       offer(baseline.block, baseline.title, baseline.numbers);
-    if (result_.baseline)
-      rivals_.push_back({*result_.baseline, *best});
-    else
-      result_.planar = compared("baseline", "planar", planar_);
-    if (reports_.start) result_.start = compared("start", "start", *reports_.start);
-    if (result_.start && result_.start->buildable) rivals_.push_back({*result_.start, *reports_.start});
+    if (result_.alternative) rivals_.push_back({*result_.alternative, *best});
+    if (!reports_.start) return;
+    result_.start = compared("start", "start", *reports_.start);
+    if (class_of(*reports_.start) <= own) rivals_.push_back({*result_.start, *reports_.start});
   }
 
   void add_comparison() {
-    std::string words = reports_.binary.verdict->buildable() ? "" : "not buildable: ";
-    if (result_.baseline)
-      words += "the skin distorts " + less_than(result_.baseline->ratio) +
-               "in the best buildable baseline (" + result_.baseline->title + ")";
+    std::string words = reports_.binary.verdict->class_words() + ": ";
+    if (const auto& best = result_.alternative)
+      words += "the skin distorts " + less_than(best->ratio) + "in the best alternative (" + best->title +
+               ", " + best->class_words + ")";
     else
-      words += std::string(rivals_.empty() ? "no baseline" : "no baseline but the start") +
-               " is buildable; the skin distorts " + less_than(result_.planar->ratio) + "in planar layers";
-    if (result_.start)
-      words += ", " + less_than(result_.start->ratio) + "in the start" +
-               (result_.start->buildable ? "" : " (not buildable)");
-    result_.words.push_back(words);
-  }
-
-  void add_lengths() {
-    const ComparedSequence& other = result_.baseline ? *result_.baseline : *result_.planar;
-    std::string words = std::string("skin, rms after the best rigid fit, ") +
-                        (result_.released ? "after the release" : "as built") + ": optimized " +
-                        length_words(result_.length, unit_) + ", " + other.title + " " +
-                        length_words(other.length, unit_);
-    if (result_.start) words += ", start " + length_words(result_.start->length, unit_);
+      words += "no baseline is of this class; the skin distorts " + less_than(result_.planar.ratio) +
+               "in planar layers (" + result_.planar.class_words + ")";
+    if (!rivals_.empty() && rivals_.back().compared.block == "start")
+      words += ", " + less_than(result_.start->ratio) + "in the start";
     result_.words.push_back(words);
   }
 
   /// Says so where a smaller rms has been bought with a larger worst place.
   void add_largest() {
-    const double largest = deviation(reports_.binary).skin.largest;
     std::string worse;
-    for (const auto& [rival, numbers] : rivals_) {
-      const double other = deviation(numbers).skin.largest;
-      if (largest > difference * other) worse += ", " + rival.title + " " + length_words(other, unit_);
-    }
+    for (const auto& [rival, numbers] : rivals_)
+      if (result_.largest > difference * rival.largest)
+        worse += ", " + rival.title + " " + length_words(rival.largest, settings_.unit);
     if (!worse.empty())
       result_.words.push_back("the largest displacement of the skin got worse: optimized " +
-                              length_words(largest, unit_) + worse);
+                              length_words(result_.largest, settings_.unit) + worse);
   }
 
-  /// A drawing that is scaled costs nothing: whoever gains less from the sequence should take that. What
-  /// cannot be built is no alternative.
+  /// A drawing that is scaled costs nothing: whoever gains less from the sequence should take that. What is
+  /// of a worse class is no alternative.
   void add_scaled_drawing() {
     bool gains = true;
     for (const auto& [rival, numbers] : rivals_) {
@@ -122,11 +123,23 @@ class HeadlineWriter {
       words += std::string(gains ? "" : ", and ") + "a drawing that is scaled by " +
                formatted("%.5g", result_.scaled->factor) +
                " does more, without any optimized sequence: it leaves " +
-               length_words(result_.scaled->rms, unit_) + " of the skin's rms";
+               length_words(result_.scaled->rms, settings_.unit) + " of the skin's rms";
     result_.words.push_back(words);
   }
 
-  /// One that can be built: the best baseline, the start.
+  void add_places() {
+    const auto& build = reports_.binary.build;
+    if (!build || !build->places) return;
+    const FaultyPlaces& all = *build->places;
+    const std::vector<bool> shared = shared_roofs(all, sequences_);
+    for (const bool told_last : {false, true})
+      for (std::size_t i = 0; i < all.largest.size(); ++i)
+        if (shared[i] == told_last)
+          result_.places.push_back((told_last ? "in every sequence: " : "") +
+                                   words_of(all.largest[i], all, settings_));
+  }
+
+  /// One that is of the same class or a better one: the best alternative, the start.
   struct Rival {
     ComparedSequence compared;
     const SequenceNumbers& numbers;
@@ -134,16 +147,17 @@ class HeadlineWriter {
 
   const FinalReports& reports_;
   const SequenceNumbers& planar_;
-  std::string unit_;
+  const ModelSettings& settings_;
+  std::vector<const SequenceNumbers*> sequences_;  ///< between which places may decide
   std::vector<Rival> rivals_;
   Headline result_;
 };
 
 }  // namespace
 
-Headline make_headline(const FinalReports& reports, const SequenceNumbers& planar, bool after_release,
-                       const std::string& unit) {
-  return HeadlineWriter(reports, planar, after_release, unit).write();
+Headline make_headline(const FinalReports& reports, const SequenceNumbers& planar,
+                       const ModelSettings& settings) {
+  return HeadlineWriter(reports, planar, settings).write();
 }
 
 }  // namespace fabseq

@@ -46,10 +46,10 @@ std::string length_words(double length, const std::string& unit) {
 }
 
 std::string Verdict::words() const {
-  if (buildable()) return "yes";
+  if (build_class != BuildClass::not_buildable) return class_words();
   std::vector<std::string> reasons;
   for (const BrokenLimit& limit : broken) reasons.push_back(limit.words);
-  return "no: " + join(reasons, ", ");
+  return class_words() + ": " + join(reasons, ", ");
 }
 
 Verdict judge(const BuildNumbers& numbers, const ModelSettings& settings) {
@@ -72,6 +72,11 @@ Verdict judge(const BuildNumbers& numbers, const ModelSettings& settings) {
                                          "first "));
   std::stable_sort(result.broken.begin(), result.broken.end(),
                    [](const BrokenLimit& a, const BrokenLimit& b) { return a.share > b.share; });
+  if (!result.buildable()) result.build_class = BuildClass::not_buildable;
+  if (numbers.places) {
+    result.build_class = class_of(*numbers.places, settings.tool);
+    result.places = numbers.places->in_all;
+  }
   return result;
 }
 

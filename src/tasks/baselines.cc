@@ -83,9 +83,9 @@ class BaselineMaker {
   }
 
  private:
-  /// What can be built comes first.
+  /// The better class comes first.
   static bool better(const TriedDirection& a, const TriedDirection& b) {
-    return std::pair(!a.buildable, a.length) < std::pair(!b.buildable, b.length);
+    return std::pair(a.build_class, a.length) < std::pair(b.build_class, b.length);
   }
 
   std::unique_ptr<const LayerModel<Dim>> layers_of(int count) const {
@@ -130,7 +130,7 @@ class BaselineMaker {
       std::vector<double> components(direction.begin(), direction.end());
       const SequenceNumbers numbers = planar(components);
       result.push_back({std::move(components), tilt, numbers.finished->deviation(released).skin.rms,
-                        numbers.verdict->buildable()});
+                        numbers.verdict->build_class});
     }
     const Index<Dim>& of_grid = setup_.grid.domain().elements;
     elements.assign(of_grid.begin(), of_grid.end());

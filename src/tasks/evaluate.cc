@@ -50,7 +50,7 @@ void run_evaluate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
                    gradients[row], pipeline.sequence().has_design());
   file.close();
   Json record = Json::object({{"beta", setup.layers->traits().first_beta}, {"binary", setup.binary()}});
-  add_members(record, report);
+  add_members(record, report, setup.settings);
   set_layer_variables(record, setup.layers->variables(), design);
   record["solver_iterations"] = to_record(pipeline.iterations());
   directory.write("evaluation.json", to_text(record, 2) + "\n");

@@ -142,8 +142,11 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
   const Tolerances usual = pipeline.tolerances();
   pipeline.set_tolerances(Tolerances::all(usual.judged));
   const auto state = pipeline.run(run.design(), beta, true);
-  JudgedValues values{run.problem.evaluate(pipeline, state), std::nullopt};
-  values.beyond_limits = beyond_limits(setup, run.problem, pipeline, state);
+  JudgedValues values{run.problem.evaluate(pipeline, state), std::nullopt, std::nullopt};
+  if (const auto beyond = beyond_limits(setup, run.problem, pipeline, state)) {
+    values.beyond_limits = beyond->share;
+    values.places = beyond->places;
+  }
   pipeline.set_tolerances(usual);
   return values;
 }
@@ -154,7 +157,7 @@ void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pi
   const BestIterate& best = run.best;
   const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
-  print_beyond_yield(reports.binary, setup.config.material);
+  if (setup.config.output.stress) print_beyond_yield(reports.binary, setup.config.material);
   for (const std::string& line : doubts_about_layers(*reports.binary.build)) warn(line);
   if (!setup.config.output.sensitivity) return;
   try {

@@ -126,7 +126,7 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
   Json record = Json::object({{"name", setup.config.name},
                               {"status", failed ? "failed" : "converged"},
                               {"reason", failed ? failure : "simulated"}});
-  add_members(record, simulation.report);
+  add_members(record, simulation.report, setup.settings);
   set_layer_variables(record, setup.layers->variables(), simulation.design);
   record["layer_displacement_norms"] = simulation.increment_norms;
   record["residual_stress"] = to_record(simulation.stress.extremes);
@@ -139,14 +139,19 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
 }
 
 template <int Dim>
-void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
-  for (const std::string& row : simulation_table(simulation.report, setup.config.unit)) print(row);
+void print_stress(const Simulation<Dim>& simulation, const MaterialSettings& material) {
   std::string line = formatted("largest equivalent stress %.4g", simulation.stress.extremes.von_mises);
   if (const auto& released = simulation.released)
     line += formatted(", after the release %.4g", released->extremes.von_mises);
   print(line);
+  print_beyond_yield(simulation.report, material);
+}
+
+template <int Dim>
+void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
+  for (const std::string& row : simulation_table(simulation.report, setup.settings)) print(row);
   print_responses(simulation.report);
-  print_beyond_yield(simulation.report, setup.config.material);
+  if (setup.config.output.stress) print_stress(simulation, setup.config.material);
   for (const std::string& line : doubts_about_layers(*simulation.report.build)) warn(line);
 }
 

@@ -30,7 +30,7 @@ class BestIterateTest : public testing::Test {
   }
   void offer_judged(int iteration, const ProblemValues& smooth, const ProblemValues& binary,
                     std::optional<double> beyond_limits = std::nullopt) {
-    best_.offer({iteration, 10.0, smooth, JudgedValues{binary, beyond_limits}},
+    best_.offer({iteration, 10.0, smooth, JudgedValues{binary, beyond_limits, std::nullopt}},
                 {{static_cast<double>(iteration)}, {}});
   }
   void expect(int iteration) {

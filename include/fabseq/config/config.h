@@ -22,6 +22,7 @@ struct OutputSettings {
   int every = 15;                  ///< iterations between two dumps of the fields; 0: none
   int checkpoint_every = 10;       ///< iterations between two checkpoints; 0: none
   bool stages = false;             ///< whether to write the displacement after every layer
+  bool stress = false;             ///< whether the end of a run tells of residual stress
   bool sensitivity = false;        ///< whether an optimization ends with the sensitivity table
   std::optional<bool> finer_grid;  ///< whether that table has a grid twice as fine; none: if memory allows
 };

@@ -22,6 +22,10 @@ struct ToolSettings {
   double bead_width = 0.0;   ///< length unit; 0: two elements' longest edges
   /// Least and largest local thickness of a layer that the process can deposit, relative to the target.
   std::array<double, 2> thickness = {0.5, 1.5};
+  /// Places smaller than a bead, and the share of the part on them, with which a sequence is still buildable
+  /// but for them.
+  int most_places = 5;
+  double places_share = 0.005;
 };
 
 Section<ToolSettings> tool_keys();

@@ -6,6 +6,7 @@
 #include "fabseq/optimize/problem.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,6 +27,7 @@ struct JudgedValues : ProblemValues {
   /// Share of the part beyond those limits of the machine that constraints count, by the exact checks; none
   /// without such constraints.
   std::optional<double> beyond_limits;
+  std::optional<std::int64_t> places;  ///< at which these checks fail, all of them; likewise
 };
 
 /// What an iteration finds out about its design; the same on all ranks.

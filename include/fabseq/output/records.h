@@ -50,7 +50,8 @@ struct Finish {
 
 /// summary.json: how an optimization ended.
 struct Summary {
-  std::string name, unit;  ///< of the run; of lengths, may be empty
+  std::string name;  ///< of the run
+  const ModelSettings& settings;
   RunEnd end;
   int ranks = 1, layer_groups = 1;
   std::int64_t part_elements = 0;
@@ -65,8 +66,8 @@ struct Summary {
 Json to_record(const Summary& summary);
 
 /// Numbers of a sequence; add_members() puts its members into another record.
-Json to_record(const SequenceNumbers& numbers);
-void add_members(Json& record, const SequenceNumbers& numbers);
+Json to_record(const SequenceNumbers& numbers, const ModelSettings& settings);
+void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettings& settings);
 Json to_record(const DisplacementSize& size);
 
 /// Variables of the layers, where a design has them, as a dataset GROUP + their name; `group` ends in '/' or

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+/// \file
+/// The end of a run on one screen, one text per line; all other figures are in summary.json.
 #pragma once
 
 #include "fabseq/output/records.h"
@@ -8,13 +10,12 @@
 
 namespace fabseq {
 
-/// The end of an optimization as a table for people, one text per line: start design, planar layers, the
-/// optimized sequence smooth and binary side by side; lengths of displacements as built and after the
-/// release, machining stock, layers, what they ask of the machine, and last the ratios of lengths, planar
-/// and start over binary. Below it, whether each can be built on the machine, and the headline.
+/// The answer of an optimization: the headline, a row each for today's planar layers, the best alternative
+/// and the optimized sequence, the places at which its checks fail, and what else is to be known. At most 18
+/// lines.
 std::vector<std::string> summary_table(const Summary& summary);
 
-/// The same of a single simulated sequence, without ratios. `unit`: name of the length unit, may be empty.
-std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const std::string& unit);
+/// The same of a single simulated sequence.
+std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const ModelSettings& settings);
 
 }  // namespace fabseq

@@ -6,6 +6,7 @@
 #include "fabseq/files/field_set.h"
 #include "fabseq/machine/local_thickness.h"
 #include "fabseq/machine/marked_elements.h"
+#include "fabseq/machine/places.h"
 #include "fabseq/machine/time_gradient.h"
 #include "fabseq/optimize/pipeline.h"
 
@@ -30,6 +31,12 @@ struct TiltNumbers {
 /// Elements whose time is beyond the last layer's by more than this, in layers, count as late.
 inline constexpr double late_from = 0.25;
 
+/// Where the checks fail, and what these places are measured by.
+struct FaultyPlaces : Places {
+  Bead bead;
+  double part_volume = 0.0;
+};
+
 /// Figures of a sequence, the same on all ranks.
 struct BuildNumbers {
   GradientSource gradient = GradientSource::sequence;  ///< what direction and thickness are found from
@@ -40,6 +47,7 @@ struct BuildNumbers {
   std::optional<MarkedElements> late;             ///< by how many layers beyond late_from; curved layers
   MarkedElements hanging;                         ///< elements that begin in the air
   MarkedElements interior_minima, interior_maxima;
+  std::optional<FaultyPlaces> places;   ///< check_places() looks for them
   std::optional<double> wire, hours;    ///< kg; build time. None without density and deposition rate
   std::optional<StressNumbers> stress;  ///< where the config has a yield stress
 };
@@ -52,6 +60,7 @@ struct BuildFields {
   std::optional<std::vector<double>> tilt;             ///< of the torch's axis, degrees
   std::optional<std::vector<double>> local_thickness;  ///< length unit
   std::optional<std::vector<double>> hanging;          ///< 1 where an element begins in the air
+  std::optional<std::vector<double>> fault;            ///< number of a Fault, 0: none; with the places
   std::optional<std::vector<double>> von_mises;        ///< equivalent residual stress, with a yield stress
 };
 
@@ -70,6 +79,11 @@ struct BuildReport {
 template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                         const PipelineState<Dim>& state);
+
+/// The same with the places at which they fail. Collective.
+template <int Dim>
+BuildReport check_places(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
+                         const PipelineState<Dim>& state);
 
 /// The same with build time, wire and stress. `used_layers`: those with more than a trace of the volume.
 /// Collective.

@@ -4,6 +4,7 @@
 #include "fabseq/optimize/problem.h"
 #include "fabseq/responses/response.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,12 +31,17 @@ struct ConstraintMiss {
   std::string words;                ///< "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"
 };
 
-/// Share of the part that is beyond those limits of the machine that constraints of the config count, by the
-/// exact checks of a pipeline's last run, which was of binary layers; none without such constraints.
+/// How far binary layers are beyond the limits of the machine, by the exact checks.
+struct BeyondLimits {
+  double share = 0.0;       ///< of the part, beyond those limits that constraints of the config count
+  std::int64_t places = 0;  ///< at which any check fails
+};
+
+/// Of a pipeline's last run, which was of binary layers; none without constraints that have an exact check.
 /// Collective.
 template <int Dim>
-std::optional<double> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                    const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
+                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
 /// None if all constraints hold. `values`: of Problem::responses(), [response][component]. Not collective.
 template <int Dim>

@@ -18,7 +18,7 @@ struct TriedDirection {
   std::vector<double> direction;  ///< of length 1, [axis]
   double tilt = 0.0;              ///< from the plate's normal, degrees
   double length = 0.0;            ///< rms displacement of the skin, length unit
-  bool buildable = false;         ///< Verdict::buildable()
+  BuildClass build_class = BuildClass::not_buildable;
 };
 
 /// A sequence that others are compared with, beside the planar baseline.

@@ -3,7 +3,7 @@
 /// One verdict on a sequence: whether the machine of the config can build it.
 #pragma once
 
-#include "fabseq/report/build_report.h"
+#include "fabseq/report/build_class.h"
 
 #include <string>
 #include <vector>
@@ -23,9 +23,14 @@ struct BrokenLimit {
 /// The same on all ranks.
 struct Verdict {
   std::vector<BrokenLimit> broken;  ///< largest share first
+  BuildClass build_class = BuildClass::buildable;
+  std::int64_t places = 0;  ///< at which the checks fail
 
+  /// Strictly: nothing is wrong at any place.
   bool buildable() const { return broken.empty(); }
-  /// "yes", or "no: " and the words of all limits that are broken.
+  /// The class: "buildable but for 2 places".
+  std::string class_words() const { return words_of(build_class, places); }
+  /// The same; what is not buildable with the words of all limits that are broken: "not buildable: ...".
   std::string words() const;
 };
 
