@@ -66,6 +66,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
         return run.optimizer.update(next, std::move(gradients), run.continuation.move_limit(iteration));
       }();
       output.iteration(iterate, step, pipeline, state, run.design());
+      adapt_limits(setup, run, pipeline, state, iterate);  // to what the exact checks say (13.2)
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }

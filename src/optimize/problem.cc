@@ -33,7 +33,10 @@ constexpr double usual_share = 1e-4;
 
 template <int Dim>
 Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
-    : terms_(model.settings.objective), margin_(constraint_margin), responses_(model.objective) {
+    : terms_(model.settings.objective),
+      margin_(constraint_margin),
+      responses_(model.objective),
+      limits_(model.settings.constraints.size()) {
   responses_.insert(responses_.end(), model.constraints.begin(), model.constraints.end());
   for (const Term& term : model.settings.constraints) has_check_.push_back(!term.type->exact_check.empty());
   for (const std::vector<Term>* list : {&model.settings.objective, &model.settings.constraints})
@@ -46,6 +49,34 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
                          : displacement * displacement);
   add_largest();
   if (!largest_) add_functionals();
+}
+
+/// Bounds of a constraint's components, as far as they have adapted.
+template <int Dim>
+std::vector<ConstraintRow> Problem<Dim>::bounds_of(std::size_t constraint, double margin) const {
+  std::vector<ConstraintRow> result = responses_[terms_.size() + constraint]->rows(margin);
+  for (ConstraintRow& row : result)
+    if (row.adapts) row.bound *= limits_.factor(constraint);
+  return result;
+}
+
+template <int Dim>
+bool Problem<Dim>::adapts() const {
+  for (std::size_t i = 0; i < has_check_.size(); ++i)
+    for (const ConstraintRow& row : bounds_of(i, 1.0))
+      if (row.adapts) return true;
+  return false;
+}
+
+template <int Dim>
+void Problem<Dim>::adapt(const ProblemValues& values, std::span<const double> shares) {
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    for (const ConstraintRow& row : bounds_of(i, 1.0)) {
+      if (!row.adapts) continue;
+      double worst = -std::numeric_limits<double>::max();
+      for (const double value : values.constraints[i]) worst = std::max(worst, row.violation(value));
+      limits_.adapt(i, worst, shares[i]);
+    }
 }
 
 template <int Dim>
@@ -133,6 +164,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.functionals.resize(terms_.size());
   for (const Squares& squares : squares_) result.functionals[squares.term] = all[squares.response];
   if (largest_) result.scenarios = all[configured_];
+  if (adapts()) result.limit_factors = limits_.factors();
   if (first_values_.empty()) {
     for (const auto& value : result.objective) first_values_.push_back(value[0]);
     warn_of_rounding();
@@ -150,7 +182,7 @@ ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineStat
   result.worst_constraint = result.constraints.empty() ? 0.0 : -std::numeric_limits<double>::max();
   result.worst_unchecked = -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < result.constraints.size(); ++i)
-    for (const ConstraintRow& row : responses_[terms_.size() + i]->rows(1.0))
+    for (const ConstraintRow& row : bounds_of(i, 1.0))
       for (const double value : result.constraints[i]) {
         result.worst_constraint = std::max(result.worst_constraint, row.violation(value));
         if (!has_check_[i]) result.worst_unchecked = std::max(result.worst_unchecked, row.violation(value));
@@ -222,7 +254,7 @@ ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const Pipeline
 
   result.objective = std::move(gradients[0]);
   for (std::size_t i = 0; i < values.constraints.size(); ++i) {
-    const std::vector<ConstraintRow> bounds = responses_[terms_.size() + i]->rows(margin_);
+    const std::vector<ConstraintRow> bounds = bounds_of(i, margin_);
     for (std::size_t c = 0; c < values.constraints[i].size(); ++c)
       for (const ConstraintRow& row : bounds) {
         const double value = values.constraints[i][c];
@@ -257,11 +289,13 @@ double Problem<Dim>::merit_unit() const {
 template <int Dim>
 void Problem<Dim>::save(CheckpointState& state) const {
   if (!first_values_.empty()) state.set_array("problem/first_values", first_values_);
+  limits_.save(state);
 }
 
 template <int Dim>
 void Problem<Dim>::restore(const CheckpointState& state) {
   if (state.has_array("problem/first_values")) first_values_ = state.array("problem/first_values");
+  limits_.restore(state);
 }
 
 template <int Dim>

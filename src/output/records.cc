@@ -237,6 +237,7 @@ Json to_record(const HistoryLine& line) {
                               {"peak_memory_bytes", line.peak_memory_bytes}});
   if (line.temperature_range) record["temperature_range"] = *line.temperature_range;
   set_layer_variables(record, line.layer_variables, line.design);
+  if (!values.limit_factors.empty()) record["limit_factors"] = values.limit_factors;
   if (has_functionals(values)) record["functionals"] = values.functionals;
   if (line.iterate.binary) record["binary"] = binary_record(*line.iterate.binary);
   return record;

@@ -45,7 +45,7 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
     for (const ConstraintRow& row : rows)
       for (std::size_t c = 0; c < values[r].size(); ++c) {
         const double violation = row.violation(values[r][c]);
-        if (violation <= (worst ? worst->violation : 0.0)) continue;
+        if (row.adapts || violation <= (worst ? worst->violation : 0.0)) continue;
         worst = {problem.component_name(r, c),
                  type,
                  values[r][c],
@@ -77,7 +77,21 @@ std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem
   return beyond;
 }
 
+template <int Dim>
+std::vector<double> shares_beyond(const Model<Dim>& model, const Problem<Dim>& problem,
+                                  const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+  const Verdict verdict = judge(check_build(model, pipeline, state).numbers, model.settings);
+  std::vector<double> result;
+  for (const ConstraintLimit& limit : constraint_limits(model, problem)) {
+    const auto found = std::find_if(verdict.broken.begin(), verdict.broken.end(),
+                                    [&](const BrokenLimit& broken) { return broken.name == limit.check; });
+    result.push_back(found == verdict.broken.end() ? 0.0 : found->share);
+  }
+  return result;
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(beyond_limits);
+FABSEQ_INSTANTIATE_FUNCTION(shares_beyond);
 FABSEQ_INSTANTIATE_FUNCTION(constraint_limits);
 FABSEQ_INSTANTIATE_FUNCTION(worst_miss);
 

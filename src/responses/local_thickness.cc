@@ -12,11 +12,14 @@ namespace fabseq {
 
 namespace {
 
+/// Where a limit that adapts begins.
+constexpr double first_limit = 1e-3;
+
 /// Least local thickness whose logarithm is taken, relative to the target: smooth layers may overlap.
 constexpr double least_thickness = 1e-6;
 
 struct LocalThicknessSettings {
-  double limit = 1e-3;
+  std::optional<double> limit;  ///< none: it adapts
   double width = 0.1;
   double margin = 0.0;
 
@@ -89,7 +92,9 @@ class LocalThickness : public Response<Dim> {
     }
   }
 
-  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {excess_bound(limit_, first_limit, margin)};
+  }
 
  private:
   static double sign(int side) { return side == 0 ? 1.0 : -1.0; }
@@ -131,7 +136,8 @@ class LocalThickness : public Response<Dim> {
   }
 
   ResponseContext<Dim> context_;
-  double limit_, epsilon_, smallest_;
+  std::optional<double> limit_;
+  double epsilon_, smallest_;
   std::array<double, 2> ends_;  ///< largest and least thickness, length unit
 };
 
@@ -144,7 +150,8 @@ const Registered<LocalThickness, LocalThicknessSettings> registered(
      .exact_check = "local_thickness"},
     Section<LocalThicknessSettings>("constraints")
         .key("limit", &LocalThicknessSettings::limit,
-             "Largest share of the part above tool.thickness, and below it", {.range = "(0, 1)"})
+             "Largest share of the part above tool.thickness, and below it; auto: as the exact checks tell",
+             {.range = "(0, 1)", .words = "auto"})
         .key("width", &LocalThicknessSettings::width, "Relative range within which the count becomes steep",
              {.range = "(0, 1]"})
         .key("margin", &LocalThicknessSettings::margin,

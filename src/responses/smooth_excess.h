@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace fabseq {
 
@@ -33,8 +34,9 @@ struct SmoothExcess {
 };
 
 /// Upper bound of a mean of excesses. Its logarithm is bounded: the means range over orders of magnitude.
-inline ConstraintRow excess_bound(double limit, double margin) {
-  return {.bound = margin * limit, .logarithmic = true};
+/// `limit`: none: it adapts, beginning with `first`.
+inline ConstraintRow excess_bound(const std::optional<double>& limit, double first, double margin) {
+  return {.bound = margin * limit.value_or(first), .logarithmic = true, .adapts = !limit};
 }
 
 }  // namespace fabseq

@@ -14,7 +14,7 @@ namespace fabseq {
 namespace {
 
 struct SupportedSettings {
-  std::optional<double> limit;  ///< none: half of one element's share
+  std::optional<double> limit;  ///< none: it adapts
   double sharpness = 0.04;      ///< in elements of build time
 };
 
@@ -25,7 +25,7 @@ class Supported : public Response<Dim> {
  public:
   Supported(const ResponseContext<Dim>& context, const SupportedSettings& settings)
       : context_(context),
-        limit_(settings.limit.value_or(0.5 / static_cast<double>(context.part.count()))),
+        limit_(settings.limit),
         below_(context.part, context.tool.bead_width, settings.sharpness) {}
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
@@ -62,7 +62,10 @@ class Supported : public Response<Dim> {
     for (std::size_t e = 0; e < d_time.size(); ++e) d_time[e] += of_others[e];
   }
 
-  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
+  /// A limit that adapts begins with half of one element, which lets none hang.
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {excess_bound(limit_, 0.5 * unit(), margin)};
+  }
 
  private:
   double unit() const { return 1.0 / static_cast<double>(context_.part.count()); }
@@ -89,7 +92,7 @@ class Supported : public Response<Dim> {
   }
 
   ResponseContext<Dim> context_;
-  double limit_;
+  std::optional<double> limit_;
   SupportBelow<Dim> below_;
 };
 
@@ -101,7 +104,7 @@ const Registered<Supported, SupportedSettings> registered(
      .exact_check = "hanging"},
     Section<SupportedSettings>("constraints")
         .key("limit", &SupportedSettings::limit,
-             "Largest share of elements that begin in the air; auto: half of one element",
+             "Largest share of elements that begin in the air; auto: as the exact checks tell",
              {.range = "(0, 1)", .words = "auto"})
         .key("sharpness", &SupportedSettings::sharpness,
              "Range of the smooth count: build time of so many elements; in space a quarter",

@@ -11,10 +11,13 @@ namespace fabseq {
 
 namespace {
 
+/// Where a limit that adapts begins.
+constexpr double first_limit = 1e-3;
+
 struct TiltSettings {
-  double limit = 1e-3;
-  double width = 5.0;   ///< degrees
-  double margin = 0.0;  ///< degrees
+  std::optional<double> limit;  ///< none: it adapts
+  double width = 5.0;           ///< degrees
+  double margin = 0.0;          ///< degrees
 
   void check(const TermPlace& place) const {
     if (margin >= place.tool.max_tilt)
@@ -75,7 +78,9 @@ class Tilt : public Response<Dim> {
     });
   }
 
-  std::vector<ConstraintRow> rows(double margin) const override { return {excess_bound(limit_, margin)}; }
+  std::vector<ConstraintRow> rows(double margin) const override {
+    return {excess_bound(limit_, first_limit, margin)};
+  }
 
  private:
   static double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -104,7 +109,7 @@ class Tilt : public Response<Dim> {
   }
 
   ResponseContext<Dim> context_;
-  double limit_;
+  std::optional<double> limit_;
   Point<Dim> up_;
   double cosine_, epsilon_ = 0.0;
 };
@@ -116,8 +121,9 @@ const ResponseTraits tilt_traits{.list = TermList::constraints,
                                  .exact_check = "tilt"};
 const Registered<Tilt, TiltSettings> registered(
     tilt_traits, Section<TiltSettings>("constraints")
-                     .key("limit", &TiltSettings::limit, "Largest share of the part beyond tool.max_tilt",
-                          {.range = "(0, 1)"})
+                     .key("limit", &TiltSettings::limit,
+                          "Largest share of the part beyond tool.max_tilt; auto: as the exact checks tell",
+                          {.range = "(0, 1)", .words = "auto"})
                      .key("width", &TiltSettings::width, "Range within which the count becomes steep",
                           {.range = "(0, 90]", .unit = "degrees"})
                      .key("margin", &TiltSettings::margin, "Distance that the count keeps from tool.max_tilt",

@@ -15,11 +15,13 @@ namespace fabseq {
 
 namespace {
 
+/// Where a limit that adapts begins.
+constexpr double first_limit = 3e-6;
 /// Pseudo-time of the substrate: earlier than any layer.
 constexpr double substrate_time = -1.0;
 
 struct ToolClearanceSettings {
-  double limit = 3e-6;
+  std::optional<double> limit;  ///< none: it adapts
   int samples = 200;
   double delay = 0.5;       ///< in layers
   double sharpness = 0.05;  ///< in layers
@@ -89,7 +91,7 @@ class ToolClearance : public Response<Dim> {
   }
 
   std::vector<ConstraintRow> rows(double margin) const override {
-    return {excess_bound(settings_.limit, margin)};
+    return {excess_bound(settings_.limit, first_limit, margin)};
   }
 
  private:
@@ -210,7 +212,9 @@ const Registered<ToolClearance, ToolClearanceSettings> registered(
      .exact_check = "blocked"},
     Section<ToolClearanceSettings>("constraints")
         .key("limit", &ToolClearanceSettings::limit,
-             "Largest mean fraction of the torch obstructed by deposited material", {.range = "(0, 1)"})
+             "Largest mean fraction of the torch obstructed by deposited material; auto: as the exact checks "
+             "tell",
+             {.range = "(0, 1)", .words = "auto"})
         .key("samples", &ToolClearanceSettings::samples, "Points that sample the torch",
              {.range = "[1, 100000]"})
         .key("delay", &ToolClearanceSettings::delay, "Material earlier by this many layers obstructs",

@@ -152,6 +152,13 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
 }
 
 template <int Dim>
+void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
+                  const PipelineState<Dim>& state, const Iterate& iterate) {
+  if (run.problem.adapts())
+    run.problem.adapt(iterate.values, shares_beyond(setup, run.problem, pipeline, state));
+}
+
+template <int Dim>
 void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
             RunOutput<Dim>& output, PhaseTimer& timer) {
   const BestIterate& best = run.best;
@@ -174,6 +181,7 @@ FABSEQ_INSTANTIATE_FUNCTION(begin_on_coarse_grid);
 FABSEQ_INSTANTIATE_FUNCTION(starting_state);
 FABSEQ_INSTANTIATE_FUNCTION(require_design);
 FABSEQ_INSTANTIATE_FUNCTION(judge_binary);
+FABSEQ_INSTANTIATE_FUNCTION(adapt_limits);
 FABSEQ_INSTANTIATE_FUNCTION(finish);
 
 }  // namespace fabseq

@@ -44,9 +44,10 @@ struct Iterate {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;
   }
   Standing standing() const {
-    if (worst_constraint() <= 0.0) return Standing::satisfied;
+    const bool keeps_limits = !binary || !binary->beyond_limits || *binary->beyond_limits == 0.0;
+    if (worst_constraint() <= 0.0 && keeps_limits) return Standing::satisfied;
     if (!binary) return Standing::violated;
-    if (values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance)
+    if (values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance && keeps_limits)
       return Standing::within_elements;
     const bool others_hold = values.worst_unchecked <= 0.0 && binary->worst_unchecked <= binary_allowance;
     return binary->beyond_limits && others_hold ? Standing::left_to_checks : Standing::violated;

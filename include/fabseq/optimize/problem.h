@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/optimize/adaptive_limits.h"
 #include "fabseq/optimize/pipeline.h"
 
 #include <memory>
@@ -33,7 +34,9 @@ struct ProblemValues {
   std::vector<std::vector<double>> objective;    ///< raw value of each term (one component)
   std::vector<std::vector<double>> constraints;  ///< left-hand sides, as the user reads them
   std::vector<std::vector<double>>
-      functionals;                ///< r_k of each term handed over as a sum of squares, else none
+      functionals;  ///< r_k of each term handed over as a sum of squares, else none
+  std::vector<double>
+      limit_factors;  ///< of constraints, what their limits have been multiplied by; empty: none adapts
   std::vector<double> scenarios;  ///< J(u_s) of the term that is the largest of these; empty: there is none
   std::vector<double> scaled;     ///< weight * factor * raw value of each term
   double merit = 0.0;             ///< what the optimizer descends: comparable between iterations
@@ -74,6 +77,13 @@ class Problem {
   ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
                              const ProblemValues& values) const;
 
+  /// Whether any constraint has a limit that adapts.
+  bool adapts() const;
+  /// Adapts the limits of constraints to what the exact checks find at the design of the last evaluate()
+  /// (docs/formulation.md 13.2). `shares`: of the part, beyond the limit of each constraint; those of
+  /// constraints whose limit is given are not looked at. Not collective; the same on all ranks.
+  void adapt(const ProblemValues& values, std::span<const double> shares);
+
   /// The smallest share of its first value that is left of a term of the objective that depends on
   /// displacements, at most 1; 1 without such terms.
   double share_left(const ProblemValues& values) const;
@@ -81,7 +91,7 @@ class Problem {
   /// What the terms' contributions to the merit are scaled to, all together.
   double merit_unit() const;
 
-  /// The values of the first evaluate(), by which terms are scaled.
+  /// The values of the first evaluate(), by which terms are scaled, and limits that have adapted.
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);
 
@@ -100,6 +110,7 @@ class Problem {
     bool always = false;       ///< residuals whatever their share of the term
   };
 
+  std::vector<ConstraintRow> bounds_of(std::size_t constraint, double margin) const;
   void add_largest();
   void add_functionals();
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
@@ -115,8 +126,9 @@ class Problem {
   ResponseList<Dim> responses_;     ///< terms, which are the model's, constraints, functionals
   std::vector<std::string> types_;  ///< of responses_
   std::vector<bool> has_check_;     ///< of constraints: ResponseTraits::exact_check
-  std::size_t configured_ = 0;      ///< terms and constraints
-  std::vector<double> sizes_;       ///< of terms, what tells their values from rounding; 0: nothing does
+  AdaptiveLimits limits_;
+  std::size_t configured_ = 0;  ///< terms and constraints
+  std::vector<double> sizes_;   ///< of terms, what tells their values from rounding; 0: nothing does
   std::vector<Squares> squares_;
   std::optional<std::size_t> largest_;  ///< term that is the largest of several values: those of the response
                                         ///< after the configured ones, and there are no functionals

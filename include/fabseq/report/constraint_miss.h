@@ -43,7 +43,14 @@ template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
                                           const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
 
-/// None if all constraints hold. `values`: of Problem::responses(), [response][component]. Not collective.
+/// What the exact checks find beyond the limit of each constraint at a pipeline's last run, as a share of the
+/// part, whatever layers it ran with; 0 of constraints without an exact check. Collective.
+template <int Dim>
+std::vector<double> shares_beyond(const Model<Dim>& model, const Problem<Dim>& problem,
+                                  const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+
+/// None if all constraints hold; limits that adapt are left to the exact checks. `values`: of
+/// Problem::responses(), [response][component]. Not collective.
 template <int Dim>
 std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<Dim>& problem,
                                          const std::vector<std::vector<double>>& values);

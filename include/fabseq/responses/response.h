@@ -45,6 +45,7 @@ struct ConstraintRow {
   double bound = 0.0;        ///< in the unit of the component
   double scale = 1.0;        ///< in the unit of the component, > 0
   bool logarithmic = false;  ///< values and bound are positive; `scale` is not used
+  bool adapts = false;       ///< `bound` is only where it starts: exact checks tell what does (13.2)
 
   /// Not positive if the inequality holds for a component with this value.
   double violation(double value) const {

@@ -42,6 +42,12 @@ void require_design(const Setup<Dim>& setup, const CommandLine& command_line);
 template <int Dim>
 std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline, RunState<Dim>& run,
                                          int iteration);
+/// Adapts the limits that the config leaves open to what the exact checks find at an iterate's state, for the
+/// next one (docs/formulation.md 13.2). Collective.
+template <int Dim>
+void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
+                  const PipelineState<Dim>& state, const Iterate& iterate);
+
 /// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
 /// the table from being made is a warning: the results are there.
 template <int Dim>
