@@ -49,6 +49,6 @@ def style(axis, rows, record):
     axis.xaxis.set_minor_locator(NullLocator())
     axis.set_xticklabels([row["limit"].removesuffix(" degrees") for row in rows], rotation=20, ha="right", fontsize=8)
     unit = f"; lengths in {record['unit']}" if record["unit"] else ""
-    axis.set_xlabel(f"{record['label']} (half full: buildable but for some places; hollow: not buildable{unit})")
+    axis.set_xlabel(f"{record['label']}\n(half full: buildable but for places; hollow: not buildable{unit})", fontsize=9)
     axis.set_ylim(0.0, 1.05 * axis.get_ylim()[1])
     axis.legend(frameon=False, fontsize=9)
