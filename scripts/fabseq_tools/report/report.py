@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Writes a page about one or several runs for any browser: figures, curves, the part in 3D.
+"""Writes a page about one or several runs for any browser: verdict, figures, places, the part in 3D.
 
     fabseq-tools report OUTPUT_DIR... [-o PAGE.html]
 
 The page of one run goes to OUTPUT_DIR/report.html, that of several to report_compare.html in the first of
 them. It is one file that loads nothing else and works without a server. Of a run of `-task optimize` or
-`simulate` it shows what the files hold; of one that is going on, was stopped or has failed, settings and
-curves.
+`simulate` it begins with the answer: whether the layers can be built, at which places they cannot, and what
+is gained over planar layers and the best alternative. Of one that is going on, was stopped or has failed it
+shows settings and curves.
 """
 
 import json

@@ -22,7 +22,7 @@ export class Pins {
     scene.add(this.box);
     this.pins = places.slice(0, MOST).map(({ colour, words }, number) => element('button', { type: 'button', class: 'pin',
       tabindex: -1, style: `--pin: ${colour}`, title: words }, String(number + 1)));
-    surface.append(...this.pins);
+    surface.append(...[...this.pins].reverse());  // the largest place on top
     this.middles = places.map(({ centre }) => this.fromMiddle(centre));
   }
 
